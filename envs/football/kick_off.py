@@ -179,7 +179,8 @@ def _hold(left: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 def _look_at(players: np.ndarray, ball: np.ndarray) -> None:
     """Let players [N, P] look at the ball [N, 2], on top of it at the goal that they attack."""
-    away = ball[:, None] - np.stack([players["x"], players["y"]], axis=-1)
+    places = np.stack([players["x"], players["y"]], axis=-1)
+    away = ball[:, None] - places
     size = np.hypot(away[..., 0], away[..., 1])
     on_top = size < 1e-9
     players["facing_x"] = np.where(on_top, np.where(players["team"] == LEFT, 1.0, -1.0), away[..., 0] / (size + on_top))

@@ -202,7 +202,8 @@ class FootballVectorEnv(UPOMDP):
         if array.min() < 0 or array.max() >= NUM_ACTIONS:
             wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
             raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
-        return array.astype(np.int64, copy=False).reshape(self.num_envs, self.num_agents)
+        # Kernels are compiled anew for arrays that lie in memory in another way, or that may not be written to.
+        return np.require(array.reshape(self.num_envs, self.num_agents), np.int64, ("C", "W"))
 
     def _report_faults(self) -> None:
         """Put the matches that cannot go on back to their start, and raise the error of the first of them."""

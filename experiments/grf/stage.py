@@ -93,7 +93,7 @@ class Stage:
         Directions are those of the pitch for either team.
         """
         wanted = np.broadcast_to(np.asarray(actions, np.int64), (len(self.matches), self.num_players))
-        step_stages(self.matches, np.ascontiguousarray(wanted))
+        step_stages(self.matches, np.require(wanted, requirements=("C", "W")))
         self._frames.append(self._frame())
 
     def play(self, actions: npt.ArrayLike | Policy, steps: int | None = None) -> Trace:

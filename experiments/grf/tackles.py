@@ -130,9 +130,9 @@ def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) 
 def toward_ball(stage: Stage) -> np.ndarray:
     """Return the direction keys `[N]` that point best from the tackler to the ball, as he sees the pitch."""
     tackler, ball = stage.matches["players"][:, TACKLER], stage.matches["ball"]
-    away = np.column_stack([ball["x"] - tackler["x"], ball["y"] - tackler["y"]])
-    key = np.argmax(away @ np.array([DIRECTION_X[1:], DIRECTION_Y[1:]]), axis=1) + 1
-    return key
+    along, across = ball["x"] - tackler["x"], ball["y"] - tackler["y"]
+    away = np.column_stack([along, across])
+    return np.argmax(away @ np.array([DIRECTION_X[1:], DIRECTION_Y[1:]]), axis=1) + 1
 
 
 def stand_up(carrier: str, side: str, n: int) -> float:

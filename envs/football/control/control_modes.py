@@ -77,8 +77,8 @@ def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
         return np.broadcast_to(np.arange(members.shape[1]), members.shape)
     if mode == "allNonGK":
         return np.broadcast_to(np.flatnonzero(members["role"][0] != GK), (len(members), members.shape[1] - 1))
-    squared = (members["x"] - ball["x"][:, None]) ** 2 + (members["y"] - ball["y"][:, None]) ** 2
-    return np.argsort(squared, axis=1, kind="stable")
+    along, across = members["x"] - ball["x"][:, None], members["y"] - ball["y"][:, None]
+    return np.argsort(along**2 + across**2, axis=1, kind="stable")
 
 
 def _name(team: int) -> str:

@@ -57,16 +57,16 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
     spin = SPIN_UNIT / BALL_RADIUS * side
     owners = _of(players, "team", matches["reported_owner"])
     alone, chosen = matches["num_agents"][:, us] == 1, matches["designated"][:, us]
-    observation = {
+    turning = np.stack([-spin * ball["spin_y"], spin * ball["spin_x"], np.zeros(len(ball))], axis=-1)
+    chosen = np.where(chosen < 0, np.where(alone, me, matches["chaser"][:, us]), chosen)
+    observation: dict[str, np.ndarray] = {
         "ball": _vectors(plane, ball["x"], ball["y"], ball["z"]),
         "ball_direction": STEP * _vectors(plane, ball["vx"], ball["vy"], ball["vz"]),
-        "ball_rotation": np.stack([-spin * ball["spin_y"], spin * ball["spin_x"], np.zeros(len(ball))], axis=-1),
+        "ball_rotation": turning,
         "ball_owned_team": np.where(owners < 0, -1, owners ^ us),
         "ball_owned_player": _of(players, "shirt", matches["reported_owner"]),
         "active": _of(players, "shirt", me),
-        "designated": _of(
-            players, "shirt", np.where(chosen < 0, np.where(alone, me, matches["chaser"][:, us]), chosen)
-        ),
+        "designated": _of(players, "shirt", chosen),
         "sticky_actions": _sticky(players, me, right),
         "score": matches["score"][:, ::-1].copy() if right else matches["score"].copy(),
         "steps_left": matches["game_duration"] - matches["step"],
