@@ -4,6 +4,12 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
+# Of the thousands of files that pip would compile to bytecode in half a minute, a tenth is ever imported: what every
+# command imports is compiled here, the rest where it is first used. Tests start hundreds of programs: also where
+# PYTHONDONTWRITEBYTECODE is set, they keep bytecode.
+USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch._dynamo
+CACHED := PYTHONDONTWRITEBYTECODE=
+
 .PHONY: setup demo results transfer publish grf docs test test-quick torture lint format benchmark clean
 
 setup: $(READY)
@@ -11,7 +17,8 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Regista needs Python 3.11 or newer; set PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@$(CACHED) $(BIN)/python -c '$(USED)'
 	@touch $@
 
 demo: $(READY)
@@ -44,10 +51,10 @@ docs: $(READY)
 
 # Each worker has one core: threads of torch in every one of them would only wait for each other.
 test: lint
-	OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto
 
 test-quick: lint
-	OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto -m 'not slow'
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto -m 'not slow'
 
 # Hostile states, code, files, programs, signals and matches, for MINUTES, with a report in runs/torture.json. It goes on
 # where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.

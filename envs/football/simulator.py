@@ -11,7 +11,13 @@ from envs.football.ai.keeper import kick_out_if_overdue
 from envs.football.ai.set_pieces import wait_for_restart
 from envs.football.constants import BUILTIN_AI, RUNNING, STAND
 from envs.football.control.active_player import settle_first_step
-from envs.football.control.agents import assign_actions, choose_controlled, note_wishes, press_commanded_keys
+from envs.football.control.agents import (
+    assign_actions,
+    choose_controlled,
+    note_wishes,
+    press_commanded_keys,
+    set_actions,
+)
 from envs.football.control.episode import end_episode
 from envs.football.control.keys import apply_action, release_keys
 from envs.football.control.reward import clear_rewards, pay_checkpoints
@@ -115,3 +121,18 @@ def step_matches(matches, actions):
     """Move matches MATCH [N] without programs on by one step each, with actions [N, A], one after the other."""
     for e in range(len(matches)):
         step_match(matches[e], actions[e], None, None, None, None)
+
+
+@kernel
+def step_everybody(matches, actions):
+    """Move matches MATCH [N] on by one step each, with an action for every player: `actions` [N, P]."""
+    for e in range(len(matches)):
+        step_players(matches[e], actions[e])
+
+
+@kernel
+def step_players(match, actions):
+    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND."""
+    if begin_step(match):
+        set_actions(match, actions)
+        play(match)

@@ -11,13 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from envs.football.constants import BUILTIN_AI, OUT_OF_PLAY, RUNNING, STAND
-from envs.football.simulator import step_matches
+from envs.football.simulator import step_everybody, step_matches
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.policies import Policy, policy_named
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance
 from experiments.grf.scenes import ACADEMY, SCENES, stage_scene
-from experiments.grf.stage import step_stages
 
 TITLE = "academy scenes"
 REQUIRED = 0.8  # share of the rows that should be within tolerance
@@ -74,7 +73,7 @@ def play_built_in(scene: str, n: int) -> Outcomes:
     teams = stage.matches["players"]["team"][:, : stage.num_players]
     actions = np.where((teams == 1) & SCENES[scene].lazy, STAND, BUILTIN_AI)
     while (stage.matches["ended"] == RUNNING).any():
-        step_stages(stage.matches, actions)
+        step_everybody(stage.matches, actions)
     return outcomes(stage.matches)
 
 
@@ -87,7 +86,7 @@ def play_against_lazy(scene: str, policy: Policy, n: int) -> Outcomes:
     while (stage.matches["ended"] == RUNNING).any():
         actions = np.where(teams == 1, STAND, BUILTIN_AI)
         actions[np.arange(n), stage.matches["agents"][:, 0]] = policy(stage.matches, step)
-        step_stages(stage.matches, actions)
+        step_everybody(stage.matches, actions)
         step += 1
     return outcomes(stage.matches)
 

@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from envs.football.control.agents import set_actions
 from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.simulator import begin_step, play
-from scenic_lite.kernels.jit import kernel
+from envs.football.simulator import step_everybody
 
 METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
 OPEN_END = MatchConfig(
@@ -93,7 +91,7 @@ class Stage:
         Directions are those of the pitch for either team.
         """
         wanted = np.broadcast_to(np.asarray(actions, np.int64), (len(self.matches), self.num_players))
-        step_stages(self.matches, np.require(wanted, requirements=("C", "W")))
+        step_everybody(self.matches, np.require(wanted, requirements=("C", "W")))
         self._frames.append(self._frame())
 
     def play(self, actions: npt.ArrayLike | Policy, steps: int | None = None) -> Trace:
@@ -132,12 +130,3 @@ def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = 
     mine = np.concatenate([np.full(steps, action) for action, steps in pressed])
     rest = np.broadcast_to(np.array(others, np.int64), (len(mine), len(others)))
     return np.column_stack([mine, rest] if first else [rest, mine])
-
-
-@kernel
-def step_stages(matches, actions):
-    """Move matches MATCH [N] on by one step each, with an action for every player: `actions` [N, P]."""
-    for e in range(len(matches)):
-        if begin_step(matches[e]):
-            set_actions(matches[e], actions[e])
-            play(matches[e])

@@ -7,12 +7,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from envs.football.constants import CM, FIXED, FREE_KICK, GK, LEFT, NOBODY, RIGHT
-from envs.football.control.agents import set_actions
 from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.simulator import begin_step, step_matches
-from envs.football.simulator import play as play_step
+from envs.football.simulator import step_matches
 from envs.football.state import MATCH
-from scenic_lite.kernels.jit import kernel
 
 Player = tuple[float, float, int, int]  # x, y, team, role
 OPEN = MatchConfig(end_episode_on_score=False, end_episode_on_out_of_play=False, end_episode_on_possession_change=False)
@@ -56,14 +53,6 @@ def play(matches: np.ndarray, actions: Iterable[int], player: int | None = None)
             take_over(matches, player)
         step_matches(matches, np.full((len(matches), 1), action))
     return matches
-
-
-@kernel
-def step_players(match, actions):
-    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND."""
-    if begin_step(match):
-        set_actions(match, actions)
-        play_step(match)
 
 
 def take_over(matches: np.ndarray, player: int) -> None:

@@ -17,7 +17,7 @@ from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.scripted_step import command_players
 from envs.football.scenic.world import FACTS, FOOTBALL_WORLD
 from envs.football.scenic.world_table import NUM_FIELDS, write_world
-from envs.football.simulator import begin_step, play
+from envs.football.simulator import step_everybody
 from scenic_lite import Program
 from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.reference.interpreter import Reference
@@ -54,10 +54,9 @@ class ReferenceMatch:
             return Moment(commands, Verdict(0.0, commands.terminated, commands.rejected), 0, RUNNING)
         numbers = np.array([actions[0] if actions else -1.0 for actions in commands.actions], float)
         match = self.matches[0]
-        if begin_step(match):
-            assign_actions(match, np.array([action]))
-            command_players(match, self.lineup.object_to_player, numbers)
-            play(match)
+        assign_actions(match, np.array([action]))
+        command_players(match, self.lineup.object_to_player, numbers)
+        step_everybody(self.matches, self.matches["players"]["action"].astype(np.int64))
         verdict = self._ask(self.reference.watch)
         self.matches["program_reward"][0] = verdict.reward
         return Moment(commands, verdict, int(self.matches["goal"][0]), int(self.matches["ended"][0]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pitch import OPEN, duel, play, position, step_players
+from pitch import OPEN, duel, play, position
 
 from envs.football.constants import (
     CB,
@@ -19,6 +19,7 @@ from envs.football.constants import (
     SPRINT,
 )
 from envs.football.rules.fouls import YELLOW_FROM
+from envs.football.simulator import step_everybody
 from envs.football.skills.saves import foresee_shot
 from envs.football.skills.tackles import slide_into
 
@@ -65,9 +66,8 @@ def test_who_idles_beside_a_standing_carrier_does_not_take_the_ball() -> None:
         players = [(0.0, 0.0, LEFT, CM), (1.2, 0.0, RIGHT, CB), (50.0, 0.0, RIGHT, GK)]
         matches = position(players, (0.4, 0.0), OPEN, range(20))
         matches["carrier"] = matches["last_touch"] = 0
-        for match in matches:
-            for _ in range(20):
-                step_players(match, np.array([0, key, 0]))
+        for _ in range(20):
+            step_everybody(matches, np.tile([0, key, 0], (20, 1)))
         assert least <= np.mean(matches["last_touch"] == 1) <= most
 
 
@@ -138,7 +138,7 @@ def test_a_shot_from_close_by_hits_the_keeper() -> None:
     matches["ball"]["vx"] = 30.0
     for match in matches:
         foresee_shot(match, LEFT)
-        step_players(match, np.zeros(2, np.int64))
+    step_everybody(matches, np.zeros((len(matches), 2), np.int64))
     assert np.mean(matches["ball"]["vx"] < 0.0) > 0.75
 
 

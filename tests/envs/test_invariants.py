@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pitch import OPEN, Player, plain, position, step_players
+from pitch import OPEN, Player, plain, position
 from test_restarts import ELEVENS, MODES, PLACES
 
 from envs.football.constants import BALL_RADIUS, BUILTIN_AI, CM, CORNER, FREE_KICK, GK, LEFT, NORMAL, PENALTY, RIGHT
@@ -22,7 +22,7 @@ from envs.football.physics.ball import bounce, drag_on_ground, hit_goal_frame
 from envs.football.physics.bodies import crowded, part_bodies
 from envs.football.physics.motion import plan_motion
 from envs.football.rules.whistle import stop_play
-from envs.football.simulator import step_matches
+from envs.football.simulator import step_everybody, step_matches
 from envs.football.skills.hands import parry
 from envs.football.state import MATCH
 from tests.envs.torture import strange_places, torture
@@ -152,8 +152,8 @@ def test_strange_scenes_turn_too(seed: int) -> None:
     turns = np.array([0, 5, 6, 7, 8, 1, 2, 3, 4, *range(9, 20)])  # the keys of the turned world
     for _ in range(150):
         keys = np.where(rng.random(22) < 0.5 * (seed % 2), rng.integers(0, 19, 22), BUILTIN_AI)
-        step_players(here[0], keys)
-        step_players(there[0], turns[keys])
+        step_everybody(here, keys[None])
+        step_everybody(there, turns[keys][None])
         if here["goal"][0] != 0 and len({(x, y) for x, y, _, _ in players}) == 1:
             break  # all start in one place: the same team kicks off in either world
         check_turned(here, there)

@@ -38,12 +38,11 @@ from envs.football.constants import (
 from envs.football.kick_off import MatchConfig, Roster, kick_off
 from envs.football.limits import Limits, fields_of
 from envs.football.rules.fouls import report_foul
-from envs.football.simulator import step_match
+from envs.football.simulator import step_match, step_players
 from envs.football.skills.contacts import FEET
 from envs.football.state import MATCH, TABLES
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
-from tests.envs.pitch import step_players
 
 COMPLAINTS = (
     *("sane", "a player's numbers are not finite", "a player is off the grass", "a player is too fast"),

@@ -26,7 +26,7 @@ def make(num_envs):
     return Frontier(num_envs, longest=4)
 """
 SHORT = ["--num-envs", "8", "--num-steps", "32", "--hidden-size", "8", "--eval-every", "0", "--no-record"]
-SHORT += ["--total-env-steps", "12_000"]
+SHORT += ["--total-env-steps", "3_000"]
 STUDENTS = ("protagonist", "antagonist", "student")
 
 
