@@ -146,4 +146,5 @@ def _read(argv: Sequence[str]) -> CompareConfig:
     config = arguments.replace_paths(base, typed)
     for method in config.methods:
         build.find_method(method)
+    build.find_device(config.train.device)
     return config

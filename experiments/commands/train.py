@@ -157,6 +157,7 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
     config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
     name = build.short_name(config.minigame)
     build.find_method(config.method)
+    build.find_device(config.device)
     if source is None and flags.fine_tuning != FineTuningConfig():
         raise UsageError("--kl-to-clone and --kl-share need --from CHECKPOINT, the policy to stay close to")
     if source is not None:

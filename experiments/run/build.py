@@ -6,6 +6,7 @@ Everything heavy is imported when it is asked for. Read next: `commands.train`.
 from __future__ import annotations
 
 import ast
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -20,6 +21,8 @@ from experiments.run.tasks import TaskScene
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
+    import torch
+
     from envs.football.config import FootballConfig
     from experiments.run.config import ProgramConfig, TrainConfig
     from experiments.run.mixed import MixedProgram
@@ -255,12 +258,32 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     """
     import torch
 
-    method = METHODS[find_method(config.method)]
+    method, device = METHODS[find_method(config.method)], find_device(config.device)
     torch.set_num_threads(config.threads)
     try:
-        return method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
+        made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
+    if device.type != "cpu":
+        os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # before its first use, for the same sums each time
+        torch.use_deterministic_algorithms(True, warn_only=True)
+    for learner in made.learners:
+        learner.to(device)
+    return made
+
+
+def find_device(name: str) -> torch.device:
+    """Return the device of this name; auto: a GPU if there is one. Raises `UsageError` for one that is not there."""
+    import torch
+
+    gpus = torch.cuda.device_count() if torch.cuda.is_available() else 0
+    if name == "cpu" or (name == "auto" and not gpus):
+        return torch.device("cpu")
+    device = torch.device("cuda" if name == "auto" else name)
+    if (device.index or 0) >= gpus:
+        seen = {0: "no GPU", 1: "one GPU, cuda:0"}.get(gpus, f"{gpus} GPUs")
+        raise UsageError(f"there is no device {name}: torch sees {seen} here; --device cpu needs none")
+    return device
 
 
 def is_football(config: Any) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
@@ -91,6 +92,7 @@ class RunConfig(Checked):
     )
     num_envs: int = setting(128, "environments that each student plays at a time", ">=1")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
     eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0")
     eval_episodes: int = setting(
         64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1"
@@ -103,6 +105,11 @@ class RunConfig(Checked):
         (), "who else is told of every update: tensorboard, wandb"
     )
     ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics=("ppo",))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not re.fullmatch(r"auto|cpu|cuda(:\d+)?", self.device):
+            raise ValueError(f"device must be auto, cpu, cuda or cuda:N, got {self.device!r}")
 
 
 @dataclass(frozen=True)
@@ -160,7 +167,7 @@ class TaskTrainConfig(TaskSettings):
 ABOUT = "about"  # key of config.json that is no setting
 
 # Settings that older runs know nothing of, and what they did: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": []}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
 
 
 def run_class(data: Any) -> type:

@@ -152,7 +152,8 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     assert state is not None
     # On this engine: it sees the same and needs no other
     env = EngineConfig(engine="regista").instead_of(config.env) if build.is_football(config) else None
-    method = build.make_method(config, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
+    on_host = replace(config, device="cpu")  # whoever tests it need not have the GPU
+    method = build.make_method(on_host, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
     try:
         method.load_students(state["method"])
     except RuntimeError as error:

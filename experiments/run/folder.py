@@ -208,4 +208,4 @@ class RunFolder:
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
 LARGEST = 10**15  # of any of them
-MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report")
+MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device")

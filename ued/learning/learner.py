@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+import torch
 from gymnasium.spaces import Discrete
 
 from ued.config import PPOConfig
@@ -70,6 +71,12 @@ class Learner:
             return
         self.student.load_state_dict(student)
         self.origin = FadingKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
+
+    def to(self, device: torch.device) -> None:
+        """Move the networks to a device. The simulator, rollouts and all random streams stay on the host."""
+        if self.student is not None and device.type != "cpu":
+            self.student.to(device)
+            self.rollout.observation = self.rollout.observation.pin_memory()
 
     @property
     def rollout(self) -> Rollout:

@@ -53,8 +53,8 @@ class PPO(Resumable):
         if advantages is None:
             advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
         targets = advantages + rollout.value  # [T, N]
-        old = Batch.of(rollout, advantages, targets)  # T * N rows
-        sequences = self.student.actor_memory.sequences(rollout.train)  # [S, L] of these rows
+        old = Batch.of(rollout, advantages, targets).to(self.student.device)  # T * N rows
+        sequences = self.student.actor_memory.sequences(rollout.train).to(self.student.device)  # [S, L] of these rows
         if not len(sequences):
             return {}
         minibatch_size = -(-len(old.value) // sequences.shape[1] // config.num_minibatches)
@@ -68,7 +68,7 @@ class PPO(Resumable):
         # After learning: a rollout is learned from as it was seen. And of these steps alone: levels that are only
         # looked at would shift what the policy sees while its weights do not follow.
         if not rollout.train.all():
-            old = old.rows(rollout.train.flatten().nonzero())
+            old = old.rows(rollout.train.flatten().nonzero().to(self.student.device))
         self.student.normaliser.track(old.observation)
         self.updates += 1
         metrics = {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
@@ -165,7 +165,7 @@ class KLRegularizer:
 
         A recurrent student that plays elsewhere remembers nothing of what was before the rollout.
         """
-        memory = self.student.empty_memory(len(batch.past.memory))
+        memory = self.student.empty_memory(len(batch.past.memory)).to(self.student.device)
         with torch.no_grad():
             other, _ = self.student(batch.observation, batch.past._replace(memory=memory))
         return other.kl(policy).mean()
@@ -206,6 +206,14 @@ class Batch:
         columns = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
         past = Past(rollout.memory, rollout.begins.flatten(), rollout.train.flatten())
         return cls(past, *(column.flatten(0, 1) for column in columns))
+
+    def to(self, device: torch.device) -> Batch:
+        """Return it on a device, from pinned memory: the copies of all columns are on their way at once."""
+        if device.type == "cpu":
+            return self
+        past, *rest = (getattr(self, each.name) for each in fields(self))
+        past, rest = ([each.pin_memory().to(device, non_blocking=True) for each in columns] for columns in (past, rest))
+        return Batch(Past(*past), *rest)
 
     def rows(self, sequences: Tensor) -> Batch:
         """Return these B sequences of L rows each, `[B, L]`, step by step; row r is of environment r modulo N."""

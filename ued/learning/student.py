@@ -14,6 +14,7 @@ Read next: `learning.rollout`.
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Mapping
 from functools import cached_property
@@ -162,7 +163,8 @@ class Student(nn.Module):
 
     def _judge(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
         """Return the policy, the value, and what is remembered afterwards."""
-        seen, past = self.normaliser(observation), past or Past(self.empty_memory(len(observation)))
+        seen = self.normaliser(observation)
+        past = past or Past(self.empty_memory(len(observation)).to(self.device))
         features, memory = self._actor_features(seen, past)
         if self.shared:
             return self.actor(features), self.critic(features)[..., 0], memory
@@ -187,7 +189,9 @@ class Student(nn.Module):
         if not self.numbered:
             return observation
         shape = (self.agents, *[1] * (observation.ndim - 3), self.agents)
-        number = torch.eye(self.agents).view(shape).expand(*observation.shape[:-1], self.agents)
+        number = (
+            torch.eye(self.agents, device=observation.device).view(shape).expand(*observation.shape[:-1], self.agents)
+        )
         return torch.cat([observation, number], -1)
 
     @cached_property  # which ones there are never changes, and asking takes long
@@ -198,13 +202,30 @@ class Student(nn.Module):
         own = {weight for part in parts for weight in part.parameters()} if self.policies > 1 else set()
         return [p for p in self.parameters() if p in own], [p for p in self.parameters() if p not in own]
 
+    @property
+    def device(self) -> torch.device:
+        """Where its weights are. What it is shown to play, and what it answers, is on the host wherever they are."""
+        return self.critic.weight.device
+
+    def _fetched(self, policy: Policy) -> Policy:
+        """Return a policy whose numbers are on the host: actions are drawn there, by one stream on every device."""
+        if self.device.type == "cpu":
+            return policy
+        fetched = copy.copy(policy)
+        vars(fetched).update({name: each.cpu() for name, each in vars(policy).items() if isinstance(each, Tensor)})
+        return fetched
+
+    def _sent(self, host: Tensor) -> Tensor:
+        """Return a tensor of the host where the weights are; one that is pinned is on its way while we go on."""
+        return host.to(self.device, non_blocking=True)
+
     # What follows takes what is remembered of each environment, `[B, memory_width]`; without it, nothing is.
 
     @torch.inference_mode()
     def value(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
         """Return the value `[B]`, of a team `[B, A]`, alone."""
         memory = self.empty_memory(len(observation)) if memory is None else memory
-        return self._value(self.normaliser(observation), Past(memory))[0]
+        return self._value(self.normaliser(self._sent(observation)), Past(self._sent(memory)))[0].cpu()
 
     @torch.inference_mode()
     def act(
@@ -214,11 +235,13 @@ class Student(nn.Module):
 
         `memory` is brought up to date.
         """
-        policy, value, remembered = self._judge(observation, None if memory is None else Past(memory))
+        past = None if memory is None else Past(self._sent(memory))
+        there, value, remembered = self._judge(self._sent(observation), past)
         if memory is not None:
             memory.copy_(remembered)
+        policy = self._fetched(there)
         action = policy.sample(generator)
-        return action, policy.log_prob(action), value
+        return action, policy.log_prob(action), value.cpu()
 
     @torch.inference_mode()
     def play(
@@ -229,9 +252,9 @@ class Student(nn.Module):
         Of `memory` only what the actor remembers is brought up to date.
         """
         memory = self.empty_memory(len(observation)) if memory is None else memory
-        seen = self.normaliser(torch.as_tensor(observation, dtype=torch.float32))
-        features, memory[:, : self.actor_memory.width] = self._actor_features(seen, Past(memory))
-        policy = self.actor(features)
+        seen = self.normaliser(self._sent(torch.as_tensor(observation, dtype=torch.float32)))
+        features, memory[:, : self.actor_memory.width] = self._actor_features(seen, Past(self._sent(memory)))
+        policy = self._fetched(self.actor(features))
         return self.to_environment(policy.mode() if greedy else policy.sample(generator))
 
     def to_environment(self, action: Tensor) -> np.ndarray:
