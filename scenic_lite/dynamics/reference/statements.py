@@ -17,6 +17,7 @@ from typing import Any
 from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
+from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
 from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, wait
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
@@ -121,6 +122,8 @@ def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -
             del episode.objects[before:]
             hint = "make it before, or in the setup of a scenario"
             raise ScenicError("type", "no object can be made in a behavior", hint=hint)
+        if isinstance(made, Instance) and not is_object(made):  # a point stays where it was drawn
+            made.properties = {name: settled(value, episode.row) for name, value in made.properties.items()}
         return made
 
     return make

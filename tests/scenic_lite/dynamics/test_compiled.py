@@ -354,6 +354,14 @@ def test_a_list_chosen_by_chance_is_a_list(name):
     assert differences(text + "ego = new Object at 0 @ 0, with behavior Main()", range(6), steps=8)[0] == []
 
 
+def test_a_point_drawn_in_a_match_stays_where_it_is():
+    text = (
+        "behavior Main():\n    spot = Point in CircularRegion(3 @ 3, 2)\n    while True:\n"
+        "        take spot.position.x, distance to spot\n"
+    )
+    assert differences(text + "ego = new Object at 0 @ 0, with behavior Main()", range(3), steps=4)[0] == []
+
+
 @pytest.mark.parametrize("reward", ["math.inf", "-math.inf * 1", "10 * (1e308 * self.position.y)", "'a'", "None"])
 def test_a_reward_is_a_finite_number(reward):
     text = f"import math\nbehavior Main():\n    take 1\n    simulation().scenic_reward = {reward}\n    take 3\n"
