@@ -86,7 +86,7 @@ class Episode:
         self.state = self.mode.state
 
     def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
-        return {name: settled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
+        return {name: sampled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
 
     def _mode(self) -> Mode:
         """Return how the nodes of this episode are evaluated; what its statements make is its own."""
@@ -192,14 +192,14 @@ def update(old: Namespace, new: Namespace, kept: tuple[str, ...] = ()) -> None:
             old.names[name] = value
 
 
-def settled(value: Value, row: dict[RandomExpr, Value]) -> Value:
+def sampled(value: Value, row: dict[RandomExpr, Value]) -> Value:
     """Return a value as it is in one sample; a container without anything random stays the same."""
     value = in_row(value, row)
     if isinstance(value, list | tuple):
-        parts = [settled(each, row) for each in value]
+        parts = [sampled(each, row) for each in value]
         return value if all(map(operator.is_, parts, value)) else type(value)(parts)
     if isinstance(value, dict):
-        pairs = {key: settled(each, row) for key, each in value.items()}
+        pairs = {key: sampled(each, row) for key, each in value.items()}
         return value if all(each is value[key] for key, each in pairs.items()) else pairs
     return value
 

@@ -69,7 +69,7 @@ class Reference:
 
     @property
     def objects(self) -> list[Instance]:
-        """The rows of the world table: the objects of the program, then those that scenarios have made so far."""
+        """Return the rows of the world table: the program's objects, then those that scenarios have made so far."""
         return self.episode.objects
 
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
@@ -123,7 +123,7 @@ class Reference:
         episode, first = self.episode, self._stepped_at is None
         episode.refresh(world, facts, first)
         if first:
-            self._scenario.adopt()
+            self._scenario.import_loaded()
             self._scenario.start()
             episode.show()
         if self._stepped_at is None or self._stepped_at < episode.time:

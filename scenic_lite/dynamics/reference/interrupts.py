@@ -53,7 +53,7 @@ class Handler(NamedTuple):
 
 
 def try_interrupt(thread: Thread, node: nodes.TryInterrupt) -> Steps:
-    """`try` with `interrupt when`."""
+    """Run `try` with `interrupt when`."""
     handlers = [
         Handler(partial(condition_holds, thread, handler), partial(thread.block, handler.body))
         for handler in node.interrupts

@@ -28,7 +28,7 @@ from dataclasses import replace
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance
-from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
+from scenic_lite.dynamics.reference.episode import Episode, Rejected, sampled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
 from scenic_lite.evaluation.calls import scenario_frame
 from scenic_lite.language.requirements import FALSE, Check, formula_of
@@ -116,7 +116,7 @@ class Scenario:
         self._limit: float | None = None
         self.kept: dict[str, list] = {name: [] for name in KEPT}
 
-    def adopt(self) -> None:
+    def import_loaded(self) -> None:
         """Take over what loading the program has made."""
         program = self.episode.program
         self.kept = {name: list(vars(program)[name]) for name in KEPT}
@@ -137,7 +137,7 @@ class Scenario:
         self.objects = state.objects[before:]
         for instance in self.objects:
             row = self.episode.row
-            instance.properties = {name: settled(value, row) for name, value in instance.properties.items()}
+            instance.properties = {name: sampled(value, row) for name, value in instance.properties.items()}
             instance.properties.setdefault("lastActions", ())
 
     def start(self) -> None:
@@ -190,7 +190,7 @@ class Scenario:
         if not limits:
             return None
         tree, scope = limits[-1].tree, self._scope_of(limits[-1])
-        return self.episode.in_steps(settled(limits[-1].duration, self.episode.row), scope, tree.duration, tree.unit)
+        return self.episode.in_steps(sampled(limits[-1].duration, self.episode.row), scope, tree.duration, tree.unit)
 
     @contextmanager
     def current(self) -> Iterator[None]:
@@ -205,7 +205,7 @@ class Scenario:
             self._share_ego()
 
     def _share_ego(self) -> None:
-        """Scenarios around this one that have no ego take the first one there is."""
+        """Give scenarios around this one that have no ego the first one there is."""
         around = self.parent
         while around is not None and around.ego is None and self.ego is not None:
             around.ego = self.ego
@@ -214,7 +214,7 @@ class Scenario:
             around = around.parent
 
     def step(self) -> str | End | None:
-        """One step; why the scenario has ended, or None. Raises Rejected."""
+        """Take one step; return why the scenario has ended, or None. Raises Rejected."""
         with self.current():
             for watched, watch in self._temporal:
                 with watched.bindings.restored(self.episode.state):
@@ -244,7 +244,7 @@ class Scenario:
         return None
 
     def run_monitors(self) -> End | None:
-        """All monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
+        """Run all monitors of this scenario and of those inside it, even if one asks for an end: another might reject.
 
         Their `terminate` ends this scenario and with it the simulation, as in Scenic 3.1.1, wherever they belong;
         another end that was asked for here or inside is the reason that counts.
@@ -265,7 +265,7 @@ class Scenario:
         return end or own
 
     def simulation_ends(self) -> str | None:
-        """The first `terminate simulation when` that is true, here or in a scenario inside."""
+        """Return the first `terminate simulation when` that is true, here or in a scenario inside."""
         with self.current():
             label = self._condition_met("simulation")
         return label or next((label for sub in self._running() if (label := sub.simulation_ends())), None)
@@ -302,12 +302,12 @@ class Scenario:
             self.agents.assign(instance)
 
     def records(self, when: str) -> Iterator[tuple[str, Value]]:
-        """The values of the `record` statements of one kind, here and in scenarios inside."""
+        """Return the values of the `record` statements of one kind, here and in scenarios inside."""
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
                     value = self._scope_of(watched).value(watched.tree.value)
-                    yield watched.label, settled(value, self.episode.row)
+                    yield watched.label, sampled(value, self.episode.row)
         for sub in self._running():
             yield from sub.records(when)
 

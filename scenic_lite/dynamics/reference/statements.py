@@ -18,7 +18,7 @@ from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Watched
 from scenic_lite.core.types import Instance
-from scenic_lite.dynamics.reference.episode import Episode, Rejected, settled
+from scenic_lite.dynamics.reference.episode import Episode, Rejected, sampled
 from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, wait
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
@@ -41,9 +41,9 @@ def repeat(thread: Thread, node: ast.For | ast.While) -> Iterator[Step]:
 
 
 def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
-    """`take a, b`; a single tuple or list stands for its elements."""
+    """Run `take a, b`; a single tuple or list stands for its elements."""
     row = thread.episode.row
-    actions = [settled(thread.scope.value(action), row) for action in node.actions]
+    actions = [sampled(thread.scope.value(action), row) for action in node.actions]
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     assert thread.agent is not None, "the checker lets only behaviors take actions"
@@ -51,7 +51,7 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
 
 
 def terminate(thread: Thread, node: nodes.Terminate) -> Iterator[Step]:
-    """`terminate`, which in Scenic 2 always means the simulation."""
+    """Run `terminate`, which in Scenic 2 always means the simulation."""
     extent = "simulation" if thread.episode.program.dialect == 2 else node.scope
     yield End(extent, "terminate" if node.scope == "scenario" else "terminate simulation", node.lineno)
 
@@ -82,7 +82,7 @@ def instant_statements(episode: Episode) -> dict[type, Callable[[Scope, Any], No
 
 
 def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
-    """`require[p] c` holds now, or the episode is rejected; a temporal one is watched by the scenario from now on."""
+    """Reject the episode unless `require[p] c` holds now; a temporal one is watched by the scenario from now on."""
     label = node.name or source_text(scope, node)
     if is_temporal(node.condition):
         watched = Watched(node, scope.place(node), scope, label, Bindings(scope))
@@ -106,7 +106,7 @@ def require_monitor(episode: Episode, scope: Scope, node: nodes.RequireMonitor) 
 
 
 def override(episode: Episode, scope: Scope, node: nodes.Override) -> None:
-    """`override object with p v, ...`, until the scenario ends."""
+    """Execute `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
     live = episode.world.properties(target, dict.fromkeys(episode.world.fields, 0.0)) if is_object(target) else ()
     episode.scenario.override(target, overridden_properties(scope, node, target, live))
@@ -123,7 +123,7 @@ def making_objects(episode: Episode, new: Callable[[Scope, nodes.New], Value]) -
             hint = "make it before, or in the setup of a scenario"
             raise ScenicError("type", "no object can be made in a behavior", hint=hint)
         if isinstance(made, Instance) and not is_object(made):  # a point stays where it was drawn
-            made.properties = {name: settled(value, episode.row) for name, value in made.properties.items()}
+            made.properties = {name: sampled(value, episode.row) for name, value in made.properties.items()}
         return made
 
     return make
