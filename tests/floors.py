@@ -5,6 +5,7 @@ A file may import from its own room and from the rooms below it. Read next: `tes
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
@@ -98,9 +99,14 @@ def modules(package: str) -> dict[str, Path]:
     return files
 
 
-def imported(path: Path) -> Iterator[str]:
-    """Yield what a file imports anywhere: at the top, in functions, for types alone; `from a import b` is `a.b`."""
-    for node in ast.walk(ast.parse(path.read_text())):
+@cache
+def imported(path: Path) -> tuple[str, ...]:
+    """Return what a file imports anywhere: at the top, in functions, for types alone; `from a import b` is `a.b`."""
+    return tuple(_imported(ast.parse(path.read_text()), path))
+
+
+def _imported(tree: ast.Module, path: Path) -> Iterator[str]:
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

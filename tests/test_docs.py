@@ -157,6 +157,7 @@ def test_every_picture_names_the_command_that_makes_it(name):
         assert re.match(r"\*[^*]*`(regista|make|rerun) [^`]+`[^*]*\*", after), f"{path.name}: {after}"
 
 
+@pytest.mark.slow
 def test_the_site_is_built_without_a_complaint(tmp_path):
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(tmp_path / "site")]
     offline = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9", "NO_MKDOCS_2_WARNING": "1"}

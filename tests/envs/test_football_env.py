@@ -282,6 +282,7 @@ np.save(sys.argv[2], np.stack([np.column_stack([*env.step(row)[:2]]) for row in 
 """
 
 
+@pytest.mark.slow
 def test_compiled_and_uncompiled_agree(tmp_path):
     """The simulator is its own reference: to 1e-6 in observations that are float32, over 40 steps."""
     results = []

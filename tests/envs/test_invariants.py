@@ -32,6 +32,7 @@ BUILT_IN = replace(OPEN, control="none", offsides=True, right_team_difficulty=1.
 speed = st.floats(-8, 8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_torture(seed: int) -> None:
     """The quick form; `python -m tests.envs.torture` plays on for as long as one likes."""

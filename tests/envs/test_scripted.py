@@ -429,6 +429,7 @@ np.save(sys.argv[2], np.stack(seen))
 """
 
 
+@pytest.mark.slow
 def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
     file = tmp_path / "wander.scenic"
     file.write_text(program(DRAWING, "Wander()", "LeftGK with behavior Wander()\n" + PAYING))

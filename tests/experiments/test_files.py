@@ -62,6 +62,7 @@ def trained(tmp_path_factory):
     return runs
 
 
+@pytest.mark.slow
 def test_the_tables_of_a_run_have_the_columns_of_the_page(trained):
     pages, found = documented(), {"metrics.csv": set(), "levels.csv": set()}
     for run in trained.values():
@@ -89,6 +90,7 @@ def test_other_tables_have_the_columns_of_the_page(tmp_path):
     assert general(demonstrations._table(["x"], 0).strip().split(",")) == pages["episodes.csv"]
 
 
+@pytest.mark.slow
 def test_config_json_says_where_a_run_comes_from(trained):
     run = trained["plr"]
     about = json.loads((run.path / "config.json").read_text())["about"]
@@ -107,6 +109,7 @@ def levels_of(run):
     return read_columns(run.levels.path), np.array([row["source"] for row in read_rows(run.levels.path)])
 
 
+@pytest.mark.slow
 def test_paireds_regret_follows_from_the_row(trained):
     levels, source = levels_of(trained["paired"])
     best = np.maximum(levels["best/protagonist"], levels["best/antagonist"])
@@ -116,6 +119,7 @@ def test_paireds_regret_follows_from_the_row(trained):
     assert len(set(levels["id"])) == len(levels["id"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["plr", "accel"])
 def test_max_mc_follows_from_the_row(trained, method):
     levels, source = levels_of(trained[method])
@@ -129,6 +133,7 @@ def test_max_mc_follows_from_the_row(trained, method):
     assert len(replayed) > 10
 
 
+@pytest.mark.slow
 def test_a_child_lies_beside_its_parent(trained):
     levels, source = levels_of(trained["accel"])
     theta = np.stack([column for name, column in levels.items() if name.startswith("theta/")], 1)
@@ -141,6 +146,7 @@ def test_a_child_lies_beside_its_parent(trained):
     assert np.isnan(levels["parent"][~edited]).all()
 
 
+@pytest.mark.slow
 def test_sfls_learnability_follows_from_the_row(trained):
     levels, source = levels_of(trained["sfl"])
     judged = ~np.isnan(levels["score"])

@@ -66,7 +66,7 @@ def test_what_was_to_be_ignored_is_ignored():
         signal.signal(signal.SIGHUP, before)
 
 
-@pytest.mark.parametrize("words", [["list"], ["train", "--help"], ["inspect", "1v1Free"]])
+@pytest.mark.parametrize("words", [["train", "--help"], pytest.param(["inspect", "1v1Free"], marks=pytest.mark.slow)])
 def test_a_reader_that_has_gone_is_no_error(words):
     command = [sys.executable, "-m", "experiments", *words]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)

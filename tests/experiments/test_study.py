@@ -271,6 +271,7 @@ def test_a_study_writes_into_the_checkout_only_when_it_is_told_to(tmp_path):
     assert published.page.is_file() and (published.results / "fast.csv").is_file() and published.pictures.is_dir()
 
 
+@pytest.mark.slow
 def test_measured_runs_of_other_settings_are_not_taken_for_these(single, capsys):
     words, begun = single
     assert main(words) == 0

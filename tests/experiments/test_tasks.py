@@ -100,6 +100,7 @@ def test_a_run_continues_from_its_checkpoint(task, tmp_path):
     assert main(["train", "--resume", str(out), "--gamma", "0.5"]) == 1
 
 
+@pytest.mark.slow
 def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     settings = ["--total-env-steps", "128", "--episodes", "4", "--levels", "10", "--level-episodes", "2", "--no-record"]
     out = tmp_path / "both"

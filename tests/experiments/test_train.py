@@ -294,7 +294,7 @@ def regista(*argv, **options):
 
 
 FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16", "--eval-episodes", "16"]
-BUDGET = ["--total-env-steps", "12000", "--eval-every", "6000", "--checkpoint-seconds", "0.5", "--no-record"]
+BUDGET = ["--total-env-steps", "15000", "--eval-every", "5000", "--checkpoint-seconds", "0.5", "--no-record"]
 
 
 SMALL_BUFFER = {  # so that levels are replayed within a short run

@@ -31,6 +31,6 @@ def test_any_text(text, dialect):
 
 @pytest.mark.slow
 def test_many_programs_nobody_would_write():
-    for i in range(5000):
+    for i in range(3000):
         rng = random.Random(f"slow {i}")
         no_fault(written(rng, TEXTS), rng.choice((2, 3)))

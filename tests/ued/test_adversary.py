@@ -88,11 +88,12 @@ def test_without_entropy_the_proposals_collapse():
     assert metrics["entropy"] < -3  # one vector z means one level
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("distribution", "ent_coef", "spread", "entropy"),
     [
         ("squashed", AdversaryConfig().ent_coef, 0.055, -3.2),
-        pytest.param("beta", 0.06, 0.07, -2.6, marks=pytest.mark.slow),
+        ("beta", 0.06, 0.07, -2.6),
     ],
 )
 def test_with_an_entropy_bonus_they_keep_their_spread_and_still_move(distribution, ent_coef, spread, entropy):

@@ -121,6 +121,13 @@ def test_open_oracle_programs_give_the_same_commands(path):
 # ------------------------------------------------------------ football
 
 
+def sampled(paths):
+    """Parameters: programs of one folder are much alike, so that all but its first are left to the slow tests."""
+    for before, path in zip([None, *paths], paths, strict=False):
+        alike = [pytest.mark.slow] * (before is not None and before.parent == path.parent)
+        yield pytest.param(path, marks=alike, id=f"{path.parent.name}/{path.stem}")
+
+
 def random_worlds(rng: np.random.Generator, objects: int, steps: int):
     """Tables [O, F] and facts [G] of matches that nobody has played."""
     fields, facts = FOOTBALL_WORLD.fields, FOOTBALL_WORLD.facts
@@ -139,7 +146,7 @@ def random_worlds(rng: np.random.Generator, objects: int, steps: int):
         yield table, np.array([known.get(name, float(rng.integers(0, 2))) for name in facts])
 
 
-@pytest.mark.parametrize("path", FOOTBALL_PROGRAMS, ids=lambda path: f"{path.parent.name}/{path.stem}")
+@pytest.mark.parametrize("path", list(sampled(FOOTBALL_PROGRAMS)))
 def test_football_programs_give_the_same_commands(path):
     program = load(path, FOOTBALL)
     compiled = compile_program(program, FOOTBALL_WORLD)
