@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
 from ued.parameters import Theta, ThetaMap
@@ -155,14 +155,26 @@ class _Slot(_Levelled):
 def as_array(env: gymnasium.Env) -> gymnasium.Env:
     """Return an environment whose observations are vectors or images: others are flattened.
 
-    Raises `ValueError` for observations of no fixed size.
+    Grey images get an axis of one channel. Raises `ValueError` for observations of no fixed size.
     """
     space = env.observation_space
     if isinstance(space, Box) and len(space.shape) in (1, 3):
         return env
-    if not space.is_np_flattenable:
-        raise ValueError(f"observations must have a fixed size, got {space}; wrap the environment so that they have")
+    if isinstance(space, Box) and len(space.shape) == 2 and space.dtype == np.uint8:
+        return gymnasium.wrappers.ReshapeObservation(env, (*space.shape, 1))
+    parts = {f"observations[{name!r}]": part for name, part in space.items()} if isinstance(space, Dict) else {}
+    for name, part in (parts or {"observations": space}).items():
+        if not has_fixed_size(part):
+            raise ValueError(f"{name} must have a fixed size, got {part}; wrap the environment so that they have")
     return gymnasium.wrappers.FlattenObservation(env)
+
+
+def has_fixed_size(space: gymnasium.Space) -> bool:
+    """Return whether what is in a space can be written as a vector; spaces of other packages may not say."""
+    try:
+        return space.is_np_flattenable
+    except NotImplementedError:
+        return False
 
 
 class GymUPOMDP(UPOMDP):
@@ -271,11 +283,15 @@ class GymUPOMDP(UPOMDP):
         """Return everything that changes; the environments themselves are Python objects, copied deeply."""
         if self.vectorization == "async":
             raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
+        try:
+            envs = copy.deepcopy(self.vector)
+        except Exception as error:  # whatever the environments hold: windows, clocks, connections
+            raise NotImplementedError(f"these environments cannot be copied: {error}") from error
         return {
             "levels": self.levels.copy(),
             "observations": self._observations.copy(),
             "np_random": self.np_random.bit_generator.state,
-            "envs": copy.deepcopy(self.vector),
+            "envs": envs,
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
@@ -292,11 +308,11 @@ class GymUPOMDP(UPOMDP):
         )
 
     def copy(self) -> GymUPOMDP:
-        """Return a second one; one in other processes begins the same levels anew."""
+        """Return a second one; environments that give no state begin the same levels anew."""
         twin = self.resized(self.num_envs)
-        if self.vectorization == "sync":
+        try:
             twin.set_state(self.get_state())
-        else:
+        except NotImplementedError:
             twin.np_random.bit_generator.state = self.np_random.bit_generator.state
             twin.reset_to_levels(self.levels)
         return twin

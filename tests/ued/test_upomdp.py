@@ -1,11 +1,14 @@
 """The seam itself, on CartPole: levels, validity, autoreset, the thesis's names, and what is refused."""
 
+import threading
+
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import Box
 from gymnasium.utils.env_checker import check_env
 
-from ued import DR
+from ued import DR, Paired, PPOConfig
 from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
 from ued.upomdp import ThetaError, check_theta
 
@@ -198,3 +201,54 @@ def test_the_single_wrapper_stays_a_gymnasium_environment():
     invalid = UPOMDPWrapper(gymnasium.make("CartPole-v1"), put, NoShortPoles())
     with pytest.raises(ValueError, match="describes no valid level"):
         invalid.step_adversary([-0.9, 0.0])
+
+
+# ---------------------------------------------------------------- what other people's environments hold
+
+
+class Odd(gymnasium.Env):
+    """Three steps; shows what it is told to show, and holds something that cannot be copied."""
+
+    action_space = gymnasium.spaces.Discrete(2)
+
+    def __init__(self, space):
+        self.observation_space, self.window = space, threading.Lock()
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.observation_space.seed(seed)
+        self.t = 0
+        return self.observation_space.sample(), {}
+
+    def step(self, action):
+        self.t += 1
+        return self.observation_space.sample(), 1.0, self.t == 3, False, {}
+
+
+def odd(space):
+    return GymUPOMDP(lambda: Odd(space), lambda env, values: None, 1, 2)
+
+
+def test_environments_that_cannot_be_copied_begin_their_levels_anew_in_the_copy():
+    env = odd(Box(-1, 1, (2,)))
+    method = Paired(env, PPOConfig(num_steps=8, hidden_size=4, num_minibatches=1), seed=0)
+    assert method.update()["env_steps"] == 32
+    twin = env.copy()
+    assert (twin.levels == env.levels).all() and twin.vector.envs[0].unwrapped.t == 0
+    with pytest.raises(NotImplementedError, match=r"cannot be copied: cannot pickle .*lock"):
+        env.get_state()
+
+
+def test_grey_images_get_a_channel_and_are_seen_as_images():
+    env = odd(Box(0, 255, (12, 10), np.uint8))
+    assert env.single_observation_space.shape == (12, 10, 1)
+    assert DR(env, PPOConfig(num_steps=4, hidden_size=4), seed=0).update()["env_steps"] == 8
+
+
+def test_observations_without_a_size_are_refused_by_name():
+    class Words(gymnasium.Space):  # as some packages write them, who do not say whether they can be flattened
+        pass
+
+    space = gymnasium.spaces.Dict({"seen": Box(-1, 1, (2,)), "mission": Words()})
+    with pytest.raises(ValueError, match=r"observations\['mission'\] must have a fixed size, got .*Words"):
+        odd(space)
