@@ -33,6 +33,8 @@ def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     word, *rest = argv or ("",)
     if word in ("--help", "-h"):
+        if rest and rest[0] in STUDIES:
+            return main([rest[0], word, *rest[1:]])
         arguments.typed_settings(BenchmarkStudyConfig(), argv, "study STUDY", about_studies())
     if word not in STUDIES:
         raise UsageError(f"no study {word!r}{nearest(word, STUDIES)}; there are {', '.join(STUDIES)}")

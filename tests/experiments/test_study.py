@@ -222,6 +222,15 @@ def test_studies_are_named_and_kept_apart(single, capsys):
     assert "generalisation: one agent" in capsys.readouterr().out
 
 
+def test_the_page_of_a_study_is_found_by_either_order(capsys):
+    pages = []
+    for words in (["--help", "transfer"], ["transfer", "--help"]):
+        with pytest.raises(SystemExit, match="0"):
+            main(["study", *words])
+        pages.append(capsys.readouterr().out)
+    assert pages[0] == pages[1] and pages[0].startswith("usage: regista study transfer")
+
+
 def test_presets_are_those_of_training(tmp_path):
     thesis = starting_point(BenchmarkStudyConfig(preset="thesis"))
     assert thesis.env.representation == "smm_stacked" and thesis.total_env_steps == 5_000_000 and thesis.num_envs == 16
