@@ -85,20 +85,20 @@ class Reporters:
         row |= dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))
         update = Update(method, row, self.watch.look(row))
         self.tables.report(update)
-        self._all("report", update)
+        self._all(lambda reporter: reporter.report(update))
 
     def flush(self) -> None:
         """Let all bring to the disk what they noted."""
-        self._all("flush")
+        self._all(lambda reporter: reporter.flush())
 
     def close(self) -> None:
         """Let all end."""
-        self._all("close")
+        self._all(lambda reporter: reporter.close())
 
-    def _all(self, action: str, *args: Any) -> None:
+    def _all(self, act: Callable[[Reporter], None]) -> None:
         for name, reporter in list(self.others.items()):
             with self._excused(name):
-                getattr(reporter, action)(*args)
+                act(reporter)
 
     @contextmanager
     def _excused(self, name: str) -> Iterator[None]:
