@@ -185,7 +185,7 @@ def cluster(monkeypatch):
 
 @pytest.mark.slow
 def test_a_cluster_makes_the_same_tables_though_a_node_dies(words, cluster, trained_here, tmp_path):
-    words += ["--total-env-steps", "1024", "--checkpoint-seconds", "0"]
+    words += ["--total-env-steps", "4096", "--checkpoint-seconds", "0"]
     assert main([*words, "--out", str(tmp_path / "alone")]) == 0
     node, out = cluster.add_node(num_cpus=1, object_store_memory=80 * 2**20), tmp_path / "cluster"
     command = [sys.executable, "-m", "regista", *words, "--out", str(out), "--launcher", "ray"]
@@ -196,6 +196,7 @@ def test_a_cluster_makes_the_same_tables_though_a_node_dies(words, cluster, trai
     cluster.remove_node(node, allow_graceful=False)
     assert process.wait() == 0
     assert_same(tmp_path / "alone", out)
+    assert any(log.read_text().count("steps  student") > 1 for log in out.glob("*/train.log")), "none began twice"
 
 
 @pytest.mark.slow
