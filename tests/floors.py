@@ -57,6 +57,7 @@ FLOORS = {
         "resumable",  # states by a list of names
         "config",
         "statistics",
+        "files",
         "checkpoint",
         "parameters",  # what the columns of theta are
         "upomdp",  # the seam

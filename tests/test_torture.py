@@ -1,8 +1,12 @@
 """The torture suite counts what it does, goes on where it stopped, and tells of harm."""
 
 import json
+import shutil
+
+import pytest
 
 from tests.torture import __main__ as suite
+from tests.torture import faults
 
 
 def test_a_suite_goes_on_with_the_seeds_that_follow(tmp_path, monkeypatch, capsys):
@@ -32,3 +36,15 @@ def test_harm_is_told(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(suite.time, "monotonic", iter(range(100)).__next__)
     assert suite.main(["--report", str(tmp_path / "report.json"), "--minutes", "0.1"]) == 1
     assert "code, round 0: written beside the registers" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="the faults are a library in C")
+def test_a_full_disk_an_io_error_and_a_kill_leave_a_run_that_goes_on(tmp_path):
+    target = faults.attacked("train plr", tmp_path)
+    changes = target.undisturbed.changes
+    assert changes > 40 and set(target.tables) == {"metrics.csv", "levels.csv"}
+    covered = {faults.fault(number, changes) for number in range(4 * changes)}
+    assert len(covered) == 4 * changes
+    outcomes = [target.attempt(at=changes // 2 + k, kind=kind)[0] for k, kind in enumerate(faults.KINDS)]
+    assert set(outcomes) <= {"went on", "went on after it"} and "went on after it" in outcomes
+    target.forks.close()

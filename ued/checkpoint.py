@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import ast
 import io
-import os
 import zipfile
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+
+from ued.files import write_whole
 
 FORMAT = "regista checkpoint"
 VERSION = 3  # 1: before methods held learners; 2: before normalisers had a floor
@@ -36,20 +36,11 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
     path = Path(path)
     content = io.BytesIO()  # torch writing to a full disk itself would tell of its archive, not of the disk
     torch.save({"format": FORMAT, "version": VERSION, "state": encode(state)}, content)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
-        with open(partial, "wb") as file:
-            file.write(content.getbuffer())
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
+        write_whole(path, content.getbuffer())
     except OSError as error:
         kept = " (the previous checkpoint is kept)" if path.exists() else ""
         raise CheckpointError(f"cannot write {path}: {_reason(error)}{kept}") from error
-    finally:
-        with suppress(OSError):  # there is none after the renaming, nor where there is no folder
-            partial.unlink()
-    _sync_folder(path.parent)
 
 
 def load(path: str | Path) -> dict[str, Any]:
@@ -154,16 +145,6 @@ def _decode_array(value: dict[str, Any]) -> np.ndarray:
     described = ast.literal_eval(value["dtype"])  # in older checkpoints a dictionary
     dtype = np.dtype(described) if "names" in described else np.lib.format.descr_to_dtype(described)
     return np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy()
-
-
-def _sync_folder(folder: Path) -> None:
-    """Force the renaming itself to the disk, where the system can."""
-    with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
 
 
 def _reason(error: OSError) -> str:

@@ -32,6 +32,7 @@ from experiments.run.progress import Progress
 from experiments.run.signals import StopRequest
 from experiments.run.table import Table, cannot_write, spell
 from ued.config import Checked, CloningConfig, PPOConfig, setting
+from ued.files import write_whole
 
 if TYPE_CHECKING:
     from experiments.run.cloning_data import CloningData
@@ -110,7 +111,7 @@ def _open(path: Path, wanted: TrainConfig, asked: dict[str, Any]) -> RunFolder:
         return RunFolder.open(path)
     run = RunFolder.create(path, wanted)
     try:
-        file.write_text(text)
+        write_whole(file, text)
     except OSError as error:
         raise cannot_write(file, error) from error
     return run
@@ -192,6 +193,6 @@ def write_accuracies(path: Path, agreement: Agreement) -> None:
         rates = agreement.recall[action], agreement.precision[action]
         lines.append(",".join([str(action), name, str(done[action]), str(meant[action]), *map(spell, rates)]))
     try:
-        path.write_text("\n".join(lines) + "\n")
+        write_whole(path, "\n".join(lines) + "\n")
     except OSError as error:
         raise cannot_write(path, error) from error

@@ -9,10 +9,11 @@ Read next: `commands.replay`; `envs.football.view.bot`, who plays unless told ot
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -20,7 +21,12 @@ from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
 from experiments.run.config import EngineConfig, ProgramConfig
 from experiments.run.errors import UsageError
+from experiments.run.table import cannot_write
 from ued.config import Checked, setting
+from ued.files import write_whole
+
+if TYPE_CHECKING:
+    from envs.football.replay import Record
 
 DESCRIPTION = "Play one match of a program, and write a film or a record of it."
 
@@ -47,6 +53,8 @@ def main(argv: Sequence[str]) -> int:
     if not config.program:
         raise UsageError("play needs a program: a minigame's name or the path of a .scenic file")
     check_film_of(config.video)
+    if config.record and config.record.suffix != ".npz":
+        raise UsageError(f"{config.record}: a record ends in .npz")
     from envs.football.config import FootballConfig
     from envs.football.gym_env import ENDINGS
     from envs.football.replay import Recorder, after_step
@@ -69,10 +77,22 @@ def main(argv: Sequence[str]) -> int:
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
     print(f"{len(moments) - 1} steps, {left} : {right}{end}")
     if config.record:
-        recorder.save(config.record)
+        _keep(recorder.record(), config.record)
     if config.video:
         film(config.video, moments, config.speed)
     return 0
+
+
+def _keep(record: Record, path: Path) -> None:
+    """Write a record, whole or not at all."""
+    from envs.football.replay import save_record
+
+    content = io.BytesIO()
+    save_record(record, content)
+    try:
+        write_whole(path, content.getbuffer())
+    except OSError as error:
+        raise cannot_write(path, error) from error
 
 
 def check_film_of(path: Path | None) -> None:

@@ -10,7 +10,6 @@ Read next: `ued.probes`, the levels; `ued.methods`, the methods.
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Sequence
 from concurrent.futures import as_completed
@@ -26,10 +25,12 @@ from experiments.run.arguments import group
 from experiments.run.config import TrainConfig, to_dict
 from experiments.run.errors import DAMAGE, UsageError, nearest
 from experiments.run.progress import Progress
+from experiments.run.report import save_rows, write_text
 from experiments.run.signals import StopRequest, held_back
 from experiments.run.table import cannot_write
 from experiments.run.workers import LaunchConfig, processes, train_unfinished
 from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
+from ued.files import write_whole
 
 if TYPE_CHECKING:
     from ued.statistics import Interval
@@ -140,11 +141,10 @@ class ProbeJob:
     def train(self) -> None:
         """Train, and keep what came of it."""
         run = run_one(self.config, self.longest, self.dim)
-        new, kept = self.path / "run.json.new", {"settings": self.settings(), "run": asdict(run)}
+        kept = {"settings": self.settings(), "run": asdict(run)}
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            new.write_text(json.dumps(kept))
-            new.replace(self.path / "run.json")
+            write_whole(self.path / "run.json", json.dumps(kept))
         except OSError as error:
             raise cannot_write(self.path, error) from error
 
@@ -167,10 +167,10 @@ def main(argv: Sequence[str]) -> int:
     table = render(runs, config.methods, config.longest)
     try:
         config.out.mkdir(parents=True, exist_ok=True)
-        (config.out / "table.md").write_text(table + "\n")
-        save_csv(runs, config.out / "curves.csv")
     except OSError as error:
         raise cannot_write(config.out, error) from error
+    write_text(config.out / "table.md", table + "\n")
+    save_csv(runs, config.out / "curves.csv")
     draw(runs, config.methods, config.out / "curves.png")
     heading = f"The frontier: {plots.listed(config.methods)}"
     pictures = {"Share of the turns known, over simulated steps": "curves.png"}
@@ -263,12 +263,13 @@ def _cell(interval: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: st
 
 def save_csv(runs: Sequence[Run], path: Path) -> None:
     """Write one row for each evaluation of each run."""
-    with open(path, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["method", "seed", "env_steps", "score", "updates"])
-        for run in runs:
-            for steps, score in zip(run.env_steps, run.scores, strict=True):
-                writer.writerow([run.method, run.seed, steps, round(score, 4), run.updates])
+    columns = ("method", "seed", "env_steps", "score", "updates")
+    rows = [
+        dict(zip(columns, (run.method, run.seed, steps, round(score, 4), run.updates), strict=True))
+        for run in runs
+        for steps, score in zip(run.env_steps, run.scores, strict=True)
+    ]
+    save_rows(rows, columns, path)
 
 
 def draw(runs: Sequence[Run], methods: Sequence[str], path: Path) -> None:

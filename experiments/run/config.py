@@ -21,6 +21,7 @@ from experiments.run.arguments import group, option, positional
 from experiments.run.errors import CommandError, nearest
 from experiments.run.tasks import is_task
 from ued.config import Checked, PairedConfig, PPOConfig, setting
+from ued.files import write_whole
 from ued.methods import METHODS
 
 Config = TypeVar("Config")
@@ -192,7 +193,7 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
 def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
     """Write a configuration as JSON, and beside it what `provenance.about` tells of a run."""
     told = {ABOUT: about} if about else {}
-    path.write_text(json.dumps(to_dict(config) | told, indent=2) + "\n")
+    write_whole(path, json.dumps(to_dict(config) | told, indent=2) + "\n")
 
 
 def about(path: Path) -> dict[str, Any]:
@@ -258,6 +259,8 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
         values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
+    if kind is FootballConfig:
+        values["grf_python"] = None  # a program that would be run: no file chooses it, but whoever types the command
     try:
         return kind(**values)
     except ValueError as error:

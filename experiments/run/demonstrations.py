@@ -15,9 +15,7 @@ from __future__ import annotations
 
 import io
 import json
-import os
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -29,6 +27,7 @@ from experiments.run import config as configs
 from experiments.run.errors import CommandError
 from experiments.run.table import cannot_write, spell
 from ued.config import Checked, setting
+from ued.files import is_partial, write_whole
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
@@ -91,13 +90,13 @@ class Demonstrations:
             if (path / "program.scenic").read_text() != program:
                 raise CommandError(f"the program has changed since {path} began with what is now in its program.scenic")
             return there
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+        if path.exists() and not (path.is_dir() and all(map(_begun_with, path.iterdir()))):
             raise CommandError(f"{path} exists and holds no demonstrations; choose another --out")
         try:
             for folder in ("records", "data"):
                 (path / folder).mkdir(parents=True, exist_ok=True)
-            (path / "program.scenic").write_text(program)
-            write_whole(path / "demonstrations.json", json.dumps(configs.to_dict(config), indent=2).encode() + b"\n")
+            write_whole(path / "program.scenic", program)
+            write_whole(path / "demonstrations.json", json.dumps(configs.to_dict(config), indent=2) + "\n")
         except OSError as error:
             raise cannot_write(path, error) from error
         return cls(path, config)
@@ -184,8 +183,8 @@ class Demonstrations:
         try:
             write_whole(self.path / "data" / "main_data.hdf5", _main_file(numbers))
             metadata = _metadata(self, spaces, settings, len(numbers), steps)
-            write_whole(self.path / "data" / "metadata.json", json.dumps(metadata).encode())
-            write_whole(self.path / "episodes.csv", self._table(names, episodes).encode())
+            write_whole(self.path / "data" / "metadata.json", json.dumps(metadata))
+            write_whole(self.path / "episodes.csv", self._table(names, episodes))
         except OSError as error:
             raise cannot_write(self.path, error) from error
 
@@ -211,18 +210,10 @@ class Demonstrations:
         return "\n".join(lines) + "\n"
 
 
-def write_whole(path: Path, content: bytes | memoryview) -> None:
-    """Write a file in one stroke: whatever happens, it is there whole or as it was. Raises OSError."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        with open(partial, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-    finally:
-        with suppress(OSError):
-            partial.unlink()
+def _begun_with(path: Path) -> bool:
+    """Return whether a folder of demonstrations may hold this before its demonstrations.json is there."""
+    empty = path.name in ("records", "data") and path.is_dir() and not any(path.iterdir())
+    return empty or path.name == "program.scenic" or is_partial(path.name)
 
 
 def damaged(path: Path) -> CommandError:

@@ -34,6 +34,7 @@ from experiments.run.errors import CommandError
 from experiments.run.owner import OWNER, owned
 from experiments.run.table import Table, cannot_write, read_columns
 from experiments.run.tasks import is_task
+from ued.files import is_partial, write_whole
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -59,16 +60,16 @@ class RunFolder:
         run = cls(path, config, provenance.about())
         if run.begun():
             raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
-        foreign = any(entry.name not in UNTRAINED for entry in path.iterdir()) if path.is_dir() else path.exists()
+        names = [entry.name for entry in path.iterdir()] if path.is_dir() else []
+        foreign = any(name not in UNTRAINED and not is_partial(name) for name in names) or path.is_file()
         if foreign:
             raise CommandError(f"{path} exists and is no run folder; choose another --out")
         try:
             path.mkdir(parents=True, exist_ok=True)
-            (path / "config.json").touch()
-            with run.locked():
-                configs.save(config, path / "config.json", run.about)
         except OSError as error:
             raise cannot_write(path, error) from error
+        with run.locked():
+            run._keep_config(config)
         return run
 
     @classmethod
@@ -95,8 +96,16 @@ class RunFolder:
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         if config != self.config:
-            configs.save(config, self.path / "config.json", self.about)
+            with self.locked():
+                self._keep_config(config)
         self.config = config
+
+    def _keep_config(self, config: Any) -> None:
+        path = self.path / "config.json"
+        try:
+            configs.save(config, path, self.about)
+        except OSError as error:
+            raise cannot_write(path, error) from error
 
     @contextmanager
     def locked(self) -> Iterator[None]:
@@ -107,7 +116,8 @@ class RunFolder:
     @property
     def words(self) -> list[str]:
         """What is typed behind `regista` to train it on, wherever that is."""
-        return ["train", "--resume", str(self.path.resolve())]
+        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
+        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else [])]
 
     def keep_program(self, program: Program) -> None:
         """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with.
@@ -118,7 +128,7 @@ class RunFolder:
         kept, text = self.path / ("task.py" if task else "program.scenic"), program.source
         if not kept.exists() or not self.begun():
             try:
-                kept.write_text(text)
+                write_whole(kept, text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
         elif kept.read_text(errors="replace") != text and not task:
@@ -208,4 +218,7 @@ class RunFolder:
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
 LARGEST = 10**15  # of any of them
-MAY_CHANGE = ("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device")
+MAY_CHANGE = (
+    *("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device"),
+    "env.grf_python",
+)

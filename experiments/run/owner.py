@@ -15,9 +15,12 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from glob import escape
 from pathlib import Path
 
 from experiments.run.errors import CommandError
+from experiments.run.table import cannot_write
+from ued.files import PARTIAL
 
 OWNER = "owner.json"
 BEAT_SECONDS = 10.0  # between signs of life
@@ -31,15 +34,11 @@ class BusyError(CommandError):
 @contextmanager
 def owned(folder: Path) -> Iterator[None]:
     """Keep other processes, here and on other machines, from training this run. Raises `BusyError` if one does."""
-    with open(folder / "config.json") as file:
+    with _lock(folder) as locked:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            locked = True
-        except BlockingIOError:
-            raise BusyError(f"{folder} is being trained by another process") from None
-        except OSError:  # a disk without locks
-            locked = False
-        _claim(folder, locked)
+            _claim(folder, locked)
+        except OSError as error:
+            raise cannot_write(folder / OWNER, error) from error
         ended = threading.Event()
         beating = threading.Thread(target=_beat, args=(folder / OWNER, ended), daemon=True)
         beating.start()
@@ -49,13 +48,34 @@ def owned(folder: Path) -> Iterator[None]:
             ended.set()
             beating.join()
             if _owner(folder) == _myself():
-                (folder / OWNER).unlink(missing_ok=True)
+                with suppress(OSError):  # the next one of this machine takes it over
+                    (folder / OWNER).unlink()
+
+
+@contextmanager
+def _lock(folder: Path) -> Iterator[bool]:
+    """Lock a folder itself, for what lies in it may be replaced; give whether its disk has locks."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            locked = True
+        except BlockingIOError:
+            raise BusyError(f"{folder} is being trained by another process") from None
+        except OSError:
+            locked = False
+        yield locked
+    finally:
+        os.close(handle)
 
 
 def _claim(folder: Path, locked: bool) -> None:
     """Become the owner of a folder, or raise `BusyError`: two who try at the same time cannot both become it."""
-    mine = folder / f"owner.{platform.node()}.{os.getpid()}"
+    mine = folder / f".owner.{platform.node()}.{os.getpid()}{PARTIAL}"
     try:
+        if locked:  # whoever of this machine was killed in these lines holds no lock any more
+            for left in folder.glob(f".owner.{escape(platform.node())}.*{PARTIAL}"):
+                left.unlink(missing_ok=True)
         mine.write_text(json.dumps(_myself()))
         other = _owner(folder)
         if other is None:
@@ -70,7 +90,8 @@ def _claim(folder: Path, locked: bool) -> None:
                 raise BusyError(f"{folder} is being trained by {who}, last heard of {max(silent, 0):.0f} s ago")
             os.replace(mine, folder / OWNER)
     finally:
-        mine.unlink(missing_ok=True)
+        with suppress(OSError):
+            mine.unlink()
 
 
 def _owner(folder: Path) -> dict | None:

@@ -8,6 +8,7 @@ compared with the first of them. Read next: `run.results`, where the numbers com
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -20,6 +21,7 @@ import numpy as np
 from experiments.run import results as estimate
 from experiments.run.results import LevelResult, Result, align, select, unique
 from experiments.run.table import cannot_write, spell
+from ued.files import write_whole
 
 if TYPE_CHECKING:
     from ued.statistics import Interval
@@ -224,7 +226,7 @@ def _spelled(interval: Interval | None, write: Callable[[float], str]) -> str:
 def write_text(path: Path, text: str) -> None:
     """Write a file. Raises `CommandError` if the disk refuses."""
     try:
-        path.write_text(text)
+        write_whole(path, text)
     except OSError as error:
         raise cannot_write(path, error) from error
 
@@ -238,9 +240,10 @@ def save_csv(results: Sequence[Result], path: Path) -> None:
 def save_rows(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], path: Path) -> None:
     """Write rows as CSV. Raises `CommandError` if the disk refuses."""
     try:
-        with open(path, "w", newline="") as file:
-            writer = csv.DictWriter(file, columns)
-            writer.writeheader()
-            writer.writerows({name: spell(value) for name, value in row.items()} for row in rows)
+        text = io.StringIO(newline="")
+        writer = csv.DictWriter(text, columns)
+        writer.writeheader()
+        writer.writerows({name: spell(value) for name, value in row.items()} for row in rows)
+        write_whole(path, text.getvalue())
     except OSError as error:
         raise cannot_write(path, error) from error

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from experiments.run.errors import CommandError
+from ued.files import write_whole
 
 WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers
 
@@ -75,10 +75,8 @@ class Table:
 
     def _rewrite(self, lines: list[str]) -> None:
         """Replace the file in one step, so that a kill leaves either the old or the new one."""
-        beside = self.path.with_name(self.path.name + ".part")
         try:
-            beside.write_text("".join(lines))
-            os.replace(beside, self.path)
+            write_whole(self.path, "".join(lines))
         except OSError as error:
             raise cannot_write(self.path, error) from error
 

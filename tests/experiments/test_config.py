@@ -7,6 +7,7 @@ import pytest
 
 from experiments.run import config as configs
 from experiments.run.config import ConfigError, TrainConfig, presets
+from experiments.run.folder import RunFolder
 
 
 @pytest.mark.parametrize("name", ["fast", "thesis"])
@@ -83,3 +84,19 @@ def test_differences_are_named_by_path():
 
 def test_every_setting_survives_json():
     assert json.loads(json.dumps(configs.to_dict(TrainConfig()))) == configs.to_dict(TrainConfig())
+
+
+def test_no_file_says_what_is_to_be_run(tmp_path):
+    env = dataclasses.replace(TrainConfig().env, engine="grf", grf_python="/tmp/theirs/python")
+    configs.save(dataclasses.replace(TrainConfig(), env=env), tmp_path / "config.json")
+    found = configs.load(None, tmp_path / "config.json")
+    assert found.env == dataclasses.replace(env, grf_python=None)
+
+
+def test_what_is_to_be_run_is_told_to_the_processes_that_train(tmp_path):
+    env = dataclasses.replace(TrainConfig().env, engine="grf", grf_python="/opt/ours/python")
+    config = dataclasses.replace(TrainConfig(), env=env)
+    for _ in range(2):  # a new one, and one that is there
+        run = RunFolder.create_or_extend(tmp_path / "run", config)
+        assert run.words[-2:] == ["--grf-python", "/opt/ours/python"]
+    assert RunFolder.open(tmp_path / "run").words == ["train", "--resume", str(tmp_path / "run")]

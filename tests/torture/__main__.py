@@ -23,6 +23,8 @@ from typing import Any, NamedTuple
 from tests.envs.hostile import attack_records, attack_states
 from tests.envs.torture import torture
 from tests.scenic_lite.dynamics.hostile import attack as attack_code
+from tests.torture import moments
+from tests.torture.faults import attack as inject_faults
 from tests.torture.files import attack as attack_folders
 from tests.torture.interrupts import attack as interrupt_commands
 
@@ -60,6 +62,9 @@ PARTS = {
     "records": Part("records of matches damaged", 100, attack_records),
     "folders": Part("run folders damaged", 40, attack_folders),
     "programs": Part("programs that nobody would write", 500, programs),
+    "faults": Part("changes on the disk that failed, or were the last", 10, inject_faults),
+    "kills": Part("commands killed", 10, moments.kill),
+    "ctrl-c": Part("commands interrupted in their work", 10, moments.interrupt),
     "interrupts": Part("commands interrupted", 9, interrupt_commands),
     "matches": Part("player-steps", 64, lambda count, seed, _: {"sane": torture(count, 1_000, seed)}),
 }
