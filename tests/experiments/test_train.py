@@ -32,7 +32,7 @@ def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
     names = {path.name for path in (tmp_path / "run").iterdir()}
     wanted = {"config.json", "metrics.csv", "levels.csv", "checkpoint.pt", "curriculum.rrd"}
-    wanted |= {"program.scenic", "learning_curve.png"}
+    wanted |= {"program.scenic", "learning_curve.png", "replays.csv"}
     assert names == wanted
     metrics = read_columns(tmp_path / "run" / "metrics.csv")
     assert metrics["update"].tolist() == list(range(1, 21))
@@ -256,8 +256,12 @@ def test_a_full_disk_is_one_sentence_and_keeps_the_checkpoint(probe, tmp_path, m
     assert main(["train", "1v1Restricted", "--out", str(path), *SHORT]) == 0
     before = (path / "checkpoint.pt").read_bytes()
 
-    def full(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
+    fsync = os.fsync
+
+    def full(handle):  # the configuration and the tables, which are written first, still found room
+        if "checkpoint.pt" in os.readlink(f"/proc/self/fd/{handle}"):
+            raise OSError(errno.ENOSPC, "No space left on device")
+        fsync(handle)
 
     monkeypatch.setattr(os, "fsync", full)
     assert main(["train", "--resume", str(path), "--total-env-steps", "24000"]) == 1
