@@ -2,6 +2,7 @@
 
     regista benchmark --suite sim
     regista benchmark --suite language
+    regista benchmark --suite scale --figures scale         # what grows with environments, players, θ, buffers ...
     regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
     regista benchmark --suite grf --measure                 # the same keys in drawn scenes, in both engines
     regista benchmark --suite grf --measure --family experts
@@ -48,9 +49,10 @@ REFERENCE = (310, 570)
 class BenchmarkConfig(Checked):
     """What is typed after `regista benchmark`."""
 
-    suite: Literal["sim", "train", "language", "all", "grf"] = setting(
+    suite: Literal["sim", "train", "language", "all", "scale", "grf"] = setting(
         "all",
         "sim: the simulator alone; train: every method and teams; language: programs, scenes, behaviors; all of these; "
+        "scale: what grows with environments, players, θ, buffers, threads, agents; "
         "grf: likeness to Google Research Football",
     )
     minigame: str = setting("1v1Free", "what is played")
@@ -62,7 +64,7 @@ class BenchmarkConfig(Checked):
         f"of suite grf, among {', '.join(FAMILIES)}; none given: all. With --measure among {', '.join(MEASURES)}; "
         "none given: differential",
     )
-    figures: Path | None = setting(None, "of suite grf: folder for one PNG per family")
+    figures: Path | None = setting(None, "folder for pictures: of suite scale one, of suite grf one per family")
     effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0")
     measuring: MeasureConfig = group(MeasureConfig, "both engines at once, of suite grf")
 
@@ -80,6 +82,8 @@ def main(argv: Sequence[str]) -> int:
     if config.suite == "grf":
         return measure(config) if config.measuring.measure else likeness(config)
     build.find_minigame(config.minigame)
+    if config.suite == "scale":
+        return scale(config)
     suites: dict[str, Sequence[Any]] = {}
     if config.suite in ("sim", "all"):
         suites["simulator"] = simulator_suite(config)
@@ -121,6 +125,22 @@ def measure(config: BenchmarkConfig) -> int:
             print(text, end="\n\n", flush=True)
     if config.json:
         print(json.dumps({"machine": machine(), "results": results}, indent=2))
+    return 0
+
+
+def scale(config: BenchmarkConfig) -> int:
+    """Measure what things cost as they grow, and draw it if wanted."""
+    from experiments.benchmarks.scale import draw, rows_of, scale_suite
+
+    points = list(scale_suite(config.minigame, config.seconds))
+    if config.figures is not None:
+        path = draw(points, config.figures)
+    if config.json:
+        print(json.dumps({"machine": machine(), "results": [point._asdict() for point in points]}, indent=2))
+    else:
+        print(f"{_machine_line()}\n\n{align(rows_of(points))}")
+        if config.figures is not None:
+            print(f"\n{path}")
     return 0
 
 

@@ -103,7 +103,8 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, 
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
-    print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
+    if runs[-1].recordings():
+        print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
     if rrd is not None:
         from experiments.pictures.runs_recording import record_runs
 

@@ -43,14 +43,17 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
 def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
     """Draw the first frames of the levels θ `[n, D]`, one environment for each.
 
-    Raises `CommandError` where environments render nothing.
+    Raises `CommandError` where environments render nothing, or fail to.
     """
     import matplotlib.pyplot as plt
 
     from experiments.pictures import plots
 
     upomdp.reset(seed=0, options={"theta": theta})
-    frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
+    try:
+        frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
+    except Exception as error:  # whatever is theirs
+        raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
     if frames is None:
         raise CommandError('nothing can be drawn: make the environments with render_mode="rgb_array"')
     columns = min(len(frames), 4)
