@@ -109,7 +109,7 @@ class Method:
         for index, learner in enumerate(self.learners):
             learner.worker.tape = ActionTape(learner.upomdp.num_envs)
             if not learner.worker.env_steps:
-                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.playing_ids(index))
+                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.turns(index))
 
     # ------------------------------------------------------------ what others ask
 

@@ -29,7 +29,7 @@ CENTIMETRES = 100
 NOWHERE = -(2**15)  # a place that there is not
 MOST_IMAGES = 40  # of an episode that is shown as it renders itself
 IMAGE_WIDTH = 240  # pixels, at most
-PLAIN = ("update", "id", "parent", "seed", "episodes")
+PLAIN = ("update", "id", "turn", "parent", "seed", "episodes")
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,12 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
     env = build.make_upomdp(program, 1, config.env if build.is_football(config) else None, config.seed, config.threads)
     stage = Stage(env, build.make_painter(program, env))
     rows = read_rows(run.replays.path)
-    shown = _spread(list(dict.fromkeys((row["update"], row["id"]) for row in rows)), most_replays)
+    shown = _spread(list(dict.fromkeys(row["turn"] for row in rows)), most_replays)
     replays, otherwise = _replays(stage, rows, set(shown))
     columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
-    keys = list(zip(columns["update"].astype(int), columns["id"].astype(int), strict=True))
-    with_replay = [index for index, (update, level) in enumerate(keys) if f"{update}/{level}" in replays]
-    chosen = sorted({*_spread(range(len(keys)), most_levels), *with_replay})
+    played = len(sources)
+    with_replay = [index for index, turn in enumerate(columns["turn"].astype(int)) if str(turn) in replays]
+    chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {
         "title": f"{build.short_name(config.minigame)}, {config.method}, seed {config.seed}",
         "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen)),
@@ -69,7 +69,7 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
         path.write_text(text)
     except OSError as error:
         raise cannot_write(path, error) from error
-    return Made(len(chosen), len(keys), len(replays), otherwise)
+    return Made(len(chosen), played, len(replays), otherwise)
 
 
 def _spread(items: Sequence[Any], most: int) -> list[Any]:
@@ -130,12 +130,12 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
     }
 
 
-def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[tuple[str, str]]) -> tuple[dict[str, Any], int]:
-    """Play levels again; return what is to be seen, by "update/id" and student, and how many came out otherwise."""
+def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple[dict[str, Any], int]:
+    """Play levels again; return what is to be seen, by turn and student, and how many came out otherwise."""
     told: dict[str, Any] = {}
     otherwise = 0
     for row in rows:
-        if (row["update"], row["id"]) not in shown:
+        if row["turn"] not in shown:
             continue
         replay = Replay.of_row(row, stage.env)
         played = stage.play(replay)
@@ -147,7 +147,7 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[tuple[str, str
             film = [_image(frame) for frame in _spread(frames, MOST_IMAGES)]
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
         said["begins"] = played.begins
-        told.setdefault(f"{replay.update}/{replay.id}", {})[replay.student] = said
+        told.setdefault(str(replay.turn), {})[replay.student] = said
     return told, otherwise
 
 

@@ -85,7 +85,7 @@ class RunRecorder:
             kept = replays.taken(method, update.number, TOP_LEVELS)
             self.run.replays.append([replay.row() for replay in kept])
             if update.number == 1 or update.number % every == 0:
-                self._show([replay for replay in kept if replay.id == kept[0].id], update)
+                self._show([replay for replay in kept if replay.turn == kept[0].turn], update)
 
     def _show(self, kept: Sequence[Replay], update: Update) -> None:
         """Show the very episodes of all students on one level."""

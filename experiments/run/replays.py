@@ -27,7 +27,7 @@ class Replay:
     """What a student did on a level, in all of its episodes there.
 
     Attributes:
-        update, id: of the update that was based on the level, and of the level.
+        update, id, turn: of the update that was based on the level, of the level, and of this playing of it.
         student: whose episodes they are.
         level: the level, a record of `level_dtype(D)` `[1]`.
         actions: `[T, ...]`, as the environment was given them.
@@ -36,6 +36,7 @@ class Replay:
 
     update: int
     id: int
+    turn: int
     student: str
     level: np.ndarray
     actions: np.ndarray
@@ -46,6 +47,7 @@ class Replay:
         return {
             "update": self.update,
             "id": self.id,
+            "turn": self.turn,
             "student": self.student,
             "returns": " ".join(f"{value:g}" for value in self.returns),
             "level": _spell(self.level),
@@ -62,7 +64,8 @@ class Replay:
             data = _read(row["actions"], MAX_STEPS * max(int(np.prod(space.shape)), 1) * kept.itemsize)
             actions = np.frombuffer(data, kept).astype(space.dtype).reshape(-1, *space.shape)
             returns = np.array(row["returns"].split(), float)
-            return cls(int(row["update"]), int(row["id"]), row["student"], level, actions, returns)
+            update, number, turn = (int(row[name]) for name in ("update", "id", "turn"))
+            return cls(update, number, turn, row["student"], level, actions, returns)
         except (ValueError, KeyError, zlib.error) as error:
             raise CommandError(f"a row of replays.csv is damaged: {error}") from error
 
@@ -76,16 +79,17 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
     records, tapes, found = batch.records, {}, []
     for index, learner in enumerate(method.learners):
         if learner.student is not None and learner.worker.tape is not None:
-            tapes[index] = learner.worker.tape.pop(records["id"])
+            tapes[index] = learner.worker.tape.pop(records["turn"])
     order = np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")
-    known = [row for row in order if all(int(records["id"][row]) in tape for tape in tapes.values())]
+    known = [row for row in order if all(int(records["turn"][row]) in tape for tape in tapes.values())]
     for row in known[:most]:
         record = records[row]
         for index, tape in tapes.items():
-            actions, played = tape[int(record["id"])][:MAX_STEPS], int(record["num_played"][index])
+            actions, played = tape[int(record["turn"])][:MAX_STEPS], int(record["num_played"][index])
             returns = record["returns"][index, :played]
             level = records["level"][row : row + 1].copy()
-            found.append(Replay(update, int(record["id"]), method.learners[index].name, level, actions, returns))
+            numbers = update, int(record["id"]), int(record["turn"])
+            found.append(Replay(*numbers, method.learners[index].name, level, actions, returns))
     return found
 
 

@@ -65,23 +65,36 @@ def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
     assert len(rows) > 40 and {row["student"] for row in rows} == {"protagonist", "antagonist"}
-    told = {(row["update"], row["id"]): row for row in read_rows(run.levels.path)}
+    told = {row["turn"]: row for row in read_rows(run.levels.path)}
     for row in rows:
         replay = Replay.of_row(row, stage.env)
         assert {name: str(value) for name, value in replay.row().items()} == row
         frames, begins, returns = stage.play(replay)
         assert came_out_alike(replay, returns) and 1 < len(frames) <= len(replay.actions)
         assert begins[0] == 0 and len(begins) == len(returns) and all(frames[k][0, 0] == 0 for k in begins)
-        level = told[row["update"], row["id"]]
+        level = told[row["turn"]]
         assert abs(float(level[f"return/{row['student']}"]) - returns.mean()) < 1e-4
         assert str(replay.level["seed"][0]) == level["seed"]
+
+
+def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
+    task = Path(run.path).parent / "walk_task.py"
+    command = ["train", f"{task}:task", "--method", "plr", "--plr.buffer.capacity", "5", "--total-env-steps", "4_000"]
+    assert main([*command, *SHORT, "--out", str(tmp_path / "run")]) == 0
+    replayed = RunFolder.open(tmp_path / "run")
+    rows, stage = read_rows(replayed.replays.path), stage_of(replayed)
+    same = [(row["update"], row["id"]) for row in rows]
+    assert len(same) - len(set(same)) > 10  # one level, several times in an update
+    for row in rows:
+        replay = Replay.of_row(row, stage.env)
+        assert came_out_alike(replay, stage.play(replay).returns)
 
 
 def test_the_levels_of_the_highest_scores_are_kept(run):
     rows, levels = read_rows(run.replays.path), read_rows(run.levels.path)
     for update in {row["update"] for row in rows}:
-        kept = {row["id"] for row in rows if row["update"] == update}
-        scores = {row["id"]: float(row["score"]) for row in levels if row["update"] == update}
+        kept = {row["turn"] for row in rows if row["update"] == update}
+        scores = {row["turn"]: float(row["score"]) for row in levels if row["update"] == update}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
 
@@ -90,14 +103,14 @@ def test_the_page_shows_levels_cards_scenes_and_replays(run, tmp_path, capsys):
     page = tmp_path / "page.html"
     assert main(["gallery", str(run.path), "--out", str(page), "--levels", "20", "--replays", "7"]) == 0
     assert "7 with replays" in capsys.readouterr().out
-    data, levels = data_of(page), {(row["update"], row["id"]): row for row in read_rows(run.levels.path)}
+    data, levels = data_of(page), {row["turn"]: row for row in read_rows(run.levels.path)}
     shown = data["levels"]
     assert 20 <= len(shown["id"]) <= 27 and len(data["replays"]) == 7
-    for index, (update, level) in enumerate(zip(shown["update"], shown["id"], strict=True)):
-        row = levels[str(int(update)), str(int(level))]
+    for index, turn in enumerate(shown["turn"]):
+        row = levels[str(int(turn))]
         assert shown["source"][index] == row["source"] and abs(shown["score"][index] - float(row["score"])) < 1e-4
     for key, students in data["replays"].items():
-        assert tuple(key.split("/")) in levels and set(students) == {"protagonist", "antagonist"}
+        assert key in levels and set(students) == {"protagonist", "antagonist"}
         assert all(each["alike"] and each["frames"] > 1 for each in students.values())
     assert "http" not in page.read_text()  # it needs no network
 

@@ -77,7 +77,7 @@ class RolloutWorker(Resumable):
         self.observation, _ = self.upomdp.reset_to_levels(records["level"])
         self.training[:] = records["train"]
         if self.tape is not None:
-            self.tape.begin(np.arange(len(records)), records["id"])
+            self.tape.begin(np.arange(len(records)), records["turn"])
         self.returns[:] = 0.0
         self.lengths[:] = 0
         self.memory[:] = 0.0
@@ -141,7 +141,7 @@ class RolloutWorker(Resumable):
             mask[envs] = True
             self.training[envs] = records["train"]
             if self.tape is not None:
-                self.tape.begin(envs, records["id"])
+                self.tape.begin(envs, records["turn"])
             self.observation, _ = self.upomdp.reset_to_levels(records["level"][np.argsort(envs)], mask)
             self.seconds["sim"] += perf_counter() - began
 

@@ -55,10 +55,11 @@ class LevelBatch:
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:
-        """Return who each level is, by name `[L]`: id, source, parent (nan: none), program, seed, episodes."""
+        """Return who each level is, by name `[L]`: id, turn, source, parent (nan: none), program, seed, episodes."""
         level, parent = self.records["level"], self.records["parent"]
         return {
             "id": self.records["id"],
+            "turn": self.records["turn"],
             "source": self.source,
             "parent": np.where(parent == NONE, np.nan, parent),
             "program": level["program"],

@@ -35,7 +35,7 @@ class LevelQueue(Resumable):
     Raises `ValueError` for a `max_lead` between 0 and N.
     """
 
-    state_fields = ("records", "taken", "playing", "next_id")
+    state_fields = ("records", "taken", "playing", "next_id", "next_turn")
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class LevelQueue(Resumable):
         self.records = np.zeros(0, curriculum.dtype)  # in the order of play; finished ones leave in `pop_finished`
         self.taken = np.zeros(self.students, np.int64)  # [S] records that each student has begun: a prefix
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
-        self.next_id = 0  # of the levels of the run
+        self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
         self._ended: list[list[np.ndarray]] = [[] for _ in range(self.students)]  # [k, 2] record, episode of each
 
@@ -112,16 +112,17 @@ class LevelQueue(Resumable):
         if missing > 0:
             proposals = self.curriculum.propose(max(missing, self.proposal_batch))
             self.next_id = number(proposals, self.next_id)
+            proposals["turn"] = self.next_turn + np.arange(len(proposals))
+            self.next_turn += len(proposals)
             self.records = np.concatenate([self.records, proposals])
         rows = np.arange(start, start + len(envs))
         self.playing[student, envs] = rows
         self.taken[student] += len(envs)
         return self.records[rows]
 
-    def playing_ids(self, student: int) -> np.ndarray:
-        """Return the ids `[N]` of the levels that a student's environments play; NONE for one that waits."""
-        record = self.playing[student]
-        return np.where(record == NONE, NONE, np.append(self.records["id"], NONE)[record])
+    def turns(self, student: int) -> np.ndarray:
+        """Return which turn each of a student's environments plays `[N]`; NONE for one that waits."""
+        return np.append(self.records["turn"], NONE)[self.playing[student]]  # NONE, -1, is the last
 
     def upcoming(self, student: int) -> np.ndarray:
         """Return the levels that a student will begin next, as far as they have been proposed."""

@@ -36,9 +36,9 @@ def level_record_dtype(
 
     Chosen by the curriculum:
         level: a record of `upomdp.level_dtype`; origin: an `Origin`; id: the level's number, which it keeps when it is
-        replayed, NONE for a new one, which whoever has it played numbers (see `number`); parent: id of the level that
-        it is an edited copy of, or NONE; train: whether students learn from it; num_episodes: how many each student is
-        to play.
+        replayed, NONE for a new one, which whoever has it played numbers (see `number`); turn: number of this playing
+        of it, likewise; parent: id of the level that it is an edited copy of, or NONE; train: whether students learn
+        from it; num_episodes: how many each student is to play.
     Filled in by the trainer:
         num_played `[S]`: whole episodes so far; returns `[S, n]`: undiscounted, nan where not played; success `[S, n]`:
         1 or 0, nan where the trainer does not know (see `solved`); mean_value, positive_advantage, absolute_advantage
@@ -52,6 +52,7 @@ def level_record_dtype(
             ("level", level),
             ("origin", np.int8),
             ("id", np.int64),
+            ("turn", np.int64),
             ("parent", np.int64),
             ("train", np.bool_),
             ("num_episodes", np.int32),
@@ -67,7 +68,7 @@ def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDO
     """Return records `[k]` of these levels that students learn from, with all results open."""
     records = np.zeros(len(levels), dtype)
     records["level"], records["origin"], records["train"] = levels, origin, True
-    records["id"] = records["parent"] = NONE
+    records["id"] = records["turn"] = records["parent"] = NONE
     records["num_episodes"] = dtype["returns"].shape[1]
     for name in (*RESULTS, "score"):
         records[name] = np.nan
