@@ -94,9 +94,9 @@ class RunRecorder:
         for replay in kept:
             played = self.stage.play(replay)
             said = ", ".join(f"{value:+.2f}" for value in replay.returns)
-            text = f"{replay.student} in update {update.number} on {named[replay.id]}: returns {said}"
+            text = f"{replay.student} in update {update.number}\n{named[replay.id]}\nreturns {said}"
             if not replays.came_out_alike(replay, played.returns):
-                text += "; played again they came out otherwise: the environment draws more than its seed says"
+                text += "\nplayed again they came out otherwise: the environment draws more than its seed says"
             episodes = Episodes(
                 np.array(played.frames[:MAX_FRAMES]),
                 [begin for begin in played.begins if begin < MAX_FRAMES],

@@ -18,6 +18,7 @@ from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
+NOTE_SHARE = 0.02  # of the height of a view, half that of a line of a note
 END_SIZE = 0.55  # of the points at which an episode ended, beside those at which it began
 
 
@@ -74,7 +75,7 @@ class SceneLog:
             path = f"scene/levels/{slot}"
             if slot < len(best):
                 self.stream.log(f"{path}/points", self._points(places[best[slot]]))
-                self.stream.log(f"{path}/note", self._note_above(labels[best[slot]]))
+                self.stream.log(f"{path}/note", self._note_above(labels[best[slot]], self.painter.bounds))
             else:  # a smaller batch than before: nothing stale may stay in the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
         share = unit(batch.score)
@@ -99,7 +100,7 @@ class SceneLog:
         ends = np.concatenate([part[-1] for part in parts])
         radii = np.tile(self._radii * END_SIZE, len(parts))
         self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
-        self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome))
+        self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome, self.painter.reach))
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on `movie` alone, from second `began`: on `update` the last step would hide them."""
@@ -124,9 +125,10 @@ class SceneLog:
         """Return the points of one scene `[K, 2]`; all fields are set, so that no old colour or radius stays."""
         return rerun.Points2D(places, class_ids=self.painter.classes, radii=self._radii, show_labels=False)
 
-    def _note_above(self, text: str) -> Any:
-        x_low, x_high, _, y_high = self.painter.bounds
-        place = [[(x_low + x_high) / 2, y_high - 1.0]]
+    def _note_above(self, text: str, bounds: Sequence[float]) -> Any:
+        """Return a note below the upper edge of bounds: x low, x high, y low, y high."""
+        x_low, x_high, y_low, y_high = bounds
+        place = [[(x_low + x_high) / 2, y_high - NOTE_SHARE * (y_high - y_low) * (1 + text.count("\n"))]]
         return rerun.Points2D(place, labels=[text], colors=[(225, 225, 225)], radii=0.01, show_labels=True)
 
     def _heat_image(self) -> Any:
@@ -143,13 +145,13 @@ def by_score(batch: LevelBatch) -> np.ndarray:
 
 
 def captions(batch: LevelBatch) -> list[str]:
-    """Return of each level who it is, and the students' mean and best returns on it, in a line."""
+    """Return of each level who it is, and in a line for each student its mean and best returns there."""
     best = batch.best
     parts = [titles(batch)]
     for student, returns in batch.returns.items():
         pairs = zip(returns.tolist(), best[student].tolist(), strict=True)
         parts.append([f"{student} {mean:+.2f}, best {most:+.2f}" for mean, most in pairs])
-    return ["   ".join(line) for line in zip(*parts, strict=True)]
+    return ["\n".join(lines) for lines in zip(*parts, strict=True)]
 
 
 def titles(batch: LevelBatch) -> list[str]:
