@@ -77,8 +77,10 @@ def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_go
     heard: list[int] = []
     try:
         with interruptible(for_good) as heard:
-            code = command(words)
-            sys.stdout.flush()
+            try:
+                code = command(words)
+            finally:  # after --help, too, which leaves by SystemExit: a reader that has gone is noticed here
+                sys.stdout.flush()
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, KeyboardInterrupt) and not heard:
             heard.append(signal.SIGINT)

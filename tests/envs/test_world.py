@@ -47,7 +47,7 @@ def tables(matches: np.ndarray) -> tuple[list[dict[str, float]], dict[str, float
 def test_places_are_in_the_units_of_programs() -> None:
     objects, facts = tables(position(THREE, (54.4, 0.0)))
     assert [(round(each["x"], 9), round(each["y"], 9)) for each in objects] == [(50, -20), (100, 0), (-20, 10)]
-    assert facts == {"time": 0, "steps_left": 400, "score_left": 0, "score_right": 0, "game_mode": 0}
+    assert facts == {"time": 0, "steps_left": 400, "score_left": 0, "score_right": 0, "game_mode": 0, "done": 0}
 
 
 def test_everybody_looks_at_the_ball_and_headings_grow_anticlockwise() -> None:

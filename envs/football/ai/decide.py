@@ -101,12 +101,12 @@ def unaware_of_kick(match, player):
 def goes_for_free_ball(match, i):
     """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents.
 
-    Where an opponent is already so near it that he could be said to own it, touched or not, he has to be sooner.
+    Where an opponent is already so near it that he could be said to own it, touched or not, he may not be later.
     """
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
         return False
     rival = match.chaser[1 - team]
-    if rival != NOBODY and match.arrival[team] >= match.arrival[1 - team] and owns(match.ball, match.players[rival]):
+    if rival != NOBODY and match.arrival[team] > match.arrival[1 - team] and owns(match.ball, match.players[rival]):
         return False
     return match.arrival[team] < LATE_SHARE * match.arrival[1 - team] + LATE
