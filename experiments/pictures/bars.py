@@ -11,6 +11,7 @@ import numpy as np
 from experiments.pictures.plots import save, style
 
 WIDTH = 0.8  # of all bars of a game
+LEGEND_COLUMNS = 4
 
 
 class Bars(NamedTuple):
@@ -29,7 +30,8 @@ def draw_bars(games: Sequence[str], groups: Sequence[Bars], heading: str, path: 
 
     middles, each = np.arange(len(games)), WIDTH / len(groups)
     with style():
-        figure, axes = plt.subplots(figsize=(max(5.0, 0.62 * len(games) + 1.5), 3.6))
+        wide = 0.12 * len(groups) * len(games)  # an inch or so for eight bars
+        figure, axes = plt.subplots(figsize=(max(6.0, 0.62 * len(games) + 1.5, wide), 3.6))
         for number, group in enumerate(groups):
             places = middles + (number + 0.5) * each - WIDTH / 2
             heights = np.asarray(group.heights, float)
@@ -40,8 +42,8 @@ def draw_bars(games: Sequence[str], groups: Sequence[Bars], heading: str, path: 
         axes.axhline(0.0, color="#8a9199", linewidth=0.8)
         axes.set_xticks(middles, [game.partition("/")[2] or game for game in games], rotation=38, ha="right")
         axes.set_ylabel("goal difference per episode")
-        axes.set_ylim(-1.05, 1.3)  # room for the legend
-        axes.set_title(heading)
+        axes.set_ylim(-1.05, 1.05)  # intervals of two runs may reach farther
+        axes.set_title(heading, pad=10 + 16 * -(-len(groups) // LEGEND_COLUMNS))
         axes.grid(axis="x", visible=False)
-        axes.legend(loc="upper right", ncols=len(groups), fontsize=8)
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=LEGEND_COLUMNS, fontsize=8)  # above the bars
         save(figure, path)
