@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from experiments.run import build
+from experiments.run.errors import CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.replays import Replay, Stage, came_out_alike
 from experiments.run.table import cannot_write, read_columns, read_rows
@@ -43,7 +44,7 @@ class Made:
 
 
 def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_replays: int) -> Made:
-    """Write the page of a run. Raises `CommandError` where tables are damaged, or the disk refuses."""
+    """Write the page of a run. Raises `CommandError` where tables are damaged or old, or the disk refuses."""
     config = run.config
     env = build.make_upomdp(program, 1, config.env if build.is_football(config) else None, config.seed, config.threads)
     stage = Stage(env, build.make_painter(program, env))
@@ -52,6 +53,8 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
     replays, otherwise = _replays(stage, rows, set(shown))
     columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
     played = len(sources)
+    if not {*PLAIN, "score"} <= columns.keys():
+        raise CommandError(f"{run.levels.path} is of an older version, or damaged: it has not all of its columns")
     with_replay = [index for index, turn in enumerate(columns["turn"].astype(int)) if str(turn) in replays]
     chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +140,16 @@ def test_a_row_that_unpacks_to_a_gigabyte_is_refused(run):
     bomb = base64.b64encode(zlib.compress(bytes(50_000_000))).decode()
     with pytest.raises(CommandError, match="holds more than"):
         Replay.of_row(read_rows(run.replays.path)[0] | {"actions": bomb}, stage_of(run).env)
+
+
+def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
+    old = tmp_path / "old"
+    shutil.copytree(run.path, old)
+    lines = [line.split(",") for line in (old / "levels.csv").read_text().splitlines()]
+    turn = lines[0].index("turn")
+    (old / "levels.csv").write_text("".join(",".join(row[:turn] + row[turn + 1 :]) + "\n" for row in lines))
+    assert main(["gallery", str(old)]) == 1 and "older version" in capsys.readouterr().err
+    assert not (old / "gallery.html").exists()
 
 
 def test_no_run_no_page(tmp_path, capsys):
