@@ -6,7 +6,9 @@ import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PPOConfig
+from ued.config import AdversaryConfig
 from ued.evaluation import evaluate
+from ued.levels.adversary import AdversaryNetwork
 from ued.mixture import Mixture
 from ued.probes import Frontier
 
@@ -170,3 +172,11 @@ def test_minigames_of_football_in_one_batch():
     alone = FootballVectorEnv(MINIGAMES["1v1Free"].program, 16)
     assert alone.single_observation_space.shape[0] + 2 <= seen.shape[1]
     assert {each["program"] for each in env.describe(env.levels["theta"])} == set(names)
+
+
+def test_an_adversary_chooses_among_programs_without_parameters():
+    network = AdversaryNetwork(np.zeros(1, np.int64), AdversaryConfig(), torch.Generator().manual_seed(0), 1, (0, 0, 0))
+    policy, _ = network(torch.zeros(64, 1))
+    raw = policy.sample(torch.Generator().manual_seed(0)).detach()
+    assert len(np.unique(network.theta(raw.numpy())[:, 0])) == 3
+    assert torch.allclose(policy.log_prob(raw).exp(), torch.tensor(1 / 3), atol=0.05)

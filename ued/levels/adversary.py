@@ -194,7 +194,8 @@ class AdversaryNetwork(nn.Module):
     def _policy(self, features: Tensor, heads: list[Tensor]) -> ThetaPolicy:
         if self.program_dims:
             assert self.choice is not None
-            halves = (half.split(self.program_dims, -1) for half in heads)
+            nothing = [features[:, :0]] * 2  # programs without free parameters: there is only which to choose
+            halves = (half.split(self.program_dims, -1) for half in heads or nothing)
             parts = [self.distribution(*own) for own in zip(*halves, strict=True)]
             return Composed(self.choice(features), parts, len(self.cells))
         if self.choice is None:
