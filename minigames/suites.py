@@ -118,6 +118,16 @@ SPARSE_REWARD: dict[str, Minigame] = {
             difficulty="one random level in six begins beyond the last line; the others want a guard passed",
         ),
         Minigame(
+            "Pursuit",
+            HERE / "gauntlet" / "pursuit.scenic",
+            tuple((name, HERE / "gauntlet" / f"test_pursuit_{name}.scenic") for name in ("near", "middle", "far")),
+            "three defenders on the way to the goal who run at the ball, each at a pace of his own",
+            difficulty="from posts to runners in small steps: a goal in sixty random levels at first",
+            held_out=tuple(
+                (name, HERE / "gauntlet" / f"held_out_pursuit_{name}.scenic") for name in ("near", "middle", "far")
+            ),
+        ),
+        Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
             tuple((name, HERE / "buildup" / f"test_{name}.scenic") for name in ("two", "three", "four")),

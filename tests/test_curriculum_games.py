@@ -9,8 +9,8 @@ from envs.football.vector_env import FootballVectorEnv
 from minigames.suites import SPARSE_REWARD
 from scenic_lite import load
 
-DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Buildup": 15, "CrossingWide": 12}
-HELD_OUT = {"Gauntlet": 11, "Buildup": 15}  # columns: held-out scenes are parts of the game, not single levels
+DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Pursuit": 11, "Buildup": 15, "CrossingWide": 12}
+HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Buildup": 15}  # columns of held-out scenes, parts of the game
 
 
 def program_of(path):
@@ -80,3 +80,11 @@ def test_so_many_defend_as_are_awake():
     gone = [np.hypot(*np.moveaxis(course[-1] - course[0], -1, 0)) for course in (asleep, awake)]
     assert np.quantile(gone[0], 0.9) < 0.2  # some are pushed by those who run
     assert np.quantile(gone[1], 0.1) > 0.5
+
+
+def test_a_chaser_comes_the_nearer_the_greater_his_pace():
+    paces = (-1.0, -0.2, 1.0)  # stands, runs in four steps of ten, in all
+    ways = [courses("Pursuit", {0: -1.0, 1: 0.0} | dict.fromkeys((4, 7, 10), pace), 20)[:, :, 2:] for pace in paces]
+    stood, walked, ran = (np.median(np.hypot(*np.moveaxis(way[-1] - way[0], -1, 0)), 0) for way in ways)
+    assert stood.max() < 0.01
+    assert (walked > 1.0).all() and (ran > 1.5 * walked).all()

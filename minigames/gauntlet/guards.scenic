@@ -1,4 +1,4 @@
-"""What the gauntlet's programs share: the settings of an episode, and guards who wake when the ball comes near."""
+"""What the gauntlet's programs share: the settings of an episode, guards who wake when the ball comes near, chasers."""
 
 from football.behaviors import *
 
@@ -22,6 +22,16 @@ behavior Guard(reach):
             take ReleaseSprint()
         else:
             take MoveTowardsPoint(simulation().game_ds.ball, self.position, True)
+
+behavior Chase(pace):
+    """Run at the ball in this share of every ten steps; in the others hold no direction. Never sprint."""
+    step = 0
+    while True:
+        if step < 10 * pace:
+            take MoveTowardsPoint(simulation().game_ds.ball, self.position, True)
+        else:
+            take ReleaseDirection()
+        step = (step + 1) % 10
 
 def between(start, share, aside):
     """The place at this share of the way from a start to the goal, so far aside of it."""

@@ -1,0 +1,13 @@
+"""Pursuit, held out: the middle third of the striker's x, and of each defender's pace."""
+
+from guards import *
+
+ego = LeftCM on get_reg_from_edges(2, 43, -25, 25)
+LeftGK at -99 @ 0
+RightGK at 99 @ 0
+
+RightCB at between(ego, Range(0.2, 0.35), Range(-10, 10)), with behavior Chase(Range(1 / 3, 2 / 3))
+RightCB at between(ego, Range(0.4, 0.6), Range(-10, 10)), with behavior Chase(Range(1 / 3, 2 / 3))
+RightCB at between(ego, Range(0.65, 0.8), Range(-10, 10)), with behavior Chase(Range(1 / 3, 2 / 3))
+
+ball = Ball ahead of ego by 2

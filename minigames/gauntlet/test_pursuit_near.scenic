@@ -1,0 +1,13 @@
+"""Pursuit, near: before the box, defenders who hardly move."""
+
+from guards import *
+
+ego = LeftCM at 60 @ 10
+LeftGK at -99 @ 0
+RightGK at 99 @ 0
+
+RightCB at between(ego, 0.27, 3), with behavior Chase(0.2)
+RightCB at between(ego, 0.5, -3), with behavior Chase(0.2)
+RightCB at between(ego, 0.72, 2), with behavior Chase(0.2)
+
+ball = Ball ahead of ego by 2
