@@ -16,7 +16,7 @@ from envs.football.control.agents import num_agents, seen_by
 from envs.football.control.episode import has_succeeded
 from envs.football.control.keys import key_of_command
 from envs.football.control.reward import agent_reward, team_reward
-from envs.football.observation.observer import observe, remember_minimap
+from envs.football.observation.observe import observe, remember_minimap
 from envs.football.physics.motion import take_stance
 from envs.football.physics.variation import vary_engine
 from envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
-from envs.football.observation.observer import View
+from envs.football.observation.observe import View
 from scenic_lite.dynamics.machine.bytecode import Code
 
 

@@ -17,7 +17,8 @@ from envs.football.config import FootballConfig
 from envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
 from envs.football.engine import Engine, Simulator
 from envs.football.limits import Limits, StateError
-from envs.football.observation.observer import RAW, Observer
+from envs.football.observation.observe import RAW
+from envs.football.observation.observer import Observer
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup

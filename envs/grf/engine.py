@@ -18,23 +18,20 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.batch import Batch, BatchSettings, Outcome, begin, close_row, open_row, restart, watch_row
+from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart
 from envs.football.config import FootballConfig
 from envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
 from envs.football.kick_off import MatchConfig
-from envs.football.observation.observer import View, remember_minimap
+from envs.football.observation.observe import View
 from envs.football.observation.units import UNIT_X, UNIT_Y
 from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.lineup import Lineup, NotAMatchError
-from envs.grf.observed_match import read_start, read_step
+from envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
 from envs.grf.worker import ROWS, TEAM
 from envs.grf.workers import Episode, Workers, grf_python, shared_workers
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
 
 # Metres that a scenario's units mean for players, whom the engine spreads a little; the ball has those of observations.
 PLAYER_X, PLAYER_Y = 55.0, -36.0 * 2.36
-SEEDS = 2_000_000_000  # that the engine's own environment draws from
 SETTINGS = (
     *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
     *("left_team_difficulty", "right_team_difficulty"),
@@ -191,42 +188,3 @@ def draw_seeds(matches: np.ndarray, where: np.ndarray) -> np.ndarray:
     seeds = np.zeros(len(where), np.int64)
     write_seeds(matches, where, seeds)
     return seeds
-
-
-@kernel
-def write_seeds(matches, where, seeds):
-    """Draw a seed from the stream of each of the matches `where` [k] into `seeds` [k]."""
-    for at in range(len(where)):
-        seeds[at] = int(uniform(matches[where[at]]) * SEEDS)
-
-
-@kernel
-def open_rows(batch, actions, settings, code, playing):
-    """Give all players their actions; write which matches are to be played into `playing` [N]."""
-    for index in range(len(batch.matches)):
-        playing[index] = open_row(batch, actions, settings, code, index)
-
-
-@kernel
-def read_starts(batch, where, observed, controllers, settings):
-    """Write matches that the engine has begun, OBSERVED [k], into the records `where` [k]."""
-    for at in range(len(where)):
-        index = where[at]
-        read_start(batch.matches[index], observed[at], controllers[index])
-        remember_minimap(batch, index, settings.observation)
-
-
-@kernel
-def read_steps(batch, where, observed, controllers, settings, code):
-    """Write what the engine has played, OBSERVED [k], into the records `where` [k], and let the monitors see it."""
-    for at in range(len(where)):
-        index = where[at]
-        read_step(batch.matches[index], observed[at], controllers[index])
-        watch_row(batch, settings, code, index)
-
-
-@kernel
-def close_rows(batch, outcome, seen, final, settings):
-    """Reward and observe all matches."""
-    for index in range(len(batch.matches)):
-        close_row(batch, outcome, seen, final, settings, index)

@@ -26,8 +26,7 @@ from envs.football.control.agents import choose_closest
 from envs.football.control.episode import end_episode
 from envs.football.control.keys import hold_kick
 from envs.football.control.reward import pay_checkpoints
-from envs.football.observation.raw import SPIN_UNIT
-from envs.football.observation.units import UNIT_X, UNIT_Y
+from envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 from envs.football.physics.possession import forget_kick
 from envs.football.physics.vectors import length
 from envs.grf.worker import TEAM

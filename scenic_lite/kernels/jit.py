@@ -1,7 +1,8 @@
 """`kernel`: how every compiled function of Regista is compiled and where the result is kept.
 
 Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
-file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see.
+file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see: a file
+with kernels imports from others with kernels and from leaves, or else an edit there compiles football anew.
 Read next: `envs.football.simulator`, the largest user.
 """
 
@@ -86,6 +87,7 @@ def sources() -> list[Path]:
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
     pending = [path for path, text in texts.items() if "scenic_lite.kernels.jit import" in text]
+    pending += (path for path in texts if path.parent == ROOT / "scenic_lite" / "kernels")  # what compiles them
     while pending:
         path = pending.pop()
         if path in seen:

@@ -15,7 +15,8 @@ from envs.football.control.agents import assign_actions
 from envs.football.physics.motion import take_stance
 from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.scripted_step import command_players
-from envs.football.scenic.world import FACTS, FOOTBALL_WORLD
+from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.football.scenic.world_fields import FACTS
 from envs.football.scenic.world_table import NUM_FIELDS, write_world
 from envs.football.simulator import step_everybody
 from scenic_lite import Program

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from envs.football.scenic.domain import FOOTBALL, LIBRARY, MODULES
-from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
+from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference

@@ -22,7 +22,8 @@ from envs.football.constants import (
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.scripted_step import command_players
-from envs.football.scenic.world import FACTS, FIELDS, FOOTBALL_WORLD
+from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.football.scenic.world_fields import FACTS, FIELDS
 from envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance, ScenicClass

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import fnmatch
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +16,7 @@ import pytest
 
 from scenic_lite.kernels import jit
 from scenic_lite.kernels.rng import streams, uniform
+from tests.floors import imported, modules
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
@@ -104,6 +108,76 @@ def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, mon
     assert jit.digest() == before
     (tmp_path / "envs" / "numbers.py").write_text("G = 1.62\n")
     assert jit.digest() != before
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of all sources that kernels may stand in."""
+    folder = tmp_path_factory.mktemp("copied")
+    for package in jit.PACKAGES:
+        shutil.copytree(jit.ROOT / package, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("file", "stale"),
+    [
+        ("envs/football/constants.py", True),  # two imports away from `play`, and farther
+        ("envs/football/observation/units.py", True),
+        ("envs/football/scenic/world_fields.py", True),
+        ("scenic_lite/values/formulas.py", True),
+        ("scenic_lite/dynamics/machine/opcodes.py", True),
+        ("scenic_lite/kernels/numba_linking.py", True),
+        ("envs/football/vector_env.py", False),
+        ("envs/grf/engine.py", False),
+        ("scenic_lite/syntax/parser.py", False),
+        ("scenic_lite/core/scope.py", False),
+        ("scenic_lite/values/graph.py", False),
+        ("scenic_lite/evaluation/expressions.py", False),
+        ("scenic_lite/dynamics/compiler/compile.py", False),
+        ("scenic_lite/dynamics/machine/compiled.py", False),
+    ],
+)
+def test_an_edit_compiles_anew_only_what_compiled_code_can_see(
+    copied: Path, monkeypatch: pytest.MonkeyPatch, file: str, stale: bool
+) -> None:
+    monkeypatch.setattr(jit, "ROOT", copied)
+    before = jit.digest()
+    with (copied / file).open("a") as source:
+        source.write("EDITED = 1\n")
+    assert (jit.digest() != before) == stale
+
+
+def test_the_digest_misses_no_import() -> None:
+    """Sources are found by a pattern, for speed; here by Python's own parser, which also sees inside of functions."""
+    sources = {str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".") for path in jit.sources()}
+    ours = {name for package in jit.PACKAGES for name in modules(package)}
+    for path in jit.sources():
+        for name in imported(path):
+            module = name if name in ours else name.rpartition(".")[0]
+            assert module not in ours or {module, f"{module}.__init__"} & sources, f"{path} imports {name}"
+
+
+@pytest.mark.parametrize("package", ["experiments", "tests"])
+def test_kernels_elsewhere_see_only_themselves_and_what_the_digest_covers(package: str) -> None:
+    covered = {str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".") for path in jit.sources()}
+    for path in modules(package).values():
+        if "@kernel" not in path.read_text():
+            continue
+        tree = ast.parse(path.read_text())
+        homes = {
+            name.asname or name.name: (f"{node.module}.{name.name}", str(node.module))
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for name in node.names
+        }
+        for function in ast.walk(tree):
+            if isinstance(function, ast.FunctionDef) and any(
+                "kernel" in ast.unparse(d) for d in function.decorator_list
+            ):
+                seen = {node.id for node in ast.walk(function) if isinstance(node, ast.Name)} & homes.keys()
+                ours = {name for name in seen if homes[name][1].split(".")[0] in ("envs", "scenic_lite", package)}
+                assert all(covered & {*homes[name]} for name in ours), f"{path}: {function.name} uses {ours}"
 
 
 def test_compiled_tells_whether_a_call_will_be_quick() -> None:

@@ -1,4 +1,4 @@
-"""What agents observe: each representation by its name, its space, and the arrays that kernels write it into.
+"""What agents observe: each representation by its name, its space, and the arrays that `observe` writes it into.
 
     features       a vector for small networks, sized to the program's players     [F] float32      `features`
     simple115      the original's vector                                           [115] float32    `simple115`
@@ -7,12 +7,12 @@
     raw            its dict                                                                         `raw`
 
 One agent's observation has no axis for agents; several have one, and of `raw` there is a tuple of dicts.
-Read next: `batch`.
+Read next: `observation.observe`.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box, Space, Tuple
@@ -20,43 +20,12 @@ from gymnasium.vector.utils import batch_space
 
 from envs.football.config import REPRESENTATIONS
 from envs.football.constants import LEFT
-from envs.football.control.agents import num_agents
-from envs.football.observation.features import LIMIT, features_size, write_features
+from envs.football.observation.features import LIMIT, features_size
+from envs.football.observation.observe import FEATURES, RAW, SIMPLE115, SMM, SMM_STACKED, View
 from envs.football.observation.raw import raw_observation, raw_space
-from envs.football.observation.simple115 import SIZE, simple115_unit, write_simple115
-from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history, remember, write_planes
+from envs.football.observation.simple115 import SIZE, simple115_unit
+from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history
 from envs.football.scenic.lineup import Lineup
-from scenic_lite.kernels.jit import kernel
-
-FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
-
-
-class View(NamedTuple):
-    """What kernels write the observations of N matches into; at most one of the arrays has entries."""
-
-    vectors: np.ndarray  # [N, A, F] float32
-    planes: np.ndarray  # [N, A, 72, 96, C] uint8
-
-
-@kernel
-def observe(batch, index, view, kind):
-    """Write what the agents of match number `index` see."""
-    match = batch.matches[index]
-    for agent in range(num_agents(match)):
-        if kind == FEATURES:
-            write_features(match, agent, view.vectors[index, agent])
-        elif kind == SIMPLE115:
-            write_simple115(match, agent, view.vectors[index, agent])
-        elif kind != RAW:
-            places, agents = batch.minimap_places[index], batch.minimap_agents[index]
-            write_planes(match, agent, places, agents, view.planes[index, agent])
-
-
-@kernel
-def remember_minimap(batch, index, kind):
-    """Remember what later observations of match number `index` need."""
-    if kind in (SMM, SMM_STACKED):
-        remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])
 
 
 class Observer:

@@ -13,11 +13,10 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space
 
 from envs.football.constants import BALL_RADIUS, STEP
-from envs.football.observation.units import UNIT_X, UNIT_Y
+from envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 
 FAR = 1e6
 MANY = 2**31  # goals, steps
-SPIN_UNIT = 1e-4  # of `ball_rotation`: rad/s into tenths of rad/ms
 
 
 def raw_space(ours: int, theirs: int) -> Dict:

@@ -7,30 +7,13 @@ importing it compiles nothing. Read next: `scenic.world_table`, which fills the 
 from __future__ import annotations
 
 from envs.football.constants import BUILTIN_AI, NUM_COMMANDS, STEP
+from envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite.core.types import Instance, Namespace, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.errors import ScenicError
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import EQUAL, INTEGER, NOT_EQUAL
-
-FIELDS = (
-    "x",
-    "y",
-    "heading",  # where a player looks, where the ball rolls: [0, 2π)
-    "vx",  # units per second
-    "vy",
-    "speed",
-    "owns_ball",
-    "is_controlled",  # the learner moves him in this step
-    "tired_factor",
-    "pressed",  # direction key, 1..8 as the player sees the pitch, 0 none
-    "sprint",
-    "dribble",
-    "owned_team",  # of the ball: 0 left, 1 right, -1 nobody's
-    "owned_player_idx",  # index within the team, -1 nobody
-)
-FACTS = ("time", "steps_left", "score_left", "score_right", "game_mode", "done")
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:

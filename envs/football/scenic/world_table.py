@@ -1,4 +1,4 @@
-"""From a match to the tables that behaviors read: a row of `world.FIELDS` per object, then `world.FACTS`.
+"""From a match to the tables that behaviors read: a row of `FIELDS` per object, then `FACTS`.
 
 Metres become units of programs; the right team's direction keys are told as its players see the pitch, from the other
 end. Read next: `scenic.scripted_step`, which plays a program's behaviors in a match.
@@ -10,7 +10,7 @@ import math
 
 from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
 from envs.football.control.agents import seen_by
-from envs.football.scenic.world import FIELDS
+from envs.football.scenic.world_fields import FIELDS
 from scenic_lite.kernels.jit import kernel
 
 THE_BALL = -1  # in place of a player's index

@@ -1,0 +1,47 @@
+"""Write what the agents of one match see, by the number of its representation: the kernels of all of them.
+
+Read next: `batch`, which calls this after each step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from envs.football.config import REPRESENTATIONS
+from envs.football.control.agents import num_agents
+from envs.football.observation.features import write_features
+from envs.football.observation.simple115 import write_simple115
+from envs.football.observation.smm import remember, write_planes
+from scenic_lite.kernels.jit import kernel
+
+FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
+
+
+class View(NamedTuple):
+    """What kernels write the observations of N matches into; at most one of the arrays has entries."""
+
+    vectors: np.ndarray  # [N, A, F] float32
+    planes: np.ndarray  # [N, A, 72, 96, C] uint8
+
+
+@kernel
+def observe(batch, index, view, kind):
+    """Write what the agents of match number `index` see."""
+    match = batch.matches[index]
+    for agent in range(num_agents(match)):
+        if kind == FEATURES:
+            write_features(match, agent, view.vectors[index, agent])
+        elif kind == SIMPLE115:
+            write_simple115(match, agent, view.vectors[index, agent])
+        elif kind != RAW:
+            places, agents = batch.minimap_places[index], batch.minimap_agents[index]
+            write_planes(match, agent, places, agents, view.planes[index, agent])
+
+
+@kernel
+def remember_minimap(batch, index, kind):
+    """Remember what later observations of match number `index` need."""
+    if kind in (SMM, SMM_STACKED):
+        remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])

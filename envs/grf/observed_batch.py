@@ -1,0 +1,53 @@
+"""The kernels of a batch whose matches the real engine plays: each does to all rows what is done to one.
+
+Read next: `grf.observed_match`, what is done to one.
+"""
+
+from __future__ import annotations
+
+from envs.football.batch import close_row, open_row, watch_row
+from envs.football.observation.observe import remember_minimap
+from envs.grf.observed_match import read_start, read_step
+from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
+
+SEEDS = 2_000_000_000  # that the engine's own environment draws from
+
+
+@kernel
+def write_seeds(matches, where, seeds):
+    """Draw a seed from the stream of each of the matches `where` [k] into `seeds` [k]."""
+    for at in range(len(where)):
+        seeds[at] = int(uniform(matches[where[at]]) * SEEDS)
+
+
+@kernel
+def open_rows(batch, actions, settings, code, playing):
+    """Give all players their actions; write which matches are to be played into `playing` [N]."""
+    for index in range(len(batch.matches)):
+        playing[index] = open_row(batch, actions, settings, code, index)
+
+
+@kernel
+def read_starts(batch, where, observed, controllers, settings):
+    """Write matches that the engine has begun, OBSERVED [k], into the records `where` [k]."""
+    for at in range(len(where)):
+        index = where[at]
+        read_start(batch.matches[index], observed[at], controllers[index])
+        remember_minimap(batch, index, settings.observation)
+
+
+@kernel
+def read_steps(batch, where, observed, controllers, settings, code):
+    """Write what the engine has played, OBSERVED [k], into the records `where` [k], and let the monitors see it."""
+    for at in range(len(where)):
+        index = where[at]
+        read_step(batch.matches[index], observed[at], controllers[index])
+        watch_row(batch, settings, code, index)
+
+
+@kernel
+def close_rows(batch, outcome, seen, final, settings):
+    """Reward and observe all matches."""
+    for index in range(len(batch.matches)):
+        close_row(batch, outcome, seen, final, settings, index)
