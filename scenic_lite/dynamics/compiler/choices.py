@@ -219,7 +219,8 @@ def numbered(choice: RandomChoice, things: list[Value]) -> Value:
     return renumbered(choice.index, places)
 
 
-def needs_number(value: Value, what: str) -> Value:
-    if isinstance(value, RandomChoice | RegisterList) or not isinstance(value, int | float | RandomExpr):
-        raise ScenicError("type", f"{what} is a number, not {describe_kind(value)}")
-    return value
+def in_steps(c: Compilation, duration: Value, unit: str | None) -> Value:
+    """Return how many steps a duration takes that is given in steps or in seconds."""
+    if isinstance(duration, RandomChoice | RegisterList) or not isinstance(duration, int | float | RandomExpr):
+        raise ScenicError("type", f"a duration is a number, not {describe_kind(duration)}")
+    return duration if unit == "steps" else duration / c.world.timestep

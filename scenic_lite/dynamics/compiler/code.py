@@ -134,9 +134,6 @@ class Assembler:
         self.rows.append(Row(LABEL, 0, 0, label, self.place))
         self.known.clear()
 
-    def fault(self, message: str) -> None:
-        self.row(op.FAULT, note=message)
-
     def fault_unless(self, register: int, message: str, told: int = 0) -> None:
         self.row(op.FAULT_UNLESS, register, told, note=message)
 

@@ -71,9 +71,6 @@ class CompiledScope(Scope):
         self.variables: dict[str, Variable] = {}
         self.unset: set[str] = set()  # variables of which the match decides whether they have a value where the walk is
 
-    def inner(self, names: dict[str, Value]) -> Scope:
-        return Scope(self.mode, self.source, names, self)
-
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Compile statements as far as they can be reached."""
         for node in statements:

@@ -36,7 +36,7 @@ from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, renew, run_behavior
-from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow, Label
+from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, ScenarioInstance, Thread
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary, for_undecided
@@ -271,11 +271,7 @@ def driven(c: Compilation, thread: Thread, drivers: list[Thread], main: Scenario
         drivers = [first, *drivers]
     thread.slot = code.fixed.take()
     begin(c, thread)
-    for each in drivers:
-        other = Label()
-        code.row(op.JUMP_NOT_EQUAL, register, code.constant(each.number), other)
-        code.row(op.RESUME, each.slot)
-        code.put(other)
+    code.dispatch(register, {each.number: partial(code.row, op.RESUME, each.slot) for each in drivers})
     code.row(op.WAIT, 0, thread.slot, thread.entry)
     for each in drivers:
         c.output.titles[each.entry] = each.title

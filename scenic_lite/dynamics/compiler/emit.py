@@ -55,13 +55,6 @@ def opcode_of(row: Operation) -> int:
 COMPUTED = "write it with what can: arithmetic, sqrt, exp, log, sin, cos, atan2, hypot, floor, ceil, round"
 
 
-class Unsupported(ScenicError):
-    """What cannot be computed inside the kernel."""
-
-    def __init__(self, what: str, hint: str = "") -> None:
-        super().__init__("unsupported", f"{what} while a match runs", hint=hint)
-
-
 def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
     """Return the register that holds a number, truth value or text; the rows that compute it are written first.
 
@@ -154,7 +147,8 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
         if row is not None and row.fails is not None and not any(map(is_live, node.inputs)):
             special = of_scene
         if special is None:
-            raise Unsupported(f"`{describe(node.operation)}` cannot be computed", COMPUTED)
+            message = f"`{describe(node.operation)}` cannot be computed while a match runs"
+            raise ScenicError("unsupported", message, hint=COMPUTED)
         special(code, node, out)
         return
     registers = tuple(register_of(code, operand) for operand in node.inputs)
@@ -219,7 +213,7 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
         corners = shapely.get_coordinates(ring)
         edges += np.hstack([corners[:-1], corners[1:]]).ravel().tolist()
     if len(edges) > 4000:
-        raise Unsupported("a region of more than 1000 edges cannot be asked for points")
+        raise ScenicError("unsupported", "a region of more than 1000 edges cannot be asked for points in a match")
     registers = (register_of(code, x), register_of(code, y), *(code.constant(edge) for edge in edges))
     code.row(op.IN_RINGS, out, 0, Operands(registers))
 

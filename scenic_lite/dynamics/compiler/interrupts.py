@@ -15,7 +15,7 @@ from functools import partial
 from typing import NamedTuple
 
 from scenic_lite.core.types import BehaviorCall
-from scenic_lite.dynamics.compiler.choices import jump_on, needs_number
+from scenic_lite.dynamics.compiler.choices import branch, in_steps, jump_on
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import register_of
@@ -77,11 +77,8 @@ def check_invariants(c: Compilation, scope: CompiledScope) -> None:
 
 def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.expr]) -> None:
     for condition in conditions:
-        fine = Label()
-        with c.code.statement():
-            jump_on(c, scope, condition, fine, when=True)
+        with c.code.statement(), branch(c, scope, condition, when=False):
             c.reject(f"violated {word} of {scope.inlined.behavior.name} on line {condition.lineno}")  # type: ignore[union-attr]
-            c.code.put(fine)
 
 
 # ------------------------------------------------------------ interrupts
@@ -157,11 +154,11 @@ def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) 
     if node.until is not None:
         return partial(jump_on, c, scope, node.until, when=True)
     assert node.duration is not None
-    duration = needs_number(scope.value(node.duration), "a duration")
+    steps = in_steps(c, scope.value(node.duration), node.unit)
     code, time = c.code, c.time()
     start = code.variables.take(2)
     register_of(code, time, start)
-    register_of(code, duration if node.unit == "steps" else duration / c.world.timestep, start + 1)
+    register_of(code, steps, start + 1)
 
     def over(end: Label) -> None:
         passed = code.temporaries.take()

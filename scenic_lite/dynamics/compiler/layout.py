@@ -36,7 +36,6 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         verify(code_of(c, rows, threads, layout), objects, cells),
         program,
         tuple(number_of(program, thread) for thread in threads),
-        listing.places,
         tuple(c.output.commands),
         tuple(c.output.reasons),
         tuple(c.output.rejections),

@@ -202,6 +202,14 @@ class TypeTable:
             self.outdated.add(key)
         return True
 
+    def settle(self, path: tuple) -> bool:
+        """Return whether rows of what is inlined here must be written again; those are then as if never written."""
+        own = {key for key in self.outdated if key[: len(path)] == path}
+        if own:
+            self.outdated -= own
+            self.read = {key for key in self.read if key[: len(path)] != path}
+        return bool(own)
+
 
 class Variable:
     """A variable in registers."""

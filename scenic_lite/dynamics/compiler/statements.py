@@ -15,7 +15,7 @@ from typing import Any
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
 from scenic_lite.core.world import NOT_FINITE, checked_reward
-from scenic_lite.dynamics.compiler.choices import jump_on
+from scenic_lite.dynamics.compiler.choices import branch, jump_on
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import OWN, SHARED, Compilation, CompiledScope, Loop
 from scenic_lite.dynamics.compiler.emit import fault_unless_finite, register_of
@@ -265,10 +265,8 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
 
 def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
     """Stop the match with a fault if a condition does not hold."""
-    fine = Label()
-    jump_on(c, scope, node.test, fine, when=True)
-    c.code.fault("the assertion does not hold")
-    c.code.put(fine)
+    with branch(c, scope, node.test, when=False):
+        c.code.row(op.FAULT, note="the assertion does not hold")
 
 
 def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
@@ -303,8 +301,6 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
     elif isinstance(target, ast.Tuple | ast.List):
         for each in target.elts:
             yield from base_names(each)
-    elif isinstance(target, ast.Subscript):
-        yield from base_names(target.value)
 
 
 def suspends(trees: Iterable[ast.AST]) -> bool:

@@ -12,7 +12,7 @@ from functools import partial
 from itertools import product
 
 from scenic_lite.core.state import Watched
-from scenic_lite.dynamics.compiler.choices import branch, needs_number
+from scenic_lite.dynamics.compiler.choices import branch, in_steps
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import (
     Compilation,
@@ -60,8 +60,7 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     if limits:
         taken, allowed = part.limit = c.code.fixed.take(), c.code.fixed.take()
         register_of(c.code, 0, taken)
-        duration = needs_number(limits[-1].duration, "a duration")
-        register_of(c.code, duration if limits[-1].tree.unit == "steps" else duration / c.world.timestep, allowed)
+        register_of(c.code, in_steps(c, limits[-1].duration, limits[-1].tree.unit), allowed)
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
@@ -190,9 +189,5 @@ def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
 def refuse(c: Compilation, item: WatchedItem, bad: Callable[[Formula], bool]) -> None:
     """Reject the match in the bad states of a requirement."""
     assert item.register is not None
-    for number, rest in enumerate(item.automaton.states):
-        if bad(rest):
-            fine = Label()
-            c.code.row(op.JUMP_NOT_EQUAL, item.register, c.code.constant(number), fine)
-            c.reject(item.watched.label)
-            c.code.put(fine)
+    numbers = [number for number, rest in enumerate(item.automaton.states) if bad(rest)]
+    c.code.dispatch(item.register, dict.fromkeys(numbers, partial(c.reject, item.watched.label)))

@@ -24,7 +24,7 @@ from scenic_lite.dynamics.machine.bytecode import (
     disassemble,
 )
 from scenic_lite.dynamics.machine.register_values import RegisterValue, plain
-from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, Value
@@ -51,7 +51,6 @@ class Compiled:
         code: what the kernels read.
         program: what it was compiled from.
         threads: of each thread the object that it moves, or -1.
-        places: of each row its place in the program.
         commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
         doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         records: what `record` statements put into registers.
@@ -62,7 +61,6 @@ class Compiled:
     code: Code
     program: Program
     threads: tuple[int, ...]
-    places: tuple[SourceSpan, ...]
     commands: tuple[tuple[Value, ...], ...]
     reasons: tuple[str, ...]
     broken: tuple[str, ...]
@@ -106,16 +104,16 @@ class Compiled:
         """Return what went wrong in a match [R], at its place in the program; None if nothing did."""
         if registers[FAULT] == 0:
             return None
-        row = min(int(registers[FAULT_ROW]), len(self.places) - 1)
+        row = min(int(registers[FAULT_ROW]), len(self.listing.places) - 1)
         fault = int(registers[FAULT])
         if fault == INFINITE_LOOP:
             hint = "is a take or wait missing in a loop?"
             message = f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action"
-            return self.program.error("budget", message, self.places[row], hint)
+            return self.program.error("budget", message, self.listing.places[row], hint)
         message = self.listing.notes.get(row, "") or FAULT_MESSAGES[fault]
         if self.code.rows[row, 0] == op.FAULT_UNLESS:
             message = message.replace(MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
-        return self.program.error("value", message, self.places[row])
+        return self.program.error("value", message, self.listing.places[row])
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
         """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""
