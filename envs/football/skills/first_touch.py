@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY, STEP
+from envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY, STEP
 from envs.football.physics.dribble import push_on
 from envs.football.physics.running import READY, START, SURE
 from envs.football.physics.vectors import length
@@ -50,7 +50,8 @@ class Control(NamedTuple):
     back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
     lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
-    set_off: float = 3.0  # m/s, so fast it goes
+    set_off: float = 3.0  # m/s, so fast it goes;
+    stops: float = 0.82  # of his run is left to who runs to it with no direction: he stops with it
 
 
 CONTROL = Control()
@@ -132,6 +133,9 @@ def cushion(match, i):
         ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
         ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
         return
+    if runs and player.direction == 0 and player.action != BUILTIN_AI and length(vx, vy) < CONTROL.lying:
+        player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
+        player.turning = 0
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9
