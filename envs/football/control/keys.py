@@ -55,6 +55,7 @@ class Ask(NamedTuple):
 ASK = Ask()  # documented of Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
+PASSING_PACE = 2.9  # m/s up to which a carrier who has asked for a pass still gathers speed
 STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
 PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
 
@@ -188,15 +189,16 @@ def steer(match, i):
 def run_on(player, speed):
     """Let the carrier who has asked for a kick run straight on, up to a run if his keys do not lead back.
 
-    Who hardly runs yet stands to pass, and starts where his keys lead to shoot.
+    Who hardly runs yet starts where his keys lead; who is to pass gathers no more than `PASSING_PACE`.
     """
     now = length(player.vx, player.vy)
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     if now < PULL.standing:
-        share = 0.0 if player.kick < SHOT else speed
-        player.desired_vx, player.desired_vy = share * ux, share * uy
+        speed = min(speed, PASSING_PACE) if player.kick < SHOT else speed
+        player.desired_vx, player.desired_vy = speed * ux, speed * uy
         return
-    share = max(min(speed, CARRY_RUN) / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
+    most = PASSING_PACE if player.kick < SHOT else CARRY_RUN
+    share = max(min(speed, most) / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
     player.desired_vx, player.desired_vy = share * player.vx, share * player.vy
 
 
