@@ -17,7 +17,6 @@ from envs.football.constants import (
     FREE_KICK,
     GOAL_KICK,
     HIGH_PASS,
-    LONG_PASS,
     NOBODY,
     NORMAL,
     PENALTY,
@@ -27,7 +26,7 @@ from envs.football.constants import (
     STEP,
     THROW_IN,
 )
-from envs.football.control.keys import press_key, release_keys
+from envs.football.control.keys import is_kick, press_key, release_keys
 from envs.football.physics.pitch import attacked_goal_x, forward
 from envs.football.physics.possession import forget_kick, lose_ball
 from envs.football.physics.vectors import apart, length, toward
@@ -112,7 +111,7 @@ def decide_restart(match, taker):
             choose_kick(match, taker)
             quick = 1 if uniform(match) < TAKER.quicker else 0
             match.restart_kick = SHOWN[match.game_mode] - quick
-    elif LONG_PASS <= player.action <= SHOT:
+    elif is_kick(player.action):
         if player.kick == player.action:
             player.kick_held += 1
         else:

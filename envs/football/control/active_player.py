@@ -12,7 +12,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, LONG_PASS, NOBODY, SHOT, SLIDING, STEP
+from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
+from envs.football.control.keys import is_button
 from envs.football.physics.possession import CHASE, ball_speed, meeting_time, owns
 from envs.football.physics.vectors import squared_apart
 from scenic_lite.kernels.jit import kernel
@@ -47,8 +48,7 @@ def settle_first_step(match):
             new = match.agents[first]
             if new != old:
                 action = match.players[old].action
-                is_lost = LONG_PASS <= action <= SHOT or action == SLIDING
-                match.players[new].action = IDLE if is_lost else action
+                match.players[new].action = IDLE if is_button(action) else action
                 match.players[old].action = BUILTIN_AI
         first += match.num_agents[team]
 

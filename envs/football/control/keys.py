@@ -72,10 +72,10 @@ def apply_action(match, i, actions):
     while actions > 0:  # from the last to the first
         action = actions % NUM_COMMANDS
         press_key(player, action)
-        if LONG_PASS <= action <= SHOT or action == SLIDING:
+        if is_button(action):
             button = action
         actions //= NUM_COMMANDS
-    if player.kick != 0 or not LONG_PASS <= button <= SHOT or may_ask(match, i, button):
+    if player.kick != 0 or not is_kick(button) or may_ask(match, i, button):
         hold_kick(player, button)
     if button == SLIDING and may_slide(match, i):
         slide(match, i)
@@ -116,7 +116,7 @@ def hold_kick(player, action):
 
     Another button is a release, but that of a short pass, which takes the place of a shot or a high pass.
     """
-    if LONG_PASS <= action <= SHOT and (player.kick in (0, action) or takes_place(player.kick, action)):
+    if is_kick(action) and (player.kick in (0, action) or takes_place(player.kick, action)):
         if player.kick_wait > 0.0:
             return  # the leg already swings
         if player.kick != action:
@@ -230,7 +230,13 @@ def key_of_command(player, command):
 @kernel
 def is_button(action):
     """Return whether an action is a kick or a slide, which counts when it is pressed, not as long as it is held."""
-    return LONG_PASS <= action <= SHOT or action == SLIDING
+    return is_kick(action) or action == SLIDING
+
+
+@kernel
+def is_kick(action):
+    """Return whether an action is a pass or a shot."""
+    return LONG_PASS <= action <= SHOT
 
 
 @kernel
