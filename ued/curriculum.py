@@ -72,16 +72,16 @@ class ThetaSpace(LevelSpace, Resumable):
     def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_map = ThetaMap(dim)
         self.draws, self.family = self.theta_map.draws, self.theta_map.family
-        self._valid, self.stream = valid or self.theta_map.valid, np.random.default_rng(seed)
+        self.stream = np.random.default_rng(seed)
+        self._valid = valid
 
     @property
     def _stream(self) -> np.random.Generator:
         return self.stream
 
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
-
     def valid(self, theta: Any) -> np.ndarray:
+        if self._valid is None:
+            return super().valid(theta)
         return np.asarray(self._valid(check_theta(theta, self.theta_dim)), bool)
 
 

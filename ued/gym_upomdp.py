@@ -80,6 +80,8 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     randomisation. `theta` and `valid` are those of `GymUPOMDP`.
     """
 
+    theta_map: ThetaMap
+
     def __init__(
         self, env: gymnasium.Env, apply: Apply, theta: Theta, valid: Callable[[Any], bool] | None = None
     ) -> None:
@@ -92,12 +94,6 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     @property
     def _stream(self) -> np.random.Generator:
         return self._streams
-
-    def valid(self, theta: Any) -> np.ndarray:
-        return self.theta_map.valid(check_theta(theta, self.theta_dim))
-
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on `options["theta"]` `[D]`, or on a random θ. `info["theta"]` says which.
@@ -199,6 +195,8 @@ class GymUPOMDP(UPOMDP):
     What goes wrong in an environment is raised as a `LevelError` that tells the level.
     """
 
+    theta_map: ThetaMap
+
     def __init__(
         self,
         make_env: Callable[[], gymnasium.Env],
@@ -236,12 +234,6 @@ class GymUPOMDP(UPOMDP):
 
         kind = gymnasium.vector.AsyncVectorEnv if self.vectorization == "async" else gymnasium.vector.SyncVectorEnv
         return kind([slot(index) for index in range(num_envs)], autoreset_mode=AutoresetMode.DISABLED)
-
-    def valid(self, theta: Any) -> np.ndarray:
-        return self.theta_map.valid(check_theta(theta, self.theta_dim))
-
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        return [self.theta_map.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other names."""

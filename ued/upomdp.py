@@ -20,7 +20,7 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
 from ued import parameters
-from ued.parameters import LevelFamily, Parameter
+from ued.parameters import LevelFamily, Parameter, ThetaProgram
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
 MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
@@ -104,12 +104,15 @@ class LevelSpace:
         program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
             where there is one only; see `mixture`.
         program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
+        theta_map: what `valid` and `describe` go by, such as a program or a `parameters.ThetaMap`; None: all levels are
+            valid, and a column's values lie evenly between its low and its high.
     """
 
     draws: tuple[Parameter, ...]
     family: LevelFamily | None = None
     program_names: tuple[str, ...] = ()
     program_dims: tuple[int, ...] = ()
+    theta_map: ThetaProgram | None = None
 
     @property
     def theta_dim(self) -> int:
@@ -123,11 +126,14 @@ class LevelSpace:
 
     def valid(self, theta: Any) -> np.ndarray:
         """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
-        return np.ones(len(check_theta(theta, self.theta_dim)), bool)
+        rows = check_theta(theta, self.theta_dim)
+        return np.ones(len(rows), bool) if self.theta_map is None else np.asarray(self.theta_map.valid(rows), bool)
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
         rows = check_theta(theta, self.theta_dim)
+        if self.theta_map is not None:
+            return [self.theta_map.describe(row) for row in rows]
         low = np.array([parameter.low for parameter in self.draws])  # [D]
         high = np.array([parameter.high for parameter in self.draws])  # [D]
         values = low + (rows + 1) / 2 * (high - low)  # [N, D]

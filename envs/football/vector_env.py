@@ -72,7 +72,7 @@ class FootballVectorEnv(UPOMDP):
 
     def _set_up(self, num_envs: int) -> None:
         """Make spaces and room for so many matches of the program."""
-        config, num_envs = self.config, check_count(num_envs)
+        config, num_envs, self.theta_map = self.config, check_count(num_envs), self.program
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
         self._observer = Observer(config.representation, self.lineup)
@@ -127,16 +127,8 @@ class FootballVectorEnv(UPOMDP):
         """
         self._settings = self._settings._replace(restart=False)
 
-    def valid(self, theta: Any) -> np.ndarray:
-        """Return for θ `[N, D]` whether each is a valid scene: `[N]`."""
-        return self.program.valid(check_theta(theta, self.theta_dim))
-
     def _playable(self, levels: np.ndarray) -> np.ndarray:
         return self._starts.rows(levels, self.upcoming) != INVALID
-
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return for θ `[N, D]` what each draws, by name, in the program's units."""
-        return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def sample_theta(self, count: int) -> np.ndarray:
         """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
