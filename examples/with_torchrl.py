@@ -24,14 +24,14 @@ TEAM = "agent"  # TorchRL groups agents by their names up to the number
 
 
 def make_env(game, control):
-    """Agents that move players by `control`, and the return of each episode so far."""
+    """Make agents that move players by `control`, and the return of each episode so far."""
     match = minigames.parallel_env(game, control=control)
     env = PettingZooWrapper(match, categorical_actions=True, use_mask=False)
     return TransformedEnv(env, RewardSum([env.reward_key], [(TEAM, "episode_reward")]))
 
 
 def make_networks(env):
-    """One policy for all agents, who see what is theirs, and a critic that sees what all see."""
+    """Make one policy for all agents, who see what is theirs, and a critic that sees what all see."""
     agents, features = env.observation_spec[TEAM, "observation"].shape[-2:]
     shape = {"n_agent_inputs": features, "n_agents": agents, "share_params": True, "depth": 2, "num_cells": 64}
     policy = MultiAgentMLP(n_agent_outputs=ACTIONS, centralized=False, **shape)
@@ -48,7 +48,7 @@ def make_networks(env):
 
 
 def make_loss(env, actor, critic):
-    """PPO's clipped loss, told where in the team's data it finds what it needs."""
+    """Make PPO's clipped loss, told where in the team's data it finds what it needs."""
     normalised = {"normalize_advantage": True, "normalize_advantage_exclude_dims": (1,)}  # each agent's own
     loss = ClipPPOLoss(actor, critic, clip_epsilon=0.2, entropy_coeff=0.01, **normalised)
     loss.set_keys(

@@ -116,13 +116,13 @@ def program_of(name):
 
 
 def span(text):
-    """The ends of "3" and "3..5"."""
+    """Return the ends of "3" and "3..5"."""
     low, _, high = text.partition("..")
     return float(low), float(high or low)
 
 
 def wanted(fact):
-    """An object's class, its box ((x0, x1), (y0, y1)) or the offset of the ball, and whether it has a behavior."""
+    """Return an object's class, its box ((x0, x1), (y0, y1)) or the ball's offset, and whether it has a behavior."""
     kind, *words = fact.split()
     if "of" in words:
         offset = np.array([float(part) for part in words[0].split(",")])

@@ -21,7 +21,7 @@ COPIED = ("experiments", "minigames", "tests", "ued", "examples", "pyproject.tom
 
 @pytest.fixture
 def checkout(tmp_path):
-    """A copy without the packages that have kernels: those are compiled once, for where they are."""
+    """Return a copy without the packages that have kernels: those are compiled once, for where they are."""
     for name in COPIED:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
         copy(ROOT / name, tmp_path / name)

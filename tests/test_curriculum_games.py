@@ -18,7 +18,7 @@ def program_of(path):
 
 
 def corners(program):
-    """Where objects stand at the ends and in the middle of every column: the least and greatest place of each."""
+    """Return where objects stand at the ends and in the middle of every column: each one's least and greatest place."""
     theta = np.vstack([np.zeros((1, program.dim)), np.eye(program.dim), -np.eye(program.dim)])
     theta = np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (256, program.dim))])
     places = program.instantiate(theta).positions
@@ -51,7 +51,7 @@ def test_tests_and_held_out_scenes_lie_within_the_game(name):
 
 
 def courses(name, columns, steps=30):
-    """Places of the right players `[steps, N, players, 2]` while the carrier stands; `columns` are set to a number."""
+    """Play while the carrier stands, `columns` set to a number; return places of the right `[steps, N, players, 2]`."""
     env = FootballVectorEnv(SPARSE_REWARD[name].program, 32)
     env.reset(seed=0)
     theta = env.sample_levels(32)["theta"]

@@ -23,7 +23,7 @@ SHORT = ["--total-env-steps", "512", "--num-envs", "4", "--num-steps", "32", "--
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory):
-    """A folder with what a wheel of ours holds, and nothing of the checkout."""
+    """Return a folder with what a wheel of ours holds, and nothing of the checkout."""
     folder = tmp_path_factory.mktemp("installed")
     source = folder / "source"
     source.mkdir()

@@ -78,7 +78,7 @@ STRATEGIES = {"A": 0.125, "B": 0.375, "C": 0.625, "D": 0.875}
 
 
 def courses_of(label, steps=40, count=32):
-    """Where the defender (its match index 5) and the ball are in the test scene of a strategy: [T, count, 2] each.
+    """Return where the defender (match index 5) and the ball are in a strategy's test scene: [T, count, 2] each.
 
     The learner stands still; matches that have ended give nan.
     """

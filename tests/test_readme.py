@@ -24,7 +24,7 @@ STEPS = "200_000"  # of training, in the example; here fewer
 
 
 def blocks(text, *languages):
-    """The fenced blocks of a page in certain languages."""
+    """Return the fenced blocks of a page in certain languages."""
     return [block.text for block in pages.blocks(text) if block.language in languages]
 
 

@@ -121,7 +121,7 @@ class FootballVectorEnv(UPOMDP):
         return self._observer.unit
 
     def keep_endings(self) -> None:
-        """From now on keep in `ended_matches` all matches as the last step left them in which one ended, MATCH `[N]`.
+        """Keep in `ended_matches`, from now on, all matches as the last step left them in which one ended, MATCH `[N]`.
 
         What ended has started again in `matches`; whoever draws a match wants to see the goal.
         """

@@ -53,7 +53,7 @@ class Episodes:
         return self.score[:, 0] > 0
 
     def endings(self) -> np.ndarray:
-        """How each episode ended, `[E]` of ENDINGS."""
+        """Return how each episode ended, `[E]` of ENDINGS."""
         words = np.array([WORDS.get(int(end), "program") for end in self.ended], dtype=object)
         goals = np.where(self.scored, "scored", "conceded")
         return np.where(self.ended == GOAL, goals, words)

@@ -81,7 +81,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def random_shots(n: int, seed: int = 0) -> Shots:
-    """Strikers at random places near the goal press a direction, then shoot once."""
+    """Let strikers at random places near the goal press a direction, then shoot once."""
     rng = np.random.default_rng(seed)
     x, y = rng.choice(SHOTS_X, n), rng.choice(SHOTS_Y, n, p=(0.19, 0.2, 0.22, 0.2, 0.19))
     keys = np.stack([rng.choice(DIRECTIONS, n), np.full(n, SHOT)])
@@ -185,7 +185,7 @@ def odds_rows(shots: Shots) -> list[Row]:
 
 
 def fit_odds(features: np.ndarray, happened: np.ndarray) -> np.ndarray:
-    """Coefficients of a logistic regression, by Newton's method."""
+    """Return the coefficients of a logistic regression, by Newton's method."""
     weights = np.zeros(features.shape[1])
     for _ in range(25):
         chance = 1.0 / (1.0 + np.exp(-features @ weights))

@@ -71,7 +71,7 @@ def owning_team(trace: Trace) -> np.ndarray:
 
 
 def events(trace: Trace) -> dict[str, float]:
-    """Goals, shots, passes with their lengths, and turnovers."""
+    """Count goals, shots, passes with their lengths, and turnovers."""
     n = trace.owner.shape[1]
     passes, turnovers, shots, on_target = (np.zeros(2) for _ in range(4))
     lengths: list[float] = []
@@ -141,7 +141,7 @@ def possession(trace: Trace) -> dict[str, float]:
 
 
 def restarts(trace: Trace) -> dict[str, float]:
-    """Stoppages per match by kind."""
+    """Count stoppages per match by kind."""
     mode = trace.mode
     begun = (mode[1:] != NORMAL) & (mode[:-1] == NORMAL)
     kinds = {
@@ -165,7 +165,7 @@ def ways(trace: Trace) -> dict[str, float]:
 
 
 def shape(trace: Trace) -> dict[str, float]:
-    """Distances to the ball and spreads of the teams."""
+    """Measure distances to the ball and spreads of the teams."""
     team, places = owning_team(trace), trace.places
     away = np.linalg.norm(places - trace.ball[:, :, None, :2], axis=-1)
     with_ball, without = team != NOBODY, np.where(team == NOBODY, NOBODY, 1 - team)
@@ -190,7 +190,7 @@ def _of_team(values: np.ndarray, team: np.ndarray) -> np.ndarray:
 
 
 def _nearest_opponent(trace: Trace, left_owns: np.ndarray) -> float:
-    """Median distance in m from an owner of the left team to his nearest opponent."""
+    """Return the median distance in m from an owner of the left team to his nearest opponent."""
     owner = np.maximum(trace.owner, 0)[..., None, None]
     place = np.take_along_axis(trace.places, owner, axis=2)[left_owns]
     return float(np.median(np.linalg.norm(trace.places[left_owns][:, 11:] - place, axis=-1).min(axis=1)))

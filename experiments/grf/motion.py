@@ -217,7 +217,7 @@ def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
 
 
 def rms(values: np.ndarray) -> float:
-    """Root mean square."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 

@@ -73,7 +73,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def compare_pass(name: str, target: dict[str, str], trace: Trace) -> list[Row]:
-    """Rows for one kind of pass over one distance."""
+    """Return rows for one kind of pass over one distance."""
     start = first_moving(trace)
     matches = np.arange(len(start))
     speed = np.linalg.norm(trace.ball_velocity[start, matches, :2], axis=-1).mean()
@@ -116,7 +116,7 @@ def reception(trace: Trace, start: np.ndarray) -> np.ndarray:
 
 
 def choice(kind: str, direction: str, repeats: int) -> tuple[np.ndarray, float]:
-    """Numbers [N] of the mates among MATES for whom passes are meant (-1 another player), and the mean delay."""
+    """Return for whom passes are meant, numbers [N] among MATES (-1 another player), and the mean delay."""
     places = [(0.0, 0.0), *((x / METRES_X, y / METRES_Y) for x, y in MATES), *KEEPERS]
     stage = Stage(places, (0.01, 0.0), Roster([0] * 8 + [1], [CM] * 7 + [GK] * 2), n=repeats)
     pressed = ((IDLE, 1), (DIRECTIONS[direction], 2), (KICKS[kind], 1))

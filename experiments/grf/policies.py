@@ -67,7 +67,7 @@ class Policy:
         self.passer = np.full(n, NOBODY)
 
     def __call__(self, matches: np.ndarray, step: int) -> np.ndarray:
-        """Keys [N] of the step with this number."""
+        """Return the keys [N] of the step with this number."""
         if step < len(self.opening):
             self.passer = matches["agents"][:, 0].copy()
             return np.full(len(matches), self.opening[step])

@@ -96,11 +96,11 @@ class Played:
         }
 
     def leaves_ours(self) -> Leaving:
-        """When features leave what they are in our episodes."""
+        """Return when features leave what they are in our episodes."""
         return leaving(self._outside_ours(), self.names)
 
     def leaves_training(self) -> Leaving:
-        """When they also are FAR standard deviations from their mean in training."""
+        """Return when they also are FAR standard deviations from their mean in training."""
         far = np.abs(self.grf.observations - self.mean) > FAR * self.deviation
         return leaving(far & self._outside_ours(), self.names)
 

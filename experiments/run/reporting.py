@@ -152,4 +152,4 @@ class Console:
         """Do nothing: what was said was said."""
 
     def close(self) -> None:
-        """Likewise; the last line is said by whoever knows why it is the last."""
+        """End; the last line is said by whoever knows why it is the last."""

@@ -33,7 +33,7 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def interruptible(for_good: bool = False) -> Iterator[list[int]]:
-    """While inside, a signal raises `Stopped`, and a second one ends the process; `for_good`: it does so ever after.
+    """Have a signal raise `Stopped` inside, and a second one end the process; `for_good`: it does so ever after.
 
     Gives the signals that have come: what `Stopped` meets on its way out may have made another error of it.
     """

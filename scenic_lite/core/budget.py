@@ -45,11 +45,11 @@ class Budget:
             raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
 
     def round(self) -> None:
-        """A loop that may go on for ever goes round."""
+        """Count a round of a loop that may go on for ever."""
         self.step()
 
     def new_call(self, scenes: int = 0) -> None:
-        """Scenes are asked for, some of them to be found among many: what is decided scene by scene starts anew."""
+        """Start anew what is counted scene by scene: scenes are asked for, some of them to be found among many."""
         self.scenes = -scenes * self.limits.scene // 4
 
     def scene(self) -> Budget:

@@ -45,7 +45,7 @@ class FallibleOperation:
     """An operation on arrays [N] that knows itself in which rows it fails."""
 
     def fails(self, result: Any, *inputs: Any) -> Any:
-        """[N]: the rows in which it fails."""
+        """Return the rows [N] in which it fails."""
         raise NotImplementedError
 
     def error(self, row: int, *inputs: Any) -> ScenicError:
@@ -110,7 +110,7 @@ class RuntimeChecks:
 
     @contextmanager
     def within(self, requirement: int) -> Iterator[None]:
-        """Inside, what is noted belongs to a requirement."""
+        """Note what is noted inside as of a requirement."""
         before, self.requirement = self.requirement, requirement
         try:
             yield
@@ -119,7 +119,7 @@ class RuntimeChecks:
 
     @contextmanager
     def under(self, *guards: tuple[Value, bool]) -> Iterator[None]:
-        """Inside, what is noted counts only where these conditions are as said."""
+        """Count what is noted inside only where these conditions are as said."""
         self.guards += guards
         try:
             yield

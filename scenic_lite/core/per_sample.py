@@ -106,7 +106,7 @@ class Bindings:
 
     @contextmanager
     def restored(self, state: LoadState) -> Iterator[None]:
-        """Inside, every name has the value it had when this was made."""
+        """Give every name inside the value that it had when this was made."""
         now = [(scope, dict(scope)) for scope, _ in self.kept]
         tracked = state.ego, state.workspace
         state.ego, state.workspace = self.ego, self.workspace

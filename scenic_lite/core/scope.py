@@ -233,7 +233,7 @@ def one_row(value: Value) -> Any:
 
 
 def name_draws(name: str, value: Value, inside: bool = False) -> None:
-    """The first variable that holds a draw or an object names it; `inside` a container only draws that no one owns."""
+    """Name a draw or object by the first variable that holds it; `inside` a container only draws that no one owns."""
     if isinstance(value, RandomChoice):
         value = value.index
     if isinstance(value, RandomExpr):

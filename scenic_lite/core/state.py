@@ -111,7 +111,7 @@ class LoadState:
 
     @contextmanager
     def placing(self, place: SourceSpan | None) -> Iterator[None]:
-        """Inside, an error without a place of its own gets this one."""
+        """Give an error that is raised inside without a place of its own this one."""
         try:
             yield
         except ScenicError as error:
@@ -139,7 +139,7 @@ class LoadState:
 
     @contextmanager
     def own_ego(self) -> Iterator[None]:
-        """Inside, a module has no ego yet; the one that it sets is the program's where that has none (dialect 3)."""
+        """Have no ego inside, for a module; the one that it sets is the program's where that has none (dialect 3)."""
         before, self.ego = self.ego, None
         try:
             yield

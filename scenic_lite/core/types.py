@@ -184,7 +184,7 @@ class RandomChoice(Undecided, Located):
 
 
 def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
-    """options[index], as simple a value as the options allow."""
+    """Return options[index], as simple a value as the options allow."""
     kinds = {kind_of(option) for option in options}
     if "other" not in kinds and (len(kinds) == 1 or "text" not in kinds):
         return select(index, tuple(options))

@@ -109,7 +109,7 @@ def dot(self: Vector, other: Value) -> Value:
 
 
 def distance_to_outline(self: Instance, other: Value) -> Value:
-    """Dialect 3: `object.distanceTo(point)` counts from the object's rectangle, 0 inside."""
+    """Return dialect 3's `object.distanceTo(point)`, which counts from the object's rectangle, 0 inside."""
     p = self.properties
     offset = (vector_of(other) - p["position"]).rotated(-p["heading"])
     sides = ((offset.x, p["width"]), (offset.y, p["length"]))

@@ -184,7 +184,7 @@ def conditional(scope: Scope, node: ast.IfExp) -> Value:
 
 
 def either(test: RandomExpr, yes: Value, no: Value) -> Value:
-    """yes where the test holds, else no."""
+    """Return `yes` where the test holds, else `no`."""
     if isinstance(yes, Vector) and isinstance(no, Vector):
         return Vector(either(test, yes.x, no.x), either(test, yes.y, no.y))
     if kind_of(yes) == "other" or kind_of(no) == "other":

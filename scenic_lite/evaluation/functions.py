@@ -136,7 +136,7 @@ class Extreme:
 
 
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
-    """What football's libraries import and programs have no use for: they have no objects of Shapely."""
+    """Refuse what football's libraries import and programs have no use for: they have no objects of Shapely."""
     raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
 
 

@@ -98,7 +98,7 @@ def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
 
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:
-    """All names of a world model; its params never replace those that are set."""
+    """Take all names of a world model; its params never replace those that are set."""
     try:
         take_all(scope, import_module(Scope.at(replace(scope.mode, in_model=True), scope), name))
     except ScenicError as error:
@@ -161,7 +161,7 @@ def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
 
 
 def neighbours(scope: Scope) -> list[str]:
-    """Programs beside this one."""
+    """List the programs beside this one."""
     folder = scope.source.folder
     if folder is None or scope.source.library:
         return []

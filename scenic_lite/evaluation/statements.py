@@ -146,7 +146,7 @@ def define_function(scope: Scope, node: ast.FunctionDef) -> None:
 
 
 def define_class(scope: Scope, node: ast.ClassDef) -> None:
-    """A class of the language; methods see the names around the class, not those inside."""
+    """Define a class of the language; methods see the names around the class, not those inside."""
     base = base_of(scope, node)
     cls = ScenicClass(node.name, base)
     body = scope.inner({})
@@ -216,7 +216,7 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 
 def set_params(scope: Scope, node: nodes.Param) -> None:
-    """Later params win, except that a library's never replace the program's own."""
+    """Set params: later ones win, except that a library's never replace the program's own."""
     state = scope.state
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = scope.value(expression)

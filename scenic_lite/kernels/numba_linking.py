@@ -88,7 +88,7 @@ class _PartCodegen(JITCPUCodegen):
         self.usual = usual
 
     def set_env(self, name: str, environment: Any) -> None:
-        """Nothing: what Python objects a function needs is only asked for in errors, and kernels never raise."""
+        """Do nothing: what Python objects a function needs is only asked for in errors, and kernels never raise."""
 
 
 class _PartCompiler(Compiler):

@@ -189,7 +189,7 @@ def side_words(name: str) -> str:
 
 
 def in_initial_scenario(scope: Scope) -> bool:
-    """`initial scenario`: whether the program itself is being set up, and no scenario that a match starts."""
+    """Return whether the program itself is being set up, and no scenario that a match starts: `initial scenario`."""
     return scope.mode.phase == LOAD
 
 

@@ -230,7 +230,7 @@ def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
-    """Heading `turn` as seen from the viewpoint; dialect 3 sets the yaw, on top of the parent's heading."""
+    """Set the heading `turn` as seen from the viewpoint; in dialect 3 the yaw, on top of the parent's heading."""
     start = vector_of(or_ego(scope, viewpoint), "apparently facing ... from")
     heading = at_position(lambda position: angle_between(start, position) + turn)
     gives = {"yaw" if scope.state.dialect == 3 else "heading": Given(REQUIRED, heading)}

@@ -121,7 +121,7 @@ class Constraints:
     """All R constraints of a program: those of arrays first, then those that are nodes of the graph."""
 
     def __init__(self, batched: list[BatchedTest], nodes: list[tuple[Constraint, Value]]) -> None:
-        """A node is true where its constraint holds."""
+        """Take tests that are batched, and nodes, each of which is true where its constraint holds."""
         self.batched, self.nodes = batched, nodes
         self.all = (
             *(constraint for test in batched for constraint in test.constraints),

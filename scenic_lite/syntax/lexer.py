@@ -226,7 +226,7 @@ class _Lexer:
             raise self.source.error("tabs and spaces are mixed in the indentation", token[2:], hint)
 
     def goes_on(self) -> bool:
-        """After a comma at the end of a line, go to the next one if it is indented deeper, as specifiers may be."""
+        """Go on after a comma at a line's end if the next is indented deeper, as specifiers may be; return whether."""
         found = _NEXT_LINE.match(self.text, self.position, self.end)
         if found is None or len(found[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
             return False

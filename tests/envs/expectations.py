@@ -50,7 +50,7 @@ class Course:
         self.over = False
 
     def holds(self, expectation: Expectation) -> bool | None:
-        """Whether it does; None if the match was too short to tell."""
+        """Return whether it does; None if the match was too short to tell."""
         seen = [self._truth(expectation.condition, names) for names in self.steps[: expectation.step + 1 or None]]
         if expectation.when == "always":
             return all(self._truth(expectation.condition, names) for names in self.steps)

@@ -18,7 +18,7 @@ OPEN = MatchConfig(end_episode_on_score=False, end_episode_on_out_of_play=False,
 def position(
     players: Sequence[Player], ball: tuple[float, float], config: MatchConfig = OPEN, seeds: Iterable[int] = (0,)
 ) -> np.ndarray:
-    """Matches MATCH [len(seeds)], all with these players and this ball."""
+    """Return matches MATCH [len(seeds)], all with these players and this ball."""
     seeds = list(seeds)
     places = np.array([[player[:2] for player in players]] * len(seeds), float)
     roster = Roster([player[2] for player in players], [player[3] for player in players])
@@ -26,14 +26,14 @@ def position(
 
 
 def runner(config: MatchConfig = OPEN) -> np.ndarray:
-    """One left player at (-40, 0) while the ball is dead, which therefore does not pull him."""
+    """Return one left player at (-40, 0) while the ball is dead, which therefore does not pull him."""
     matches = position([(-40.0, 0.0, LEFT, CM), (54.0, 30.0, RIGHT, GK)], (30.0, 30.0), config)
     matches["game_mode"], matches["restart_team"], matches["restart_wait"] = FREE_KICK, LEFT, 10**6
     return matches
 
 
 def dribbler(config: MatchConfig = OPEN) -> np.ndarray:
-    """One left player at (-40, 0) with the ball at his feet."""
+    """Return one left player at (-40, 0) with the ball at his feet."""
     matches = position([(-40.0, 0.0, LEFT, CM), (54.0, 30.0, RIGHT, GK)], (-39.6, 0.0), config)
     return play(matches, [0] * 3)
 
@@ -41,7 +41,7 @@ def dribbler(config: MatchConfig = OPEN) -> np.ndarray:
 def duel(
     striker: tuple[float, float], keeper: tuple[float, float], seeds: Iterable[int] = (0,), **config: bool
 ) -> np.ndarray:
-    """A striker, the ball 1.76 m to his north, the right keeper, and his own keeper far away."""
+    """Return a striker, the ball 1.76 m to his north, the right keeper, and his own keeper far away."""
     players = [(*striker, LEFT, CM), (*keeper, RIGHT, GK), (-53.9, 0.0, LEFT, GK)]
     return position(players, (striker[0], striker[1] + 1.76), MatchConfig(**config), seeds)
 
@@ -79,10 +79,10 @@ def _place(matches: np.ndarray, player: int) -> tuple[float, float]:
 
 
 def plain(matches: np.ndarray) -> np.ndarray:
-    """The same records as an ordinary structured array."""
+    """Return the same records as an ordinary structured array."""
     return np.asarray(matches).view(MATCH)
 
 
 def same(first: np.ndarray, second: np.ndarray) -> bool:
-    """Whether two batches are equal field by field, bit for bit (the padding between fields is anything)."""
+    """Return whether two batches are equal field by field, bit for bit (the padding between fields is anything)."""
     return bool((plain(first) == plain(second)).all())

@@ -211,7 +211,7 @@ STRETCHED = np.array([55.0, -83.6 * 1.016])  # where its players stand
 
 
 def original(players: list[tuple[float, float]], ball: tuple[float, float], keeper: int = 0) -> np.ndarray:
-    """Left players at these places of the original's, against two far away; its built-in keeper is one of them."""
+    """Return left players at these places of the original's, its built-in keeper among them, and two far away."""
     places = (np.array(players) * STRETCHED).tolist()
     left = [(x, y, LEFT, GK if i == keeper else CM) for i, (x, y) in enumerate(places)]
     rows = [*left, (55.0, 0.0, RIGHT, GK), (49.5, 25.0, RIGHT, CM)]

@@ -22,7 +22,7 @@ THEIRS = [(20.0, -8.0, RIGHT, CB), (20.0, 8.0, RIGHT, CB), (8.0, 0.0, RIGHT, CM)
 
 
 def alone(players: list, ball: tuple[float, float], n: int = 40, **settings: object) -> np.ndarray:
-    """Matches of built-in players only."""
+    """Return matches of built-in players only."""
     matches = position(players, ball, replace(OPEN, **settings), range(n))
     take_over(matches, NOBODY)
     return matches
@@ -84,7 +84,7 @@ def test_a_lone_defender_gives_way_in_midfield(difficulty: float) -> None:
 
 
 def led_ball(away: float, stride: float = 0.0, team: int = RIGHT) -> np.ndarray:
-    """A match in which player 2 runs at 7 m/s after a ball 1.1 m ahead, which rolls towards player 3, `away` m on."""
+    """Return a match: player 2 runs at 7 m/s after a ball 1.1 m ahead, which rolls towards player 3, `away` m on."""
     players = [*KEEPERS, (0.0, 0.0, team, CF), (-1.1 - away, 0.0, LEFT, CB), (-9.0, 9.0, RIGHT, CF)]
     matches = alone(players, (-1.1, 0.0), n=1)
     runner, ball = matches["players"][:, 2], matches["ball"]

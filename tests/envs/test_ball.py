@@ -11,7 +11,7 @@ from envs.football.state import BALL
 
 
 def flown(steps: int, **start: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Speed along x over each step, x and z after each, of a ball thus started."""
+    """Return speed along x over each step, x and z after each, of a ball thus started."""
     ball = np.zeros(1, BALL).view(np.recarray)
     ball["z"] = BALL_RADIUS
     for name, value in start.items():

@@ -27,7 +27,7 @@ RESTRICTED = minigames.MINIGAMES["1v1Restricted"].program
 
 
 def rollout(env, steps=120, seed=7):
-    """Observations, rewards and ends of random play, each stacked over steps."""
+    """Return observations, rewards and ends of random play, each stacked over steps."""
     actions = np.random.default_rng(seed).integers(0, 19, (steps, env.num_envs))
     seen = [env.step(row) for row in actions]
     return [np.stack([step[i] for step in seen]) for i in range(4)]
@@ -386,7 +386,7 @@ ego = Ball at {ball} @ 0
 
 
 def open_goal(ahead, defending, others="RightGK at 99 @ 41", **settings):
-    """A left player before the goal that he attacks, or a right one before the other; nobody is in the way."""
+    """Return a left player before the goal that he attacks, or a right one before the other; nobody is in the way."""
     place = {"side": "Left", "x": 88, "ball": 91} if ahead else {"side": "Right", "x": -88, "ball": -91}
     text = OPEN_GOAL.format(defending=defending, others=others, **place)
     return FootballVectorEnv(text.replace("GK\n", "GK at 0 @ 41\n", 1), 8, config=FootballConfig(**settings))

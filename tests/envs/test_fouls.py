@@ -19,7 +19,7 @@ PLAYERS = [
 
 
 def at(x: float, y: float = 3.0, **config: bool) -> np.ndarray:
-    """A left forward with the ball at (x, y), and the right back 4 beside him."""
+    """Return a left forward with the ball at (x, y), and the right back 4 beside him."""
     players = [*PLAYERS[:1], (x, y, LEFT, CF), PLAYERS[2], PLAYERS[3], (x, y + 1.5, RIGHT, CB), PLAYERS[5]]
     matches = position(players, (x + 0.4, y), replace(OPEN, **config))
     take_over(matches, NOBODY)
@@ -118,7 +118,7 @@ def test_the_second_yellow_card_is_a_red_one_and_after_6_s_he_is_gone() -> None:
 
 
 def sent_off() -> np.ndarray:
-    """A match in which the right back 4 has been sent off and has left."""
+    """Return a match in which the right back 4 has been sent off and has left."""
     matches = position(PLAYERS, (0.4, 0.0), replace(OPEN, offsides=True))
     matches["players"]["cards"][0, 4], matches["players"]["leave_wait"][0, 4] = 2, 0.1
     play(matches, [0])

@@ -15,7 +15,7 @@ EQUAL = [*UNEQUAL[:3], (54.0, 0.5, RIGHT, GK), (20.0, 12.0, RIGHT, CM), (33.0, -
 
 
 def goal(players: list, by: int, **config: bool) -> np.ndarray:
-    """The first step after a goal by the player who touched the ball last (`by`), with everybody astray."""
+    """Return the first step after a goal by the player who touched the ball last (`by`), with everybody astray."""
     matches = position(players, (0.0, 0.0), replace(OPEN, **config))
     matches["players"]["x"][0] += 3.0
     matches["ball"]["x"], matches["ball"]["vx"], matches["last_touch"] = 54.5, 15.0, by

@@ -108,7 +108,7 @@ def test_parries_slow_the_ball(v: tuple[float, float, float], near: tuple[float,
 
 
 def mirrored(players: list[Player], ball: tuple[float, float]) -> tuple[list[Player], tuple[float, float]]:
-    """The scene turned by 180° with the teams exchanged."""
+    """Return the scene turned by 180° with the teams exchanged."""
     return [(-x, -y, 1 - team, role) for x, y, team, role in players], (-ball[0], -ball[1])
 
 
@@ -133,7 +133,7 @@ def test_a_turned_world_plays_the_turned_match(place: tuple[float, float]) -> No
 
 
 def check_turned(here: np.ndarray, there: np.ndarray) -> None:
-    """Everybody and the ball stand turned to 1e-6 m."""
+    """Check that everybody and the ball stand turned to 1e-6 m."""
     for name in ("x", "y"):
         np.testing.assert_allclose(here["players"][name][:, :22], -there["players"][name][:, :22], rtol=0, atol=1e-6)
         np.testing.assert_allclose(here["ball"][name], -there["ball"][name], rtol=0, atol=1e-6)
@@ -213,7 +213,7 @@ def test_restarts_are_set_up_alike_on_all_sides(mode: int, mirror: str) -> None:
 
 
 def goal_difference(seeds: range, steps: int) -> np.ndarray:
-    """Goals of the left less those of the right team, [N], in matches of equal sides of built-in players."""
+    """Return goals of the left less those of the right team, [N], in matches of equal sides of built-in players."""
     matches = position(ELEVENS, (0.0, 0.0), BUILT_IN, seeds)
     for _ in range(steps):
         step_matches(matches, np.zeros((len(matches), 1), int))
@@ -254,7 +254,7 @@ np.save(sys.argv[1], tortured())
 
 
 def tortured() -> np.ndarray:
-    """Three matches of twos with a foul, a restart and a goal, after 60 steps."""
+    """Return three matches of twos with a foul, a restart and a goal, after 60 steps."""
     players = [(-54.0, 0.0, LEFT, GK), (10.0, 1.0, LEFT, CM), (54.0, 0.0, RIGHT, GK), (12.0, -1.0, RIGHT, CM)]
     matches = position(players, (11.0, 3.0), replace(BUILT_IN, second_half=50), range(3))
     stop_play(matches[0], MODES[0], LEFT, 12.0, 36.0)

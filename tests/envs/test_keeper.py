@@ -129,7 +129,7 @@ def test_a_weaker_keeper_saves_less() -> None:
 
 
 def shots(x: float, y: float, keeper: tuple[float, float], seeds: int = 150) -> tuple[float, float]:
-    """Shares of goals and of balls held when strikers at (x, y) shoot once, standing, facing the goal."""
+    """Return shares of goals and of balls held when strikers at (x, y) shoot once, standing, facing the goal."""
     matches = position([(x, y, LEFT, CM), (*keeper, RIGHT, GK)], (x + 0.45, y), OPEN, range(seeds))
     goals, held = np.zeros(seeds, bool), np.zeros(seeds, bool)
     for action in [0, SHOT] + [0] * 60:

@@ -12,7 +12,7 @@ TARGET = (15.0, 0.0)
 
 
 def danger_from(*rivals: tuple[float, float], overhead: float = 0.0) -> float:
-    """Danger of the lane from the middle of the pitch to TARGET, with opponents at these places."""
+    """Return danger of the lane from the middle of the pitch to TARGET, with opponents at these places."""
     players = [*KEEPERS, (-0.4, 0.0, LEFT, CM), *((x, y, RIGHT, CB) for x, y in rivals)]
     return danger(position(players, (0.0, 0.0), OPEN)[0], LEFT, 0.0, 0.0, *TARGET, overhead, 1.0)
 

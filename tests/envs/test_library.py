@@ -48,7 +48,7 @@ class Scene:
         return self
 
     def step(self) -> dict[str, float | None]:
-        """What each named object presses in one step."""
+        """Return what each named object presses in one step."""
         commands = self.reference.act(self.table, self.facts)
         assert not commands.terminated and not commands.rejected
         self.facts[0] += 1

@@ -17,7 +17,7 @@ SECTION = r"^### [^\n]* \(([\w, ]+)\)\n(.*?)(?=^##|\Z)"
 
 
 def library(module: str) -> dict[str, str]:
-    """Every name at the top of a file of the library, with its signature if it is called."""
+    """Return every name at the top of a file of the library, with its signature if it is called."""
     text = MODULES[module].read_text()
     names = {}
     for kind, named, signature, assigned in re.findall(NAME, text, re.MULTILINE):
@@ -26,7 +26,7 @@ def library(module: str) -> dict[str, str]:
 
 
 def listed() -> dict[str, str]:
-    """Every name in the sections of the page, with what stands in brackets behind it."""
+    """Return every name in the sections of the page, with what stands in brackets behind it."""
     names = {}
     for _, body in re.findall(SECTION, PAGE, re.MULTILINE | re.DOTALL):
         body = body.split("What can be read of them")[0]

@@ -53,7 +53,7 @@ def hold(action: int) -> Policy:
 
 
 def run_to_score(with_keeper: bool) -> np.ndarray:
-    """The academy's scene: five backs start behind the striker; the keeper in his goal or far behind."""
+    """Return the academy's scene: five backs start behind the striker; the keeper in his goal or far behind."""
     keeper = (55.0 if with_keeper else -55.0, 1.0, RIGHT, GK)
     players = [OWN_KEEPER, (0.0, 0.0, LEFT, CM), keeper, *CHASERS]
     return position(players, (1.1, 0.0), MatchConfig(), MANY)
@@ -97,7 +97,7 @@ def minigame(scene: Scene, seeds: range = MANY) -> np.ndarray:
 
 
 def toward_goal(matches: np.ndarray, turned: float = 0.0) -> np.ndarray:
-    """The key `[N]` whose direction is closest to that of the goal's middle, `turned` rad to the left of it."""
+    """Return the key `[N]` whose direction is closest to that of the goal's middle, `turned` rad to the left of it."""
     striker = matches["players"][:, 1]
     angle = np.arctan2(-striker["y"], 55.0 - striker["x"]) + turned
     return TOWARDS[np.round(angle / (np.pi / 4)).astype(int) % 8]

@@ -35,7 +35,7 @@ SAMPLES = [
 
 
 def is_dynamic(path: Path) -> bool:
-    """Whether anything happens in a program's episodes: the others are equal without a test."""
+    """Return whether anything happens in a program's episodes: the others are equal without a test."""
     program = load(path, FOOTBALL)
     attached = any(info.behavior for info in program.objects)
     return bool(attached or program.monitors or program.terminations or program.temporal)

@@ -62,7 +62,7 @@ def test_foreign_and_damaged_files_are_refused(tmp_path):
 
 
 def changed(tmp_path, **changes):
-    """A record in which some of what it holds is another."""
+    """Return a record in which some of what it holds is another."""
     recorded(tmp_path / "match.npz", ALONE, 20)
     with np.load(tmp_path / "match.npz") as archive:
         parts = {name: archive[name] for name in archive.files}

@@ -26,7 +26,7 @@ def make(representation: str, control: str = "closest1", right_control: str = "n
 
 
 def side_by_side(representation: str, steps: int = 60, control: str = "closest1"):
-    """Steps of the same matches seen in two ways: (raw dict, observation, whether it just began) of match 0."""
+    """Yield steps of the same matches seen in two ways: (raw dict, observation, whether it just began) of match 0."""
     raw, other = make("raw", control), make(representation, control)
     first, _ = raw.reset(seed=4)
     seen, _ = other.reset(seed=4)
@@ -115,7 +115,7 @@ def test_sticky_actions_are_those_of_the_player_and_as_he_sees_them():
 
 
 def simple115(raw):
-    """The original's vector, version 2."""
+    """Return the original's vector, version 2."""
     parts = []
     for name in ("left_team", "left_team_direction", "right_team", "right_team_direction"):
         flat = raw[name].ravel().tolist()
@@ -151,7 +151,7 @@ def test_simple115_in_its_units_has_the_sizes_of_features():
 
 
 def planes(raw):
-    """The original's mini map."""
+    """Return the original's mini map."""
     scope = np.zeros((72, 96, 4), np.uint8)
     me = raw["left_team"][raw["active"]]
     for channel, points in enumerate((raw["left_team"], raw["right_team"], [raw["ball"]], [me])):

@@ -50,7 +50,7 @@ MODES = list(PLACES)
 
 
 def stopped(mode: int, team: int = LEFT, seeds: range = range(1), agent: bool = False) -> np.ndarray:
-    """Elevens at the first step of a restart; with an agent, it has the player of its team nearest to the ball."""
+    """Return elevens at a restart's first step; with an agent, it has the player of its team nearest to the ball."""
     chosen = {"control": "none", "right_control": "none"}
     if agent:
         chosen["control" if team == LEFT else "right_control"] = "closest1"
@@ -63,7 +63,7 @@ def stopped(mode: int, team: int = LEFT, seeds: range = range(1), agent: bool = 
 
 
 def shown(matches: np.ndarray, actions: list[int]) -> np.ndarray:
-    """Steps [N] for which the restart shows, the first included, when these actions are played."""
+    """Return steps [N] for which the restart shows, the first included, when these actions are played."""
     steps = np.ones(len(matches), int)
     for action in actions:
         play(matches, [action])

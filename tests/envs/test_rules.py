@@ -25,7 +25,7 @@ FAR = [(-20.0, 20.0, LEFT, CM), (-20.0, -20.0, RIGHT, CM)]
 
 
 def rolling(x: float, y: float, vx: float, vy: float, last_touch: int, config: MatchConfig) -> np.ndarray:
-    """A free ball on its way over a line, with everybody far away."""
+    """Return a free ball on its way over a line, with everybody far away."""
     matches = position(FAR, (x, y), config)
     matches["ball"]["vx"], matches["ball"]["vy"] = vx, vy
     matches["last_touch"] = last_touch

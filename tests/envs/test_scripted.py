@@ -51,7 +51,7 @@ def steps(env: FootballVectorEnv, count: int, action: int = IDLE) -> list[tuple]
 
 
 def actions_of(env: FootballVectorEnv, player: int, count: int) -> list[int]:
-    """The actions that a player of match 0 takes."""
+    """Return the actions that a player of match 0 takes."""
     found = []
     for _ in range(count):
         env.step(np.full(env.num_envs, IDLE))

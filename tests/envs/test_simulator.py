@@ -160,7 +160,7 @@ def test_invariants_in_an_open_game_of_fives() -> None:
 
 
 def check_sane(matches: np.ndarray) -> None:
-    """No fault, everybody on the grass, nobody faster than a dive, the ball's owner near it and on the list."""
+    """Check: no fault, everybody on the grass, nobody faster than a dive, the ball's owner near it and on the list."""
     players, ball = matches["players"][:, : matches["num_players"][0]], matches["ball"]
     for field in ("x", "y", "vx", "vy", "facing_x", "facing_y"):
         assert np.isfinite(players[field]).all(), field

@@ -33,7 +33,7 @@ def made(more: str = "", count: int = 3, **settings) -> FootballVectorEnv:
 
 
 def factors(env: FootballVectorEnv) -> np.ndarray:
-    """The drawn columns `[N, 8]`."""
+    """Return the drawn columns `[N, 8]`."""
     return np.stack([env.matches["engine"][name] for name in ENGINE.names], axis=-1)
 
 

@@ -36,7 +36,7 @@ THREE = [(-10.88, 8.36, LEFT, CM), (27.2, -16.72, RIGHT, GK)]
 
 
 def tables(matches: np.ndarray) -> tuple[list[dict[str, float]], dict[str, float]]:
-    """The table of each object and the facts, by name."""
+    """Return the table of each object and the facts, by name."""
     row = np.full(7 + len(CAST) * NUM_FIELDS + len(FACTS), np.nan)
     write_world(matches[0], CAST, row, 7)
     assert np.isnan(row[:7]).all() and not np.isnan(row[7:]).any()

@@ -77,7 +77,7 @@ def complaint(match, before, energy):
 
 @kernel
 def wrong_change(match, before):
-    """What cannot come about within a step."""
+    """Return the number of what cannot come about within a step and did, 0 if nothing."""
     left, right = match.score[0] - before.score[0], match.score[1] - before.score[1]
     if left + right != abs(match.goal):
         return 8
@@ -105,7 +105,7 @@ def wrong_change(match, before):
 
 @kernel
 def alone(match, i):
-    """Whether nobody is near enough to push player i aside; out of a pile bodies are pushed far."""
+    """Return whether nobody is near enough to push player i aside; out of a pile bodies are pushed far."""
     others = 0
     for j in range(match.num_players):
         dx, dy = match.players[i].x - match.players[j].x, match.players[i].y - match.players[j].y
@@ -115,7 +115,7 @@ def alone(match, i):
 
 @kernel
 def wrong_names(match):
-    """Players and teams that are named must exist, and be of the team that they are named for."""
+    """Return a number if players or teams that are named do not exist, or are not of the team they are named for."""
     n = match.num_players
     for i in (match.last_touch, match.receiver, match.last_carrier, match.foul_player, match.foul_victim, match.kicker):
         if i < NOBODY or i >= n:
@@ -148,7 +148,7 @@ def wrong_names(match):
 
 @kernel
 def wrong_restart(match):
-    """A restart is taken from where the rules say, and the opponents have gone away."""
+    """Return a number if a restart is not taken from where the rules say, or the opponents have not gone away."""
     b, mode = match.ball, match.game_mode
     if mode == NORMAL:
         return 0
@@ -256,19 +256,19 @@ def wrong_play(match):
 
 @kernel
 def free(match):
-    """Whether nobody but the laws of nature acts on the ball."""
+    """Return whether nobody but the laws of nature acts on the ball."""
     return match.carrier == NOBODY and match.game_mode == NORMAL and match.ended == RUNNING and match.goal == 0
 
 
 @kernel
 def energy_of(ball):
-    """Energy of the ball in J per kg, without that of its spin."""
+    """Return energy of the ball in J per kg, without that of its spin."""
     return 0.5 * (ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz) + 9.81 * (ball.z - 0.11)
 
 
 @kernel
 def spin_energy(ball):
-    """What the spin can give back to the ball, in J per kg."""
+    """Return what the spin can give back to the ball, in J per kg."""
     return 0.5 * (ball.spin_x * ball.spin_x + ball.spin_y * ball.spin_y)
 
 
@@ -335,7 +335,7 @@ def torment(matches, starts, befores, styles, actions, steps, played):
 
 @kernel
 def touched(match, before):
-    """Whether somebody has touched the ball since: he must wait longer now."""
+    """Return whether somebody has touched the ball since: he must wait longer now."""
     count = 0
     for i in range(match.num_players):
         count += match.players[i].touch_wait > before.players[i].touch_wait
@@ -352,7 +352,7 @@ def foul_at_random(match):
 
 
 def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
-    """One match MATCH [1] about to begin from a strange position, under random settings."""
+    """Return one match MATCH [1] about to begin from a strange position, under random settings."""
     while True:
         left, right = rng.integers(0, 12, 2)
         if left + right > 0:
@@ -380,7 +380,7 @@ def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
 
 
 def control(rng: np.random.Generator, size: int, keepers: int) -> str:
-    """Whom agents of a team of this size move; mostly nobody, so that everybody else's keys are mashed, too."""
+    """Return whom agents of a team of this size move; mostly nobody, so that everybody else's keys are mashed, too."""
     if size == 0 or rng.random() < 0.7:
         return "none"
     modes = ["closest1", "closest2", "closest3"][:size] + ["active", "all", str(rng.integers(1, size + 1))]
@@ -388,7 +388,7 @@ def control(rng: np.random.Generator, size: int, keepers: int) -> str:
 
 
 def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Places [count, 2] and the ball's [2]: anywhere, in a pile, in a corner, on a post, on the ball, on the lines."""
+    """Draw places [count, 2] and the ball's [2]: anywhere, in a pile, in a corner, on a post, the ball or the lines."""
     places = rng.uniform([-55, -36], [55, 36], (count, 2))
     ball = rng.uniform([-54, -35], [54, 35])
     kind = rng.integers(0, 7)

@@ -39,7 +39,7 @@ def trained_here(monkeypatch):
 
 @pytest.fixture(params=["ours twice", "stand-in", "real"])
 def engine(request, tmp_path):
-    """Flags of a second engine."""
+    """Return flags of a second engine."""
     if request.param == "ours twice":
         return ["--engine", "regista"]
     python = real_python() if request.param == "real" else str(fake_python(tmp_path))

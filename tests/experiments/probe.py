@@ -120,7 +120,7 @@ class ProbeMethod:
         self.last, self.buffer, self.learners = None, None, []
 
     def keep_tapes(self):
-        """Nobody's episodes are seen again: there are none."""
+        """Keep none: nobody's episodes are seen again."""
 
     def update(self):
         self.updates += 1

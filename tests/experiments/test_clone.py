@@ -18,7 +18,7 @@ SHORT = ["--total-env-steps", "2048", "--num-envs", "16", "--eval-every", "0", "
 
 @pytest.fixture(scope="module")
 def demos(tmp_path_factory):
-    """Demonstrations of one agent and of two, in a folder with their programs."""
+    """Return demonstrations of one agent and of two, in a folder with their programs."""
     folder = tmp_path_factory.mktemp("demos")
     for name, program, control in (("one", RUN, "1"), ("two", PAIR, "2")):
         (folder / f"{name}.scenic").write_text(program)

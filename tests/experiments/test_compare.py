@@ -218,7 +218,7 @@ def test_scores_of_all_scenes():
 
 
 def levels_played(goals):
-    """An evaluation of these outcomes `[L, k]`."""
+    """Return an evaluation of these outcomes `[L, k]`."""
     count, each = goals.shape
     returns = goals.T.ravel().astype(float)
     levels = np.zeros(count, level_dtype(2))

@@ -31,14 +31,14 @@ STUDENTS = ("protagonist", "antagonist", "student")
 
 
 def documented():
-    """The columns of each table in docs/files.md, by heading."""
+    """Return the columns of each table in docs/files.md, by heading."""
     parts = re.split(r"^### (.+)$", (ROOT / "docs" / "files.md").read_text(), flags=re.M)
     tables = [text[text.index("| column") :].partition("\n\n")[0] for text in parts[2::2]]  # the first below each
     return {name: re.findall(r"^\| `([^`]+)` \|", table, re.M) for name, table in zip(parts[1::2], tables, strict=True)}
 
 
 def general(columns):
-    """Columns of a run with its students, columns of θ and scenes by their placeholders, once each, in order."""
+    """Return columns of a run with its students, columns of θ and scenes by their placeholders, once each, in order."""
     names = [re.sub(rf"(^|/)({'|'.join(STUDENTS)})(/|$)", r"\1NAME\3", column) for column in columns]
     names = [re.sub(r"^theta/.+", "theta/COLUMN", name) for name in names]
     return list(dict.fromkeys(re.sub(r"^eval/.+", "eval/SCENE", name) for name in names))

@@ -14,7 +14,7 @@ from experiments.grf.episodes import Episodes, side_by_side
 
 
 def straight(speed, lengths, ended=RUNNING):
-    """Episodes in which the ball and the only player go straight on, at speeds [E] in m per step."""
+    """Return episodes in which the ball and the only player go straight on, at speeds [E] in m per step."""
     ball = np.zeros((len(speed), STEPS + 1, 3))
     ball[..., 0] = np.array(speed)[:, None] * np.arange(STEPS + 1)
     count = len(speed)

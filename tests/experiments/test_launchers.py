@@ -42,13 +42,13 @@ TABLES = ("results.csv", "table.csv", "table.md")
 
 @pytest.fixture
 def words(tmp_path):
-    """What is typed, but for who trains, how long and where."""
+    """Return what is typed, but for who trains, how long and where."""
     (tmp_path / "walk.py").write_text(TASK)
     return ["compare", f"{tmp_path / 'walk.py'}:task", "--methods", "dr", "plr", "--seeds", "2", *SHORT]
 
 
 def measured(run):
-    """All that a run has measured, but for how long it took."""
+    """Return all that a run has measured, but for how long it took."""
     rows = read_rows(run / "metrics.csv")
     return [{name: value for name, value in row.items() if not name.startswith("time/")} for row in rows]
 
@@ -171,7 +171,7 @@ def test_signs_of_life_go_on_until_the_end(run, monkeypatch):
 
 @pytest.fixture
 def cluster(monkeypatch):
-    """Two nodes of one core each, in processes of their own."""
+    """Return two nodes of one core each, in processes of their own."""
     pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
 

@@ -21,7 +21,7 @@ def painter():
 
 @pytest.fixture
 def runs(tmp_path, painter):
-    """Two made-up runs of each method."""
+    """Return two made-up runs of each method."""
     rng = np.random.default_rng(0)
     found = {}
     for method in ("dr", "paired"):
@@ -48,7 +48,7 @@ SCENES = (build.TRAINING_SCENE, "easy", "hard")
 
 
 def ink(path):
-    """The share of a picture's pixels that are not white."""
+    """Return the share of a picture's pixels that are not white."""
     image = matplotlib.image.imread(path)[..., :3]
     assert min(image.shape[:2]) > 200
     return float((image < 0.99).any(-1).mean())

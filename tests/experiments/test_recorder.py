@@ -22,7 +22,7 @@ UPDATES = 30
 
 
 def table(path, entity, column):
-    """Rows of one component column by update."""
+    """Return rows of one component column by update."""
     from rerun.chunk import RrdReader
 
     found = {}
@@ -34,7 +34,7 @@ def table(path, entity, column):
 
 
 def filled_buffer():
-    """A buffer of a level, its edited copy, and a copy of that."""
+    """Return a buffer of a level, its edited copy, and a copy of that."""
     buffer, parent = LevelBuffer(level_dtype(3), BufferConfig(capacity=4)), NONE
     for value in (0.1, 0.2, 0.3):
         levels = np.zeros(1, level_dtype(3))
@@ -58,7 +58,7 @@ def test_a_buffers_tree_leads_from_parents_to_their_copies(recorded):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A recording of 30 updates, two episodes of each student, in strict mode: a bad argument raises."""
+    """Return a recording of 30 updates, two episodes of each student, in strict mode: a bad argument raises."""
     rerun.set_strict_mode(True)
     path = tmp_path_factory.mktemp("rrd") / "curriculum.rrd"
     rng = np.random.default_rng(0)

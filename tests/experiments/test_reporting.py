@@ -19,7 +19,7 @@ SHORT = ["--total-env-steps", "8000", "--eval-every", "4000", "--eval-episodes",
 
 
 def told(rows):
-    """What a watch says of these rows: (row, event)."""
+    """Return what a watch says of these rows: (row, event)."""
     watch = Watch()
     return [(number, event.event) for number, row in enumerate(rows, 1) for event in watch.look(row)]
 

@@ -24,7 +24,7 @@ SHORT = ["--total-env-steps", "20000", "--eval-every", "5000", "--eval-episodes"
 
 
 def without_time(path):
-    """The rows of a table without its wall-clock columns."""
+    """Return the rows of a table without its wall-clock columns."""
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 

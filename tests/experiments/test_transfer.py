@@ -136,7 +136,7 @@ def test_every_entry_of_simple115_has_a_name():
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """A run that has learned nothing yet."""
+    """Return a run that has learned nothing yet."""
     out = tmp_path_factory.mktemp("runs") / "short"
     words = ["train", "academy/pass_and_shoot_with_keeper", "--method=dr", "--representation=simple115"]
     short = ["--total-env-steps=64", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]

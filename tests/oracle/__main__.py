@@ -39,7 +39,7 @@ def main(arguments: list[str]) -> int:
 
 
 def write(records: dict[str, dict], path: Path) -> int:
-    """One record per line, so that a change of one program is a change of one line."""
+    """Write one record per line, so that a change of one program is a change of one line."""
     lines = (f"{json.dumps(name)}:{json.dumps(records[name], separators=(',', ':'))}" for name in sorted(records))
     path.write_text("{" + ",\n".join(lines) + "}\n")
     print(f"{len(records)} programs -> {path}", file=sys.stderr)
@@ -73,7 +73,7 @@ def trimmed(record: dict) -> dict:
 
 
 def coarse(description: dict) -> dict:
-    """A description of a number with five digits of its quantiles, or none where its values are counted."""
+    """Return a description of a number with five digits of its quantiles, or none where its values are counted."""
     if "counts" in description:
         return {key: value for key, value in description.items() if key != "quantiles"}
     if "quantiles" in description:

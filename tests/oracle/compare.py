@@ -14,7 +14,7 @@ CURVE = 1 / 40  # by which 41 quantiles may misstate a distribution
 
 
 def differences(expected: dict, found: dict) -> list[str]:
-    """Where a record of ours is unlike real Scenic's."""
+    """Return where a record of ours is unlike real Scenic's."""
     if "error" in expected or "error" in found:
         return list(of_errors(expected.get("error"), found.get("error")))
     if expected["kind"] == "dynamic":
@@ -45,7 +45,7 @@ def of_errors(expected: dict | None, found: dict | None):
 
 
 def of_values(name: str, expected: dict, found: dict, sizes: tuple[int, int]):
-    """The differences of two descriptions, of as many scenes as `sizes` says."""
+    """Yield the differences of two descriptions, of as many scenes as `sizes` says."""
     if "const" in expected and "const" in found:
         yield from of_constants(name, expected["const"], found["const"])
     elif ("const" in expected) != ("const" in found):
@@ -93,12 +93,12 @@ def of_numbers(name: str, expected: dict, found: dict, sizes: tuple[int, int]):
 
 
 def distance(first: list[float], second: list[float]) -> float:
-    """The greatest gap between two distribution functions that are given by their quantiles."""
+    """Return the greatest gap between two distribution functions that are given by their quantiles."""
     return max(abs(below(first, x) - below(second, x)) for x in [*first, *second])
 
 
 def below(quantiles: list[float], x: float) -> float:
-    """The share of a distribution below x."""
+    """Return the share of a distribution below x."""
     if x < quantiles[0]:
         return 0.0
     if x >= quantiles[-1]:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 
 def of_episodes(expected: dict, found: dict) -> Iterator[str]:
-    """Where a record of ours is unlike real Scenic's."""
+    """Return where a record of ours is unlike real Scenic's."""
     sizes = expected["sims"], found["sims"]
     yield from of_frequencies("simulations", {"rejected": expected["rejected"]}, {"rejected": found["rejected"]}, sizes)
     if expected["sims"] == 1:
@@ -24,7 +24,7 @@ def of_episodes(expected: dict, found: dict) -> Iterator[str]:
 
 
 def of_one(expected: dict, found: dict) -> Iterator[str]:
-    """The differences of two programs that do the same every time."""
+    """Yield the differences of two programs that do the same every time."""
     for key in ("traces", "lengths", "records"):
         if expected.get(key) != found.get(key):
             yield f"{key}: {json.dumps(expected.get(key))} expected, {json.dumps(found.get(key))} found"

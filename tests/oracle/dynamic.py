@@ -22,7 +22,7 @@ MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20
 
 
 def dynamic(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict:
-    """The record's fields for a program of kind `dynamic`. Raises ScenicError if it is none."""
+    """Return the record's fields for a program of kind `dynamic`. Raises ScenicError if it is none."""
     program = load(path, world, dialect)
     count, steps = int(entries["sims"]), int(entries["steps"])
     theta, _ = program.sample(count, np.random.default_rng(7))
@@ -47,7 +47,7 @@ def dynamic(path: Path, entries: dict[str, str], world: Domain, dialect: int) ->
 
 
 def play(program: Program, theta: np.ndarray, entries: dict[str, str], seed: int) -> tuple[Reference, Trace]:
-    """One episode as a header says."""
+    """Play one episode as a header says."""
     world = toy_world(float(entries.get("timestep", 1)))
     reference = Reference(program, theta, replace(world, properties=as_written), seed)
     drift = float(entries.get("drift", 0))
@@ -55,7 +55,7 @@ def play(program: Program, theta: np.ndarray, entries: dict[str, str], seed: int
 
 
 def as_written(instance: Instance, fields: dict) -> dict:
-    """Live properties in which a height is the integer of the program while it is true: texts show the difference."""
+    """Return live properties with heights as the program's integers while they are true: texts show the difference."""
     live = properties(instance, fields)
     before, now = instance.properties["position"], live["position"]
     same = isinstance(before.y, int) and before.y == now.y
@@ -63,19 +63,19 @@ def as_written(instance: Instance, fields: dict) -> dict:
 
 
 def written(trace: Trace) -> list[dict[str, list[str]]]:
-    """The actions of every agent at every step, as texts."""
+    """Return the actions of every agent at every step, as texts."""
     return [{f"o{i}": [text(a) for a in step.actions[i]] for i in step.agents} for step in trace.commands]
 
 
 def text(action: object) -> str:
-    """As Scenic's `str`: objects of programs have no names there."""
+    """Return a value as Scenic's `str`: objects of programs have no names there."""
     if isinstance(action, Vector):
         return f"({action.x}, {action.y}, 0.0)"
     return f"unnamed {action.cls.name}2D" if isinstance(action, Instance) else str(action)
 
 
 def by_step(traces: collections.Counter) -> dict[str, dict[str, int]]:
-    """How often each joint action occurred at each step."""
+    """Return how often each joint action occurred at each step."""
     steps: dict[int, collections.Counter] = collections.defaultdict(collections.Counter)
     for trace, count in traces.items():
         for i, step in enumerate(json.loads(trace)):
@@ -84,7 +84,7 @@ def by_step(traces: collections.Counter) -> dict[str, dict[str, int]]:
 
 
 def plain_record(value: object) -> object:
-    """A record in JSON: a series of [time, value], or one value."""
+    """Return a record in JSON: a series of [time, value], or one value."""
     if isinstance(value, list):
         return [[time, plain(each)] for time, each in value]
     return plain(value)

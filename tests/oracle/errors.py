@@ -30,7 +30,7 @@ CLASSES = {
 
 
 def error_record(error: ScenicError, stage: str) -> dict:
-    """An error in the oracle's shape."""
+    """Return an error in the oracle's shape."""
     first, *others = CLASSES.get(error.kind, ("ScenicError",))
     record = {"stage": stage, "type": first, "bases": [*others, "ScenicError", "Exception"], "message": error.message}
     if error.place is not None:
@@ -39,7 +39,7 @@ def error_record(error: ScenicError, stage: str) -> dict:
 
 
 def failing(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict:
-    """The record's fields for a program of kind `error` that fails neither to load nor to sample."""
+    """Return the record's fields for a program of kind `error` that fails neither to load nor to sample."""
     program = load(path, world, dialect)
     theta, _ = program.sample(1, np.random.default_rng(7))
     if entries.get("run") == "dynamic":

@@ -27,7 +27,7 @@ class OutOfTime(Exception):
 
 
 def header(path: Path) -> dict[str, str]:
-    """The `#! key: value; key: value` lines at the start of a program."""
+    """Return the `#! key: value; key: value` lines at the start of a program."""
     entries: dict[str, str] = {}
     for line in path.read_text().splitlines():
         if not line.startswith("#!"):
@@ -39,18 +39,18 @@ def header(path: Path) -> dict[str, str]:
 
 
 def world_of(folder: Path) -> Domain:
-    """The modules that programs of a folder may import beside their neighbours: those of `lib` in it or beside it."""
+    """Return the modules that a folder's programs may import beside neighbours: those of `lib` in it or beside it."""
     libraries = (folder.resolve().parent / "lib", folder.resolve() / "lib")
     return Domain("oracle", {path.stem: path for library in libraries for path in sorted(library.glob("*.scenic"))})
 
 
 def programs_of(folder: Path, only: str = "") -> list[Path]:
-    """The programs of a folder whose names contain `only`."""
+    """Return the programs of a folder whose names contain `only`."""
     return [path for path in sorted(folder.glob("*.scenic")) if only in path.name and "kind" in header(path)]
 
 
 def run_folder(folder: Path, dialect: int, only: str = "") -> dict[str, dict]:
-    """A record for each program, by its name; one that we cannot run yet is named on stderr."""
+    """Return a record for each program, by its name; one that we cannot run yet is named on stderr."""
     world, records = world_of(folder), {}
     for path in programs_of(folder, only):
         start = time.perf_counter()
@@ -66,7 +66,7 @@ def run_folder(folder: Path, dialect: int, only: str = "") -> dict[str, dict]:
 
 
 def run_program(path: Path, dialect: int, world: Domain) -> dict | None:
-    """The record of one program, whatever happens; None for a kind that we do not run."""
+    """Return the record of one program, whatever happens; None for a kind that we do not run."""
     entries = header(path)
     record = {"id": entries.get("id", path.stem), "kind": entries["kind"]}
     run = KINDS.get(entries["kind"])

@@ -19,7 +19,7 @@ MOST_CORRELATED = 30
 
 
 def static(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> dict:
-    """The record's fields for a program of kind `static`. Raises ScenicError if it is none."""
+    """Return the record's fields for a program of kind `static`. Raises ScenicError if it is none."""
     program, count = load(path, world, dialect), int(entries["n"])
     rng = np.random.default_rng(7)
     _, scenes = program.sample(count, rng)
@@ -31,7 +31,7 @@ def static(path: Path, entries: dict[str, str], world: Domain, dialect: int) -> 
 
 
 def described(columns: dict[str, list], objects: list[str]) -> dict:
-    """The statistics of columns of equal length."""
+    """Return the statistics of columns of equal length."""
     fields: dict = {"objects": objects, "values": {name: describe(name, column) for name, column in columns.items()}}
     varying = [name for name, value in fields["values"].items() if "sd" in value][:MOST_CORRELATED]
     if len(varying) > 1:
@@ -46,7 +46,7 @@ def described(columns: dict[str, list], objects: list[str]) -> dict:
 
 
 def offset(first: list[float], other: list[float]) -> dict:
-    """How far an object is from the first one along an axis."""
+    """Return how far an object is from the first one along an axis."""
     description = describe("", [b - a for a, b in zip(first, other, strict=True)])
     return {key: value for key, value in description.items() if key not in ("quantiles", "counts")}
 
@@ -55,7 +55,7 @@ def offset(first: list[float], other: list[float]) -> dict:
 
 
 def columns_of(program: Program, scenes: Scenes, properties: list[str]) -> dict[str, list]:
-    """Plain values over the scenes, by the oracle's names."""
+    """Return plain values over the scenes, by the oracle's names."""
     count, columns = len(scenes.ok), {}
     for i in range(len(program.objects)):
         columns[f"o{i}.x"] = scenes.positions[:, i, 0].tolist()
@@ -71,7 +71,7 @@ def columns_of(program: Program, scenes: Scenes, properties: list[str]) -> dict[
 
 
 def rows_of(value: object, count: int) -> list:
-    """A value of Scenes, scene by scene, in plain Python; a vector is a pair."""
+    """Return a value of Scenes, scene by scene, in plain Python; a vector is a pair."""
     if isinstance(value, np.ndarray):
         return [tuple(row) if isinstance(row, list) else row for row in value.tolist()]
     if isinstance(value, tuple):
@@ -81,7 +81,7 @@ def rows_of(value: object, count: int) -> list:
 
 
 def flat(name: str, rows: list) -> dict[str, list]:
-    """One column, or two of a vector; none for what has no place in the oracle's files, such as lists."""
+    """Return one column, or two of a vector; none for what has no place in the oracle's files, such as lists."""
     if all(isinstance(row, tuple) and row and all(is_number(part) for part in row) for row in rows):
         width = min(2, *map(len, rows))
         return {f"{name}[{i}]": [float(row[i]) for row in rows] for i in range(width)}
@@ -98,7 +98,7 @@ def is_number(value: object) -> bool:
 
 
 def rounded(value: float) -> float:
-    """Seven digits, and no negative zero."""
+    """Return seven digits, and no negative zero."""
     return float(f"{value:.7g}") + 0.0
 
 
@@ -123,7 +123,7 @@ def describe(name: str, column: list) -> dict:
 
 
 def acceptance(program: Program, count: int, rng: np.random.Generator) -> float:
-    """Scenes per attempt, as Scenic counts them: which soft requirements are in force is drawn once for each scene."""
+    """Return scenes per attempt, as Scenic counts them: which soft requirements hold is drawn once for each scene."""
     failed = program.instantiate(rng.uniform(-1, 1, (CANDIDATES if program.dim else 1, program.dim))).failed
     share = np.array([rule.probability for rule in program.requirements])
     masks, times = np.unique(rng.random((count, len(share))) < share, axis=0, return_counts=True)

@@ -31,7 +31,7 @@ TOKENS = [*SIGNS.split(" "), *WORDS.split()]
 
 
 def shapes() -> list[list[str]]:
-    """The shapes of expressions, specifiers and statements."""
+    """Return the shapes of expressions, specifiers and statements."""
     _, *tables = (Path(__file__).parent / "fuzzing_shapes.txt").read_text().split("\n== ")
     rows = [table.split("\n", 1)[1].replace("\n", "|").split("|") for table in tables]
     return [[shape.replace("\\n", "\n") for shape in row if shape] for row in rows]
@@ -41,7 +41,7 @@ SHAPES = shapes()
 
 
 def corpus() -> list[str]:
-    """Every program at hand, without the oracle's header lines."""
+    """Return every program at hand, without the oracle's header lines."""
     texts = [path.read_text() for folder in FOLDERS for path in sorted(folder.rglob("*.scenic"))]
     return ["\n".join(line for line in text.split("\n") if not line.startswith("#!")) for text in texts]
 
@@ -50,7 +50,7 @@ def corpus() -> list[str]:
 
 
 def mutated(rng: random.Random, texts: list[str]) -> str:
-    """A program with a few slips in it, from a missing sign to a line from somewhere else."""
+    """Return a program with a few slips in it, from a missing sign to a line from somewhere else."""
     text = rng.choice(texts)
     for _ in range(rng.choice((1, 1, 1, 2, 3, 6))):
         start = rng.randrange(len(text) + 1)
@@ -70,7 +70,7 @@ def mutated(rng: random.Random, texts: list[str]) -> str:
 
 
 def swapped(rng: random.Random, text: str) -> str:
-    """Two words of a text change places."""
+    """Exchange two words of a text."""
     words = text.split(" ")
     i, j = rng.randrange(len(words)), rng.randrange(len(words))
     words[i], words[j] = words[j], words[i]
@@ -84,7 +84,7 @@ def with_line(rng: random.Random, text: str, line: str) -> str:
 
 
 def soup(rng: random.Random) -> str:
-    """Tokens in any order."""
+    """Return tokens in any order."""
     return "".join(rng.choice(TOKENS) + rng.choice(("", " ", " ", "\n")) for _ in range(rng.randrange(1, 60)))
 
 
@@ -103,7 +103,7 @@ class Writer:
         return self.filled(self.rng.choice(self.shapes), depth - 1)
 
     def filled(self, shape: str, depth: int) -> str:
-        """A shape with expressions in its holes."""
+        """Return a shape with expressions in its holes."""
         while "{specs}" in shape:
             specs = [self.filled(self.rng.choice(self.specifiers), depth) for _ in range(self.rng.randrange(1, 4))]
             shape = shape.replace("{specs}", ", ".join(specs).replace("{", "{{").replace("}", "}}"), 1)
@@ -120,7 +120,7 @@ class Writer:
 
 
 def written(rng: random.Random, texts: list[str]) -> str:
-    """A program of one of the three kinds."""
+    """Return a program of one of the three kinds."""
     kind = rng.random()
     if kind < 0.45:
         return mutated(rng, texts)
@@ -131,7 +131,7 @@ def written(rng: random.Random, texts: list[str]) -> str:
 
 
 def outcome(text: str, dialect: int) -> str:
-    """What became of a program: "loaded", "unsampled" or an error's kind. Raises AssertionError for what must not."""
+    """Return what became of a program: "loaded", "unsampled" or an error's kind. AssertionError for what must not."""
     start = time.process_time()
     try:
         program = load(text + "\n", dialect=dialect)
@@ -159,7 +159,7 @@ def sampled(program: Program, text: str) -> str:
 
 
 def check_place(error: ScenicError, text: str) -> None:
-    """An error of a text lies inside it, and can be printed."""
+    """Check that an error of a text lies inside it, and can be printed."""
     place, lines = error.place, (text + "\n").replace("\r\n", "\n").replace("\r", "\n").split("\n")
     assert place is not None, f"no place: {error.message}"
     assert 1 <= place.line <= place.end_line <= len(lines), f"{place} is outside the text: {error.message}"
@@ -170,7 +170,7 @@ def check_place(error: ScenicError, text: str) -> None:
 
 
 def attempt(text: str, dialect: int) -> str:
-    """As `outcome`, with what must not be as its last words."""
+    """Do as `outcome`, with what must not be as its last words."""
     try:
         return outcome(text, dialect)
     except Exception as fault:

@@ -47,7 +47,7 @@ class Expectation(NamedTuple):
 
 
 def blocks(text: str) -> list[Block]:
-    """The examples of a text, in order."""
+    """Return the examples of a text, in order."""
     found = re.finditer(r"^```(scenic|python)(?: +(\S+))?\n(.*?)^```", text, re.M | re.S)
     return [Block(m[1], m[2] or "", text.count("\n", 0, m.start()) + 2, m[3]) for m in found]
 
@@ -98,7 +98,7 @@ class Example:
 
 
 def failures(block: Block, folder: Path) -> list[str]:
-    """What an example does other than promised."""
+    """Return what an example does other than promised."""
     wanted = expectations(block)
     assert wanted, f"the example of line {block.line} promises nothing"
     if block.language == "python":
@@ -135,7 +135,7 @@ def scenic_failures(block: Block, folder: Path, dialect: int | None) -> list[str
 
 
 def compiled_failures(example: Example, block: Block, wanted: list[Expectation]) -> list[str]:
-    """Where the compiled program does other than the reference, unless it is promised that it cannot be compiled."""
+    """Return where the compiled program does other than the reference, unless promised that it cannot be compiled."""
     refused = next((each for each in wanted if each.text.startswith("not compiled: ")), None)
     try:
         (controller, ours), (reference, theirs) = example.compiled, example.episode
@@ -153,7 +153,7 @@ def needs_episode(program: Program) -> bool:
 
 
 def check(example: Example, promise: Expectation) -> str:
-    """How an example differs from one promise; "" if it does not."""
+    """Return how an example differs from one promise; "" if it does not."""
     for start, function in CHECKS:
         match = re.match(start, promise.text)
         if match:
@@ -199,7 +199,7 @@ def columns(example: Example, line: int, match: re.Match) -> str:
 
 
 def acceptance(example: Example, line: int, match: re.Match) -> str:
-    """`accepts 79 %` of uniform draws, soft requirements counted by their share."""
+    """Check `accepts 79 %` of uniform draws, soft requirements counted by their share."""
     report = example.program.report(DRAWS, np.random.default_rng(0))
     share = report.accepted / DRAWS
     return "" if abs(share - float(match[1]) / 100) < SLACK else f"{share:.1%}"
@@ -214,7 +214,7 @@ def does(example: Example, line: int, match: re.Match) -> str:
 
 
 def ends(example: Example, line: int, match: re.Match) -> str:
-    """`ends at 3: reason`: steps played, and first words of Scenic's reason."""
+    """Check `ends at 3: reason`: steps played, and first words of Scenic's reason."""
     trace = example.episode[1]
     said = trace.ending if not trace.rejected else f"rejected: {trace.rejected}"
     good = len(trace.commands) == int(match[1]) and said.startswith(match[2])
@@ -237,7 +237,7 @@ def record(example: Example, line: int, match: re.Match) -> str:
 
 
 def value_or_place(example: Example, promise: Expectation) -> str:
-    """The value of the line's parameter, or position and perhaps heading of its object."""
+    """Return the value of the line's parameter, or position and perhaps heading of its object."""
     for name, place in example.program.param_places.items():
         if place.line == promise.line:
             found = plain(example.scenes.params[name])
@@ -270,13 +270,13 @@ CHECKS = (
 
 
 def literal(text: str) -> Any:
-    """A value as the manual writes it; `90 deg` is an angle."""
+    """Return a value as the manual writes it; `90 deg` is an angle."""
     angle = re.fullmatch(r"(-?[\d.]+) deg", text)
     return math.radians(float(angle[1])) if angle else ast.literal_eval(text)
 
 
 def plain(value: Any) -> Any:
-    """A value of one scene."""
+    """Return a value of one scene."""
     if isinstance(value, np.ndarray):
         return plain(value[0])
     if isinstance(value, np.generic):

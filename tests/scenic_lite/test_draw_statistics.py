@@ -37,7 +37,7 @@ def truncated(mean, spread, low, high):
 
 
 def triangle(x):
-    """Of the sum of two uniform values on [0, 1]."""
+    """Return the distribution function of the sum of two uniform values on [0, 1]."""
     return np.where(x < 1, x**2 / 2, 1 - (2 - x) ** 2 / 2)
 
 
@@ -81,7 +81,7 @@ def values(text, seed=1):
 
 
 def moments_agree(found, mean, variance):
-    """Whether mean and variance lie within what chance allows; the variance's own error is estimated."""
+    """Return whether mean and variance lie within what chance allows; the variance's own error is estimated."""
     fourth = np.mean((found - found.mean()) ** 4)
     error = math.sqrt(max(fourth - found.var() ** 2, 1e-12) / N)
     near_mean = abs(found.mean() - mean) < SIGMAS * math.sqrt(variance / N)

@@ -20,12 +20,12 @@ from tests.floors import imported, modules
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
-    """The folder that a fresh process would cache in, asked without touching this one's."""
+    """Return the folder that a fresh process would cache in, asked without touching this one's."""
     return asked(tmp_path, **environment)[0]
 
 
 def asked(tmp_path: Path, **environment: str) -> tuple[str, str]:
-    """The same, and what it says of it on stderr."""
+    """Return the same, and what it says of it on stderr."""
     command = [sys.executable, "-c", "from scenic_lite.kernels import jit; print(jit.CACHE)"]
     inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     inherited |= {"PYTHONPATH": str(jit.ROOT), "TMPDIR": str(tmp_path), **environment}

@@ -48,7 +48,7 @@ def test_arguments_that_mean_nothing(wrong):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A program's folder with modules, and packages in it."""
+    """Return a program's folder with modules, and packages in it."""
     files = {
         "shop.scenic": "param shared = 3\nsize = 4\n_own = 1\ncount = 0\ndef bump():\n    return count + 1\n",
         "world.scenic": "param time = 12, sky = 'grey'\nkind = 'world'\n",

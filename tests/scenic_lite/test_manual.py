@@ -15,7 +15,7 @@ EXAMPLES = [pytest.param(block, id=f"line{block.line}") for block in BLOCKS if n
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """The modules that examples import."""
+    """Return the modules that examples import."""
     folder = tmp_path_factory.mktemp("manual")
     for block in BLOCKS:
         if block.file:

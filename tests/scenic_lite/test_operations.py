@@ -25,14 +25,14 @@ def titles(rows):
 
 
 def samples(row, rng):
-    """Operands for one row, [arity, N]: fractions and integers of either sign, zeros among them."""
+    """Return operands for one row, [arity, N]: fractions and integers of either sign, zeros among them."""
     fractions = rng.normal(0, 2, (row.arity, SAMPLES))
     whole = rng.choice(INTEGERS, (row.arity, SAMPLES)).astype(float)
     return np.where(rng.random((row.arity, SAMPLES)) < 0.4, whole, fractions)
 
 
 def by_machine(opcode, operands):
-    """The result of one opcode, and whether the machine calls it a fault."""
+    """Return the result of one opcode, and whether the machine calls it a fault."""
     count, out = len(operands), FIRST_FREE + 1 + len(operands)
     registers = np.zeros(out + 1)
     registers[FIRST_FREE] = 1  # the thread begins at row 1
@@ -50,7 +50,7 @@ def by_machine(opcode, operands):
 
 
 def by_python(row, operands):
-    """The result of the row on numbers, None where Python raises or gives no finite number."""
+    """Return the result of the row on numbers, None where Python raises or gives no finite number."""
     try:
         result = row.scalar(*operands)
     except (ArithmeticError, ValueError):
@@ -109,7 +109,7 @@ def test_no_two_rows_are_one_and_every_opcode_exists():
 
 
 def machine_list(*numbers):
-    """Registers and lists as the machine's geometry takes them, and the place of the operands."""
+    """Return registers and lists as the machine's geometry takes them, and the place of the operands."""
     return np.array(numbers, dtype=float), np.array([len(numbers), *range(len(numbers))], dtype=np.uint32), 1
 
 

@@ -66,7 +66,7 @@ def is_field(node):
 
 
 def python_tree(text):
-    """Python's own tree of a text, in which u"..." is a text like any other."""
+    """Return Python's own tree of a text, in which u"..." is a text like any other."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant):
@@ -126,7 +126,7 @@ class PlainPython(ast.NodeTransformer):
 
 
 def characters(tree, text):
-    """The place of each node, in characters as ours are; `text` if the columns are Python's bytes."""
+    """Yield the place of each node, in characters as ours are; `text` if the columns are Python's bytes."""
     lines = text.split("\n") if text is not None else None
     for node in ast.walk(tree):
         if hasattr(node, "lineno"):

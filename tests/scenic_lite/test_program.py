@@ -35,7 +35,7 @@ def everything():
 
 
 def same(a, b):
-    """Equality bit for bit, nan included, of arrays or plain values."""
+    """Return equality bit for bit, nan included, of arrays or plain values."""
     if isinstance(a, np.ndarray) and a.dtype.kind == "f":
         return np.array_equal(a.view(np.int64), b.view(np.int64))
     return np.array_equal(a, b)
@@ -179,7 +179,7 @@ def outlines(scenes):
 
 
 def meet(a, b):
-    """Whether two convex quadrilaterals meet: no edge of either separates them."""
+    """Return whether two convex quadrilaterals meet: no edge of either separates them."""
     for one in (a, b):
         for p, q in zip(one, np.roll(one, -1, axis=0), strict=True):
             normal = np.array([q[1] - p[1], p[0] - q[0]])

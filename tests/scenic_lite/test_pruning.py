@@ -96,14 +96,14 @@ SLOW = ("row by row",)
 
 
 def unpruned(text):
-    """The same program, whose invalid draws are all rejected."""
+    """Return the same program, whose invalid draws are all rejected."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(loader, "prune", lambda state: None)
         return load(text, dialect=3)
 
 
 def numbers(scenes):
-    """All that varies, and the sums of pairs of it: [N, K]."""
+    """Return all that varies, and the sums of pairs of it: [N, K]."""
     params = [np.asarray(value, dtype=float)[:, None] for value in scenes.params.values()]
     table = np.concatenate([scenes.positions.reshape(SCENES, -1), scenes.headings, *params], axis=1)
     pairs = [table[:, i] + table[:, j] for i in range(table.shape[1]) for j in range(i)]
@@ -111,7 +111,7 @@ def numbers(scenes):
 
 
 def gap(a, b):
-    """The greatest distance of two distribution functions."""
+    """Return the greatest distance of two distribution functions."""
     both = np.concatenate([a, b])
     below = [np.searchsorted(np.sort(each), both, side="right") / len(each) for each in (a, b)]
     return np.abs(below[0] - below[1]).max()

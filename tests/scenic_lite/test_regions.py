@@ -31,7 +31,7 @@ FIXED = [*AREAS, "PolylineRegion([0@0, 10@0, 10@10])", "PointSetRegion('p', [(1,
 
 
 def region(text, dialect=3):
-    """The region that an expression makes."""
+    """Return the region that an expression makes."""
     return things(f"spot = new Thing in {text}", dialect).mode.state.points[0].region
 
 
@@ -42,7 +42,7 @@ def drawn(text, n=POINTS, seed=3):
 
 
 def chi_square(points, shape, cells=6):
-    """Of the counts in a grid over the bounds of a shape; about 1 per degree of freedom if the points are uniform."""
+    """Return chi² of the counts in a grid over a shape's bounds; about 1 per degree of freedom if uniform."""
     low_x, low_y, high_x, high_y = shape.bounds
     xs, ys = np.linspace(low_x, high_x, cells + 1), np.linspace(low_y, high_y, cells + 1)
     counts = np.histogram2d(points[:, 0], points[:, 1], (xs, ys))[0]

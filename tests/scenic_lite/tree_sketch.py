@@ -49,7 +49,7 @@ SIGNS = {
 
 
 def _parts(node: ast.expr) -> list[str]:
-    """The sign of an operation, then its operands."""
+    """Return the sign of an operation, then its operands."""
     if isinstance(node, ast.BinOp):
         return [SIGNS[type(node.op)], sketch(node.left), sketch(node.right)]
     if isinstance(node, ast.UnaryOp):
@@ -65,12 +65,12 @@ def _parts(node: ast.expr) -> list[str]:
 
 
 def statements(text: str, dialect: int = 2) -> list[ast.stmt]:
-    """The statements of a program."""
+    """Return the statements of a program."""
     return parse(text, "p.scenic", dialect).body
 
 
 def value(text: str, dialect: int = 3) -> str:
-    """The sketch of one expression."""
+    """Return the sketch of one expression."""
     (statement,) = statements(text, dialect)
     assert isinstance(statement, ast.Expr)
     return sketch(statement.value)

@@ -54,7 +54,7 @@ sys.exit(main(sys.argv[1:]))
 
 @pytest.fixture
 def toy(tmp_path, monkeypatch):
-    """The file on the path, and the row in the table."""
+    """Put the file on the path, and the row into the table."""
     (tmp_path / "toy.py").write_text(FILE)
     monkeypatch.syspath_prepend(tmp_path)
     from toy import ToyConfig

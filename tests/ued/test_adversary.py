@@ -16,7 +16,7 @@ UNIFORM_STD = 1 / math.sqrt(3)
 
 
 def landscape(theta, rng, noise=0.5):
-    """A bump of height 1 and width 0.4 at (0.5, 0.5), under noise as of a few episodes."""
+    """Return a bump of height 1 and width 0.4 at (0.5, 0.5), under noise as of a few episodes."""
     height = np.exp(-((theta - PEAK) ** 2).sum(1) / (2 * 0.4**2))
     return height + noise * rng.normal(size=len(theta))
 

@@ -19,7 +19,7 @@ def student(agents=1):
 
 
 def steps(count, agents=1, seed=0, noise=0.0):
-    """Steps in which what is done follows from what is seen, of each agent in his own way."""
+    """Return steps in which what is done follows from what is seen, of each agent in his own way."""
     rng = np.random.default_rng(seed)
     shape = (count, agents) if agents > 1 else (count,)
     seen = rng.normal(5.0, 20.0, (*shape, 3)).astype(np.float32)

@@ -16,7 +16,7 @@ PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)
 
 
 def mixture(num_envs=12):
-    """Two actions in three-step landscapes of two columns, half of one's levels invalid, and one of no column."""
+    """Mix two-action, three-step landscapes: two of two columns, half of one's levels invalid, and one of no column."""
     return Mixture([Landscape(num_envs), HalfValid(num_envs), Choice(num_envs)], ["plain", "half", "choice"])
 
 

@@ -46,7 +46,7 @@ def test_nothing_heavy_comes_along(statement):
 
 
 def seconds(statement):
-    """The least of three runs: what else the machine does only adds to it."""
+    """Return the least of three runs: what else the machine does only adds to it."""
     runs = []
     for _ in range(3):
         began = time.perf_counter()

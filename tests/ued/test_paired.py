@@ -73,7 +73,7 @@ def test_regret_can_be_clipped_at_zero():
 
 
 def lessons_of(config, env=None, updates=4):
-    """What the adversary learns from (θ, scores), the level records of all updates, and their metrics."""
+    """Return what the adversary learns from (θ, scores), the level records of all updates, and their metrics."""
     method = Paired(env or Landscape(64), PPO, config, seed=0)
     lessons = []
     adversary = method.teacher.adversary

@@ -38,7 +38,7 @@ def random_rollout(steps=40, envs=6, seed=0):
 
 
 def slow_gae(rollout, gamma, gae_lambda):
-    """The definition: the sum of discounted temporal-difference errors to the end of the episode or the rollout."""
+    """Sum, as defined, discounted temporal-difference errors to the end of the episode or the rollout."""
     steps, envs = rollout.reward.shape
     advantage = torch.zeros(steps, envs)
     for n in range(envs):

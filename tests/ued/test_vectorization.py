@@ -23,7 +23,7 @@ def put_gravity(env, values):
 
 
 def pendulums(num_envs=4, vectorization="sync"):
-    """Continuous actions, and episodes that are always cut off."""
+    """Return continuous actions, and episodes that are always cut off."""
     return GymUPOMDP(lambda: gymnasium.make("Pendulum-v1"), put_gravity, {"g": (5.0, 15.0)}, num_envs, vectorization)
 
 

@@ -150,7 +150,7 @@ def high_odds(match, player, x, y):
 
 @kernel
 def clear_in_panic(match, i):
-    """Under pressure near the own goal, as a defender: kick the ball high and far; return whether."""
+    """Kick the ball high and far, under pressure near the own goal, as a defender; return whether."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
     attacker = MINDSET[match.players[player.post].role]

@@ -159,7 +159,7 @@ def has_moved(match):
 
 @kernel
 def own_at_restart(match):
-    """While play is stopped nobody owns the ball but who holds it for a throw-in."""
+    """Report nobody as owner while play is stopped, but who holds the ball for a throw-in."""
     match.reported_owner = match.taker if match.game_mode == THROW_IN else NOBODY
     compare_owner(match)
 

@@ -80,7 +80,7 @@ def dive(match, player):
 
 @kernel
 def foresee_shot(match, team):
-    """After a kick by `team`: find out whether the other keeper must save it, where, and whether he will."""
+    """Find out, after a kick by `team`, whether the other keeper must save it, where, and whether he will."""
     match.was_kicked, match.kick_age = True, 0.0
     foresee(match, team)
 

@@ -130,7 +130,7 @@ def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: 
 
 
 def _at(x: float, y: float) -> tuple[float, float]:
-    """Pixel of a place in metres."""
+    """Return the pixel of a place in metres."""
     return (x + HALF_LENGTH + BORDER) * SCALE, (HALF_WIDTH + BORDER - y) * SCALE + BAR
 
 

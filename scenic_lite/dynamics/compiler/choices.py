@@ -129,7 +129,7 @@ def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: b
 
 @contextmanager
 def branch(c: Compilation, scope: Scope, condition: ast.expr, when: bool = True) -> Iterator[None]:
-    """Rows written inside are executed if the truth of a condition is `when`."""
+    """Execute the rows written inside if the truth of a condition is `when`."""
     otherwise = Label()
     jump_on(c, scope, condition, otherwise, not when)
     yield

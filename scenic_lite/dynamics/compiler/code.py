@@ -139,7 +139,7 @@ class Assembler:
 
     @contextmanager
     def when(self, register: int) -> Iterator[None]:
-        """Rows written inside are executed if the register is not 0."""
+        """Execute the rows written inside if the register is not 0."""
         otherwise = Label()
         self.row(op.JUMP_UNLESS, register, c=otherwise)
         yield
@@ -159,8 +159,8 @@ class Assembler:
 
     @contextmanager
     def rounds(self, stop: int, start: int | None = None, step: int = 1) -> Iterator[tuple[RegisterValue, Label]]:
-        """Rows written inside are executed for the numbers from one register up or down to another; the label begins
-        the next. Without `start` they are the places of a list, which are never too many.
+        """Execute the rows written inside for the numbers from one register up or down to another; the label begins the
+        next. Without `start` they are the places of a list, which are never too many.
         """
         counter, again, following, over = RegisterValue(self.variables.take(), whole=True), Label(), Label(), Label()
         now = counter.register
@@ -175,7 +175,7 @@ class Assembler:
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:
-        """Rows written inside are kept aside."""
+        """Keep aside the rows written inside."""
         inside: list[Row] = []
         outside, known, reachable = self.rows, dict(self.known), self.reachable
         self.rows = inside
@@ -217,7 +217,7 @@ class Assembler:
 
     @contextmanager
     def statement(self) -> Iterator[None]:
-        """The intermediate results of one statement are forgotten after it."""
+        """Forget the intermediate results of one statement after it."""
         used = self.temporaries.used
         self.known.clear()
         try:

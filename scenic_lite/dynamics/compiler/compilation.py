@@ -101,7 +101,7 @@ class CompiledScope(Scope):
             c.code.fault_unless(variable.mark, f"'{name}' has no value yet in this function")
 
     def pin(self, names: Iterable[str]) -> None:
-        """From here on these variables stand in registers: what assigns them is decided during a match."""
+        """Put these variables into registers from here on: what assigns them is decided during a match."""
         for name in sorted(names):
             if name in self.variables or name not in self.assigned | self.locals.keys():
                 continue
@@ -119,7 +119,7 @@ class CompiledScope(Scope):
 
     @contextmanager
     def in_dynamic_branch(self) -> Iterator[None]:
-        """Inside, whether a statement is reached is decided during a match."""
+        """Treat statements inside as ones of which a match decides whether they are reached."""
         self.inlined.live += 1
         before = set(self.unset)
         try:
@@ -273,7 +273,7 @@ class Compilation:
 
     @contextmanager
     def at(self, site: Site | None = None, **changes: Any) -> Iterator[None]:
-        """Inside, the walk is at another site, or at this one but for some of it."""
+        """Walk inside at another site, or at this one but for some of it."""
         outside, self.site = self.site, replace(site or self.site, **changes)
         try:
             yield
@@ -281,7 +281,7 @@ class Compilation:
             self.site = outside
 
     def entered(self, thing: Behavior | Function, node: ast.AST) -> AbstractContextManager[None]:
-        """Inside, a behavior or function is inlined. Raises ScenicError for recursion."""
+        """Inline a behavior or function inside. Raises ScenicError for recursion."""
         body = thing.node if isinstance(thing, Behavior) else thing.body
         site = self.site
         if any(each is body for each in site.inside) or len(site.inside) >= DEEPEST:
@@ -290,16 +290,16 @@ class Compilation:
         return self.at(path=(*site.path, id(node)), inside=(*site.inside, body))
 
     def round(self, node: ast.AST, *number: int | str | None) -> AbstractContextManager[None]:
-        """Inside is one round of a loop that is unrolled, or one of several uses of a node."""
+        """Walk inside one round of a loop that is unrolled, or one of several uses of a node."""
         return self.at(path=(*self.site.path, id(node), *number))
 
     def repeated(self) -> AbstractContextManager[None]:
-        """Inside, statements may be executed several times."""
+        """Treat statements inside as ones that may be executed several times."""
         return self.at(repeating=self.site.repeating + 1)
 
     @contextmanager
     def within(self, part: ScenarioInstance, **changes: Any) -> Iterator[None]:
-        """Inside, statements belong to a scenario, and `ego` is its own."""
+        """Let statements inside belong to a scenario, and `ego` be its own."""
         ego, self.state.ego = self.state.ego, part.ego
         with self.at(part.site, **changes):
             try:

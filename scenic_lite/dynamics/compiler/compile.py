@@ -78,7 +78,7 @@ def compile_program(program: Program, world: World) -> Compiled:
 
 @contextmanager
 def live_objects(c: Compilation) -> Iterator[None]:
-    """Inside, objects have live properties; outside, they and all variables are as they were loaded."""
+    """Give objects live properties inside; outside, they and all variables are as they were loaded."""
     instances = list(c.program.instances)
     loaded = [(each.properties, each.attributes) for each in instances]
     for each in instances:

@@ -113,7 +113,7 @@ def many(items: Value) -> bool:
 def loop(
     code: Assembler, items: LiveRange | RegisterList | list | tuple
 ) -> Iterator[tuple[Value, RegisterValue, Label]]:
-    """Rows written inside are executed for each element; its place, and the label that begins the next round."""
+    """Execute the rows written inside for each element; yield its place, and the label that begins the next round."""
     if isinstance(items, LiveRange):
         stop = register_of(code, items.stop, code.variables.take())
         with code.rounds(stop, register_of(code, items.start), items.step) as (counter, following):

@@ -46,7 +46,7 @@ def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
 
 @contextmanager
 def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
-    """Rows written inside are for a scenario while it runs."""
+    """Write the rows inside for a scenario while it runs."""
     with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
         yield
 

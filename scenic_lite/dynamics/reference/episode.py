@@ -117,7 +117,7 @@ class Episode:
 
     @contextmanager
     def playing(self) -> Iterator[None]:
-        """Inside, the program means this episode: all that it may change has the contents that it has here."""
+        """Let the program mean this episode inside: all that it may change has the contents that it has here."""
         loaded = [container.copy() for container, _ in self._own]
         for container, own in self._own:
             fill(container, own)

@@ -104,7 +104,7 @@ class Reference:
 
     @contextmanager
     def _rejecting(self) -> Iterator[None]:
-        """Inside, whatever rejects the episode ends it."""
+        """End the episode by whatever rejects it inside."""
         try:
             yield
         except Rejected as reason:

@@ -194,7 +194,7 @@ class Scenario:
 
     @contextmanager
     def current(self) -> Iterator[None]:
-        """Inside, `ego` is that of this scenario."""
+        """Let `ego` be that of this scenario inside."""
         state = self.episode.state
         before, state.ego = state.ego, self.ego
         outer, self.episode.scenario = self.episode.scenario, self

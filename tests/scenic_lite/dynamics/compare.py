@@ -24,7 +24,7 @@ CLOSE = 1e-9  # relative: libraries differ in the last digit of some functions
 def differences(
     text: str, seeds: range = range(3), steps: int = 12, dialect: int = 3, drift: float = 1.0, timestep: float = 1.0
 ) -> tuple[list[str], Compiled]:
-    """What differs between the two in matches of a program in the toy world, and the code."""
+    """Return what differs between the two in matches of a program in the toy world, and the code."""
     program = load(text, dialect=dialect)
     world = toy_world(timestep)
     compiled = compile_program(program, world)
@@ -40,7 +40,7 @@ def differences(
 
 
 def outcome(controller: Controller, table: np.ndarray, steps: int, drift: float) -> tuple:
-    """A trace as plain values; a fault by its line, but a loop without an action has no line of its own."""
+    """Return a trace as plain values; a fault by its line, but a loop without an action has no line of its own."""
     try:
         trace = run(table, controller, steps, drift)
     except ScenicError as error:
@@ -51,7 +51,7 @@ def outcome(controller: Controller, table: np.ndarray, steps: int, drift: float)
 
 
 def recorded(value: Any) -> Any:
-    """Records as tuples, with vectors and objects as what they show."""
+    """Return records as tuples, with vectors and objects as what they show."""
     if isinstance(value, dict):
         return tuple((key, recorded(value[key])) for key in sorted(value))
     if isinstance(value, list | tuple):

@@ -30,7 +30,7 @@ class CompiledController:
         self.records: dict[str, Any] = {}  # as of `Reference`
 
     def act(self, world: np.ndarray, facts: np.ndarray) -> Commands:
-        """As `Reference.act`."""
+        """Do as `Reference.act`."""
         self._see(world, facts)
         with np.errstate(all="ignore"):
             run_behaviors(self.compiled.code, self.registers, self.commands, self.rng)
@@ -57,7 +57,7 @@ class CompiledController:
         return tuple(self.compiled.plain(action, self.registers, self._scene) for action in actions)
 
     def watch(self, world: np.ndarray, facts: np.ndarray) -> Verdict:
-        """As `Reference.watch`."""
+        """Do as `Reference.watch`."""
         self._see(world, facts)
         running = not over(self.registers)
         with np.errstate(all="ignore"):

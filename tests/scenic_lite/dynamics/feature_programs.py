@@ -268,7 +268,7 @@ things = [ego, mate, foe]
 
 
 def program(name: str) -> str:
-    """The text of one program."""
+    """Return the text of one program."""
     return DEFINITIONS + "behavior Main():" + BODIES[name] + OBJECTS
 
 

@@ -30,7 +30,7 @@ class Generator:
     # ------------------------------------------------------------ expressions
 
     def number(self, names: list[str], depth: int = 2) -> str:
-        """A number of some kind."""
+        """Return a number of some kind."""
         if depth == 0 or self.chance(0.3):
             return self.leaf(names)
         a, b = self.number(names, depth - 1), self.number(names, depth - 1)
@@ -100,7 +100,7 @@ class Generator:
         return self.pick("self", *OBJECTS)
 
     def truth(self, names: list[str], depth: int = 2) -> str:
-        """A condition."""
+        """Return a condition."""
         if depth == 0 or self.chance(0.4):
             a, b = self.number(names, max(0, depth - 1)), self.number(names, 0)
             return self.pick(
@@ -125,14 +125,14 @@ class Generator:
         self.lines.append("    " * indent + text)
 
     def block(self, indent: int, names: list[str], depth: int, loop: bool = False, handler: bool = False) -> None:
-        """Some statements; `names` are the variables that have a value."""
+        """Write some statements; `names` are the variables that have a value."""
         names = list(names)
         for _ in range(self.random.randrange(1, 4)):
             if self.statement(indent, names, depth, loop, handler):
                 return
 
     def statement(self, indent: int, names: list[str], depth: int, loop: bool, handler: bool) -> bool:
-        """One statement; True if nothing can follow it."""
+        """Write one statement; return whether nothing can follow it."""
         roll = self.random.random()
         if depth == 0 or roll < 0.3:
             self.act(indent, names)
@@ -185,7 +185,7 @@ class Generator:
             names.append(f"v{self.numbers}")
 
     def change(self, indent: int, names: list[str]) -> None:
-        """A variable that all behaviors see, or a list that they share, is another."""
+        """Write what changes a variable that all behaviors see, or a list that they share."""
         number = self.number(names, 1)
         self.write(indent, self.pick(f"bump({number})", f"ego.log.append({number})", f"ego.log.append({number})"))
         if self.chance(0.5):
@@ -352,7 +352,7 @@ things = [ego, mate, foe]"""
 
 
 def program(seed: int) -> str:
-    """The text of one program."""
+    """Return the text of one program."""
     generator = Generator(seed)
     text = generator.program()
     if "monitor Watch" in text:

@@ -64,7 +64,7 @@ class Generator:
         return f"{name}({self.value(names)})"
 
     def scenario(self, level: int, number: int) -> str:
-        """A scenario with a setup, and a compose block unless it is of the lowest level."""
+        """Write a scenario with a setup, and a compose block unless it is of the lowest level; return its name."""
         name = f"S{level}{number}"
         self.write(0, f"scenario {name}(x):")
         if self.chance(0.2):
@@ -90,7 +90,7 @@ class Generator:
             self.write(indent, f"terminate after {self.random.randrange(1, 6)} steps")
 
     def setting(self, indent: int, names: list[str], name: str) -> None:
-        """One statement of a setup; in a branch one that happens at once."""
+        """Write one statement of a setup; in a branch one that happens at once."""
         thing, number = self.thing(), self.number()
         forms = [
             f"override {thing} with behavior Loop(f'{name}{{{self.value(names)}:.4g}}')",
@@ -133,7 +133,7 @@ class Generator:
                 return
 
     def statement(self, indent: int, names: list[str], depth: int, level: int, loop: bool) -> bool:
-        """One statement; True if nothing can follow it."""
+        """Write one statement; return whether nothing can follow it."""
         roll = self.random.random()
         if level > 0 and (roll < 0.5 or depth == 0):
             self.do(indent, names, level)
@@ -270,5 +270,5 @@ foe = new Thing at -4 @ 1, with requireVisible False"""
 
 
 def program(seed: int) -> str:
-    """The text of one program."""
+    """Return the text of one program."""
     return Generator(seed).program()

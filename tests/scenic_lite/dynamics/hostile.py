@@ -98,7 +98,7 @@ class Target:
 
 
 def targets(seed: int) -> list[Target]:
-    """Programs of every kind of row."""
+    """Return programs of every kind of row."""
     texts = [feature_programs.program(name) for name in feature_programs.BODIES]
     return [Target.of(text) for text in [*texts, feature_programs.MIXED, *(generated(seed + k) for k in range(4))]]
 

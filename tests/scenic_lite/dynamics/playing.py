@@ -9,7 +9,7 @@ from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 
 def played(text, steps=6, drift=1.0, dialect=3, seed=0, theta=None, timestep=1.0):
-    """The reference and the trace of one episode; without theta all draws of the scene have their middle value."""
+    """Return the reference and the trace of one episode; without theta all draws have their middle value."""
     program = load(text, dialect=dialect)
     theta = np.zeros(program.dim) if theta is None else np.asarray(theta, dtype=float)
     reference = Reference(program, theta, toy_world(timestep), seed)
@@ -17,6 +17,6 @@ def played(text, steps=6, drift=1.0, dialect=3, seed=0, theta=None, timestep=1.0
 
 
 def actions(text, steps=6, **settings):
-    """What the first object does in each step, as one text: steps separated by blanks, "-" for none."""
+    """Return what the first object does in each step, as one text: steps separated by blanks, "-" for none."""
     _, trace = played(text, steps, **settings)
     return " ".join(",".join(map(str, each.actions[0])) or "-" for each in trace.commands)

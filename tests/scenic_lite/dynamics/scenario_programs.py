@@ -331,13 +331,13 @@ record ego.position.y * 2 as twice
 
 
 def program(name: str) -> str:
-    """The text of one program."""
+    """Return the text of one program."""
     before, _, compose = BODIES[name].strip("\n").rpartition("---\n")
     return PARTS + before + main(compose)
 
 
 def main(compose: str, setup: str = "") -> str:
-    """The main scenario with a compose block and perhaps a setup."""
+    """Return the main scenario with a compose block and perhaps a setup."""
     text = "scenario Main():\n"
     text += "    setup:\n" + indented(setup) if setup else ""
     return text + "    compose:\n" + indented(compose)

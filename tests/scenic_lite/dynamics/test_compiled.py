@@ -122,14 +122,14 @@ def test_open_oracle_programs_give_the_same_commands(path):
 
 
 def sampled(paths):
-    """Parameters: programs of one folder are much alike, so that all but its first are left to the slow tests."""
+    """Return parameters: programs of a folder are much alike, so that all but its first are left to the slow tests."""
     for before, path in zip([None, *paths], paths, strict=False):
         alike = [pytest.mark.slow] * (before is not None and before.parent == path.parent)
         yield pytest.param(path, marks=alike, id=f"{path.parent.name}/{path.stem}")
 
 
 def random_worlds(rng: np.random.Generator, objects: int, steps: int):
-    """Tables [O, F] and facts [G] of matches that nobody has played."""
+    """Yield tables [O, F] and facts [G] of matches that nobody has played."""
     fields, facts = FOOTBALL_WORLD.fields, FOOTBALL_WORLD.facts
     low, high = np.array([-100.0, -42.0]), np.array([100.0, 42.0])
     places = rng.uniform(low, high, (objects, 2))

@@ -34,7 +34,7 @@ STEPS = ((True, False), (True, False), (False, True), (False, False))
 
 
 def letter(watch):
-    """What is known of a requirement: T or F once that is settled, t or f what it is if the episode ends now."""
+    """Return what is known of a requirement: T or F once that is settled, t or f what it is if the episode ends now."""
     known = "t" if watch.holds else "f"
     return known.upper() if isinstance(watch.rest, Settled) else known
 
@@ -44,7 +44,7 @@ def condition(text):
 
 
 def holds(expression, p, q):
-    """The truth of an operand without temporal operators."""
+    """Return the truth of an operand without temporal operators."""
     if isinstance(expression, ast.Name):
         return {"p": p, "q": q}[expression.id]
     if isinstance(expression, ast.UnaryOp):

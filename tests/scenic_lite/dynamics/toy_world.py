@@ -39,7 +39,7 @@ class Trace(NamedTuple):
 
 
 def first_table(program: Program, theta: np.ndarray) -> np.ndarray:
-    """The world table [O, 3] of the scene that theta [D] describes."""
+    """Return the world table [O, 3] of the scene that theta [D] describes."""
     scenes = program.instantiate(np.asarray(theta, dtype=float)[None])
     return np.concatenate([scenes.positions[0], scenes.headings[0][:, None]], axis=1)
 
@@ -71,7 +71,7 @@ def run(table: np.ndarray, controller: Controller, steps: int, drift: float = 0.
 
 
 def with_new(table: np.ndarray, controller: Controller) -> np.ndarray:
-    """The table with rows for objects that scenarios have just made."""
+    """Return the table with rows for objects that scenarios have just made."""
     made = controller.objects[len(table) :] if isinstance(controller, Reference) else []
     rows = [[each.properties["position"].x, each.properties["position"].y, each.properties["heading"]] for each in made]
     return np.concatenate([table, np.array(rows)]) if rows else table
