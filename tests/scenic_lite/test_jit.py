@@ -112,7 +112,7 @@ def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, mon
 
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A copy of all sources that kernels may stand in."""
+    """Return a copy of all sources that kernels may stand in."""
     folder = tmp_path_factory.mktemp("copied")
     for package in jit.PACKAGES:
         shutil.copytree(jit.ROOT / package, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
