@@ -77,6 +77,11 @@ FLOORS = {
         "policy",  # a trained student, elsewhere
         "sb3",  # for Stable-Baselines3
         "torchrl",  # for TorchRL
+        "scenic3.names",  # Scenic 3 itself: what is random, by name and line
+        "scenic3.columns",  # as columns of theta
+        "scenic3.program",  # theta -> scenes
+        "scenic3.episode",  # a simulation, step by step
+        "scenic3.vector_env",  # processes of them
     ),
     "experiments": (
         "run",

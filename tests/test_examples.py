@@ -17,6 +17,7 @@ SHORT = {
     "hopper.py": ["--env-steps", "4096", "--out", "run"],
     "highway.py": ["--env-steps", "512", "--out", "run"],
     "with_rllib.py": ["--env-steps", "2048"],
+    "driving.py": ["--env-steps", "512", "--out", "run"],
 }
 SAYS = {
     "cleanrl_style.py": "buffer",
@@ -27,10 +28,11 @@ SAYS = {
     "hopper.py": "mars, loaded",
     "highway.py": "rush hour",
     "with_rllib.py": "env_steps, mean return",
+    "driving.py": "sudden",
 }
 
 
-NEEDS = {"hopper.py": "mujoco", "highway.py": "highway_env", "with_rllib.py": "ray.rllib"}
+NEEDS = {"hopper.py": "mujoco", "highway.py": "highway_env", "with_rllib.py": "ray.rllib", "driving.py": "scenic"}
 
 
 @pytest.mark.slow

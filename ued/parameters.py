@@ -268,6 +268,12 @@ def _kind(name: str, about: Any) -> Kind:
         ) from error
 
 
+def kind_of(draw: Parameter) -> Kind | None:
+    """Return what a column's values are, as one of the kinds here; None where it tells another way, or not."""
+    kind = getattr(draw, "kind", None)
+    return kind if isinstance(kind, Range | LogRange | Integer | Choice) else None
+
+
 class Axis(NamedTuple):
     """Numbers along which a column's θ is linear: how a name is written there, and the numbers of θ = -1 and 1."""
 
@@ -278,7 +284,7 @@ class Axis(NamedTuple):
 
 def axis_of(draw: Parameter) -> Axis:
     """Return the axis of a column: logarithms of a `LogRange`, numbers of the values of a `Choice`."""
-    kind = draw.kind if isinstance(draw, Column) else None
+    kind = kind_of(draw)
     if isinstance(kind, LogRange):
         return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
     if isinstance(kind, Integer):
@@ -294,12 +300,12 @@ def axis_of(draw: Parameter) -> Axis:
 
 def cells_of(draws: Sequence[Parameter]) -> np.ndarray:
     """Return how many values each column has: int `[D]`, 0 for a real number."""
-    return np.array([draw.kind.cells if isinstance(draw, Column) else 0 for draw in draws], np.int64)
+    return np.array([kind.cells if (kind := kind_of(draw)) else 0 for draw in draws], np.int64)
 
 
 def unordered(draws: Sequence[Parameter]) -> np.ndarray:
     """Return which columns are choices, whose values have no order: bool `[D]`."""
-    return np.array([isinstance(draw, Column) and isinstance(draw.kind, Choice) for draw in draws], bool)
+    return np.array([isinstance(kind_of(draw), Choice) for draw in draws], bool)
 
 
 def categories_of(draws: Sequence[Parameter]) -> np.ndarray:

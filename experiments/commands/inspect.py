@@ -3,6 +3,7 @@
     regista inspect 1v1Free
     regista inspect mine.scenic --show nodes
     regista inspect 1v1Free --png scenes.png --n 12 --seed 3
+    regista inspect mine.scenic --engine scenic3            # as Scenic itself reads it
     regista inspect mine.scenic --rrd scenes.rrd
 
 Read next: `scenic_lite.scene.program`, which is what is shown; `pictures.scene_view`, how scenes are drawn.
@@ -21,7 +22,7 @@ import numpy as np
 from experiments.run import arguments, build, tasks
 from experiments.run.arguments import group, positional
 from experiments.run.config import ProgramConfig
-from experiments.run.errors import UsageError
+from experiments.run.errors import CommandError, UsageError
 from experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -49,6 +50,8 @@ class InspectConfig(Checked):
     seed: int = setting(0, "seed of the scenes")
     theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
     dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
+    engine: Literal["regista", "scenic3"] = setting("regista", "what reads it: regista, or scenic3, Scenic 3 itself")
+    mode_2d: bool = setting(False, "of scenic3: in its 2D compatibility mode, as the driving domain wants it")
     reading: ProgramConfig = group(ProgramConfig, "the program")
 
 
@@ -62,6 +65,8 @@ def main(argv: Sequence[str]) -> int:
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
     path = build.find_minigame(config.program).program
+    if config.engine == "scenic3":
+        return inspect_scenic3(path, config)
     if config.show in ("tokens", "nodes"):
         print_text(path, config)
         return 0
@@ -102,6 +107,30 @@ def inspect_task(config: InspectConfig) -> int:
     return 0
 
 
+def inspect_scenic3(path: Path, config: InspectConfig) -> int:
+    """Show a program as Scenic itself reads it."""
+    if config.show not in ("theta", "scenes") or config.png is not None or config.rrd is not None:
+        raise UsageError("of programs that Scenic itself reads, inspect shows theta and scenes, without pictures")
+    try:
+        from ued.scenic3 import ScenicProgram
+
+        reading = config.reading
+        program: Any = ScenicProgram(
+            path, build.read_params(reading.param), reading.scenario, reading.model, config.mode_2d
+        )
+    except ImportError as error:
+        raise CommandError(str(error)) from error
+    except Exception as error:  # a program is Python
+        raise CommandError(f"{path}: Scenic refuses it: {type(error).__name__}: {error}") from error
+    if config.show == "scenes":
+        print(render_scenes(program, choose_theta(program, config)))
+        return 0
+    print(render_theta(program, choose_theta(program, config) if config.theta else None, DRAWS // 8))
+    if program.by_seed:
+        print(f"\ndrawn from the level's seed: {', '.join(program.by_seed)}")
+    return 0
+
+
 def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
     """Return the θ that was typed, or valid random ones: `[n, D]`."""
     if not config.theta:
@@ -117,12 +146,12 @@ def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
 # ---------------------------------------------------------------- θ, objects, acceptance
 
 
-def render_theta(program: Program, theta: np.ndarray | None) -> str:
+def render_theta(program: Program, theta: np.ndarray | None, draws: int = DRAWS) -> str:
     """Return the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
     parts = [f"{program.file}: D = {program.dim} free parameter{'s' * (program.dim != 1)}"]
     if program.draws:
         parts.append(_draws_table(program, theta))
-    parts += [_objects_table(program), str(program.report(DRAWS, np.random.default_rng(0)))]
+    parts += [_objects_table(program), str(program.report(draws, np.random.default_rng(0)))]
     if theta is not None:
         parts.append("this θ describes " + ("a valid scene" if program.valid(theta)[0] else "no valid scene"))
     return "\n\n".join(parts)
@@ -134,7 +163,9 @@ def _draws_table(program: Program, theta: np.ndarray | None) -> str:
     if values is not None:
         rows[0] += ["θ value", "means"]
     for column, draw in enumerate(program.draws):
-        row = [str(column), draw.name, draw.kind, _number(draw.low), _number(draw.high), _line(program, draw.place)]
+        kind: Any = draw.kind
+        told = kind if isinstance(kind, str) else type(kind).__name__.lower()
+        row = [str(column), draw.name, told, _number(draw.low), _number(draw.high), _line(program, draw.place)]
         if theta is not None and values is not None:
             row += [f"{theta[0, column]:+.2f}", _number(values[draw.name])]
         rows.append(row)

@@ -1,0 +1,76 @@
+"""A program of Scenic 3 as a task: drive behind a car that will stop, and stop behind it, with any method.
+
+    regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # what is random in it
+    regista train examples/driving.py:driving --method plr --num-envs 4
+    regista train examples/driving.py:driving --method paired --num-envs 4
+
+needs `pip install 'regista[scenic3]'`. The program, `driving.scenic`, says what happens on the road; `Driver` says what
+the agent sees, does, and is paid for. As a script it trains PLR and tests what came of it.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+import ued
+from ued.scenic3 import Role, ScenicProgram, ScenicUPOMDP
+
+PROGRAM = Path(__file__).with_name("driving.scenic")
+PEDALS = ((0.0, 1.0), (0.0, 0.3), (0.0, 0.0), (0.5, 0.0))  # throttle and brake of each action
+
+
+class Driver(Role):
+    """Sees the gap, its own speed and the other's; is to come to a stand behind the other, soon and whole."""
+
+    observation_space = Box(-np.inf, np.inf, (3,), np.float32)
+    action_space = Discrete(len(PEDALS))
+    max_steps = 150  # of 0.1 s
+
+    def observe(self, simulation):
+        ego, lead = simulation.objects
+        gap = lead.position.x - ego.position.x - ego.length
+        return np.array([gap / 30, ego.speed / 12, lead.speed / 12], np.float32)
+
+    def act(self, action, simulation):
+        from scenic.domains.driving.actions import SetBrakeAction, SetThrottleAction
+
+        throttle, brake = PEDALS[action]
+        return SetThrottleAction(throttle), SetBrakeAction(brake)
+
+    def judge(self, simulation):
+        gap, speed, other = self.observe(simulation)
+        crashed = gap < 0
+        arrived = not crashed and gap * 30 < 8 and max(speed, other) * 12 < 0.5
+        return 10.0 * arrived - 10.0 * crashed - 0.02, crashed or arrived, bool(arrived)
+
+
+def make(num_envs: int) -> ScenicUPOMDP:
+    """Make roads to train on, each in a process of its own."""
+    return ScenicUPOMDP(ScenicProgram(PROGRAM, mode_2d=True), Driver(), num_envs)
+
+
+driving = ued.Task(
+    make,
+    tests={
+        "gentle": {"speed": 8.0, "gap": 20.0, "pace": 8.0, "after": 3.0, "force": 0.3},
+        "sudden": {"speed": 10.0, "gap": 10.0, "pace": 8.0, "after": 0.5, "force": 1.0},
+    },
+)
+
+
+def main() -> None:
+    import regista
+
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--env-steps", type=int, default=40_000)
+    parser.add_argument("--out", type=Path, default=Path("runs/driving-plr-0"))
+    arguments = parser.parse_args()
+    settings = {"num_envs": 4, "eval_every": 0, "record": False}
+    run = regista.train(driving, method="plr", out=arguments.out, total_env_steps=arguments.env_steps, **settings)
+    print(regista.evaluate(run, episodes=8, levels=0).text())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,122 @@
+"""What the random primitives of a program are called, and in which of its lines they stand.
+
+A primitive that a variable holds has its name, `gap`; another is called by the parameter or the property that it makes:
+`param weather`, `lead.position`, `lead.behavior.target_speed`. Read next: `program`.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from scenic.core.distributions import Options
+from scenic.core.dynamics.behaviors import Behavior
+from scenic.core.lazy_eval import LazilyEvaluable, needsSampling
+from scenic.core.object_types import Object
+from scenic.core.scenarios import Scenario
+
+FIRST = ("position", "yaw", "pitch", "roll")  # of an object's properties: what the others are made of
+
+
+class Place(NamedTuple):
+    """Where something stands: the line of a file, from 1; 0 where no line is known."""
+
+    file: str
+    line: int
+
+
+class Places:
+    """The lines in which values of a program were made, and in which order."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self._lines: dict[int, int] = {}  # by id, in the order of their making
+        self._kept: list[Any] = []  # or ids would be given away again
+        text = Path(file).read_text().splitlines()
+        self._ego = next((line for line, text in enumerate(text, 1) if re.match(r"\s*ego\s*=", text)), 1)
+
+    def of(self, value: Any) -> Place:
+        """Return where a value was made."""
+        return Place(self.file, self._lines.get(id(value), 0))
+
+    def order(self, values: list[Any]) -> list[Any]:
+        """Return values in the order of their making; those that came later, by pruning, last."""
+        made = {each: index for index, each in enumerate(self._lines)}
+        return sorted(values, key=lambda value: made.get(id(value), len(made)))
+
+    @contextmanager
+    def noting(self) -> Iterator[None]:
+        """Note where values are made meanwhile."""
+        make = LazilyEvaluable.__init__
+
+        def note(value: Any, *args: Any, **kwargs: Any) -> None:
+            make(value, *args, **kwargs)
+            frame = sys._getframe(1)
+            while frame is not None and frame.f_code.co_filename != self.file:
+                frame = frame.f_back  # type: ignore[assignment]
+            if frame is not None:
+                line = frame.f_lineno if frame.f_lineno > 1 else self._ego  # Scenic forgets where `ego = ` stands
+                self._lines.setdefault(id(value), line)
+                self._kept.append(value)
+
+        LazilyEvaluable.__init__ = note
+        try:
+            yield
+        finally:
+            LazilyEvaluable.__init__ = make
+
+
+def variables(scenario: Scenario) -> dict[str, Any]:
+    """Return the variables of a program, or of its modular scenario, by name."""
+    dynamic = scenario.dynamicScenario
+    names = dynamic._dummyNamespace or {name: getattr(dynamic, name, None) for name in dynamic._locals}
+    return {name: value for name, value in names.items() if not name.startswith("_")}
+
+
+def object_names(scenario: Scenario) -> dict[int, str]:
+    """Return a name for each object, by its id: its variable's, `ego`, or its class with a number."""
+    names: dict[int, str] = {}
+    named = {id(value): name for name, value in variables(scenario).items() if isinstance(value, Object)}
+    for index, thing in enumerate(scenario.objects):
+        ego = "ego" if thing is scenario.egoObject else f"{type(thing).__name__}{index}"
+        names[id(thing)] = named.get(id(thing), ego)
+    return names
+
+
+def primitive_names(scenario: Scenario) -> dict[int, str]:
+    """Return a name for everything random, by its id: the first that leads to it."""
+    held = {called: value for called, value in variables(scenario).items() if not isinstance(value, Object | Behavior)}
+    names: dict[int, str] = {}
+    for called, value in held.items():  # what a variable is, before what others are made of
+        names.setdefault(id(value.index if isinstance(value, Options) else value), called)
+    roots = [*held.items(), *((f"param {called}", value) for called, value in scenario.params.items())]
+    for thing in scenario.objects:
+        roots += _properties(thing, object_names(scenario)[id(thing)])
+    walked: set[int] = set()
+
+    def walk(value: Any, called: str) -> None:
+        if needsSampling(value) and id(value) not in walked and not isinstance(value, Object):
+            walked.add(id(value))
+            names.setdefault(id(value), called)
+            for child in value._conditioned._dependencies:
+                walk(child, called)
+
+    for called, value in roots:
+        walk(value, called)
+    return names
+
+
+def _properties(thing: Object, called: str) -> Iterator[tuple[str, Any]]:
+    """Yield the properties of an object with their names, a behavior's arguments one by one."""
+    rest = [each for each in thing.properties if each not in FIRST]
+    for each in (*FIRST, *rest):
+        value = getattr(thing, each)
+        if isinstance(value, Behavior):
+            signature = type(value).__signature__.bind(*value._args, **value._kwargs)
+            yield from ((f"{called}.{each}.{name}", argument) for name, argument in signature.arguments.items())
+        else:
+            yield f"{called}.{each}", value

@@ -1,0 +1,237 @@
+"""N simulations of a Scenic program as a UPOMDP, each in a process of its own: Scenic's state is global.
+
+An episode is its level and its actions: repeated, it is the same. So a process that died or hangs is started again and
+repeats its episode up to where it was, and a checkpoint goes on where it stopped, to the same numbers.
+Read next: `episode`, what a process plays; `ued.upomdp`, the seam.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from ued.gym_upomdp import LevelError
+from ued.scenic3.episode import Episode, Role
+from ued.scenic3.program import ScenicProgram
+from ued.upomdp import UPOMDP, check_count, check_theta, set_stream
+
+BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
+STEP_SECONDS = 30.0  # for each step
+MOST_DEATHS = 3  # of processes over one request
+
+
+class WorkerGoneError(Exception):
+    """A process that died or hangs."""
+
+
+class Player:
+    """What a process does: it plays the episodes that it is told to, one at a time."""
+
+    def __init__(self, program: ScenicProgram, role: Role) -> None:
+        self.program, self.role = program, role
+        self.simulator: Any = None
+        self.episode: Episode | None = None
+
+    def begin(self, theta: np.ndarray, seed: int, actions: Sequence[Any] = ()) -> Any:
+        """Play a level up to after these actions; return what is seen at the start, or the outcome of the last one."""
+        if self.episode is not None:
+            self.episode.close()
+        if self.simulator is None:
+            self.simulator = self.program.scenario.getSimulator()
+        self.episode = Episode(self.program.scene(theta, seed), self.simulator, self.role, seed)
+        answer = self.episode.begin()
+        for action in actions:
+            answer = self.episode.step(action)
+        return answer
+
+    def step(self, action: Any) -> Any:
+        """Play on."""
+        assert self.episode is not None
+        return self.episode.step(action)
+
+    def serve(self, pipe: Connection) -> None:
+        """Answer requests until the other end is closed."""
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever he does at one himself
+        with suppress(EOFError, BrokenPipeError):
+            while True:
+                name, *arguments = pipe.recv()
+                try:
+                    answer = True, getattr(self, name)(*arguments)
+                except Exception as error:  # of the program, its simulator, the role
+                    answer = (
+                        False,
+                        f"{type(error).__name__}: {error}\n{''.join(traceback.format_tb(error.__traceback__, -4))}",
+                    )
+                pipe.send(answer)
+
+
+class Worker:
+    """One process with a player, and what has been played of its episode."""
+
+    def __init__(self, player: Player) -> None:
+        self.player = player
+        self.theta, self.seed = np.zeros(0), 0
+        self.actions: list[Any] = []
+        self._process: Any = None
+        self._pipe: Connection | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """The number of the process; None: it has not begun."""
+        return None if self._pipe is None else self._process.pid
+
+    def begin(self, theta: np.ndarray, seed: int, actions: Sequence[Any] = ()) -> None:
+        """Ask for an episode, up to after these actions."""
+        self.theta, self.seed, self.actions = theta, seed, list(actions)
+        self._ask("begin", theta, seed, self.actions)
+
+    def step(self, action: Any) -> None:
+        """Ask for a step."""
+        self.actions.append(action)
+        self._ask("step", action)
+
+    def answer(self) -> Any:
+        """Return the answer, if need be from a process that repeats what the one asked has played.
+
+        Raises `LevelError` for what goes wrong on a level, time and again or in its code.
+        """
+        for _ in range(MOST_DEATHS):
+            try:
+                well, answer = self._receive()
+            except WorkerGoneError as gone:
+                self.kill()
+                fate = str(gone)
+                self._ask("begin", self.theta, self.seed, self.actions)
+                continue
+            if well:
+                return answer
+            raise self._error(answer)
+        self.kill()
+        raise self._error(f"{MOST_DEATHS} processes in a row: {fate}")
+
+    def kill(self) -> None:
+        """End the process."""
+        if self._pipe is not None:
+            self._pipe.close()
+            self._process.kill()
+            self._process.join()
+        self._pipe = None
+
+    def _error(self, text: str) -> LevelError:
+        row = ", ".join(f"{x:.6g}" for x in self.theta)
+        level = f"theta [{row}], seed {self.seed}"
+        return LevelError(f"{self.player.program.file} failed after {len(self.actions)} steps ({level}): {text}")
+
+    def _ask(self, *request: Any) -> None:
+        if self._pipe is None:
+            self._pipe, theirs = multiprocessing.Pipe()
+            self._process = multiprocessing.Process(target=self.player.serve, args=(theirs,), daemon=True)
+            self._process.start()
+            theirs.close()
+        with suppress(OSError):  # it has died: `answer` sees to it
+            self._pipe.send(request)
+
+    def _receive(self) -> Any:
+        assert self._pipe is not None
+        try:
+            if not self._pipe.poll(BEGIN_SECONDS + STEP_SECONDS * len(self.actions)):
+                raise WorkerGoneError("no answer")
+            return self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise WorkerGoneError("it died") from error
+
+
+class ScenicUPOMDP(UPOMDP):
+    """N simulations of a program, in which an agent plays a role. A valid Gymnasium vector environment.
+
+    Args:
+        program: whose random values are θ.
+        role: what the agent sees, may do, and is paid for.
+        num_envs: N, each a process of some 200 MB, most of which they share.
+
+    `info["success"]` is what the role says; `info["ending"]` `[N]`, in a step with endings, how the program ended an
+    episode, "rejected" where it broke a requirement meanwhile, "" where it did not.
+    Raises `LevelError` for what goes wrong in a simulation or in the role, with θ and seed.
+    """
+
+    def __init__(self, program: ScenicProgram, role: Role, num_envs: int = 1) -> None:
+        super().__init__(check_count(num_envs), role.observation_space, role.action_space, program.draws)
+        self.program, self.role = program, role
+        self.workers = [Worker(Player(program, role)) for _ in range(num_envs)]
+        self._observations = np.zeros((num_envs, *role.observation_space.shape), role.observation_space.dtype)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        return self.program.valid(check_theta(theta, self.theta_dim))
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
+
+    def theta_of(self, values: Any) -> np.ndarray:
+        """Return the θ `[D]` of values by name. Raises `ValueError` for other names, and where values have no θ."""
+        return self.program.theta_of(values)
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        for level, index in zip(levels, where, strict=True):
+            self.workers[index].begin(level["theta"].copy(), int(level["seed"]))
+        for index in where:
+            self._observations[index] = self.workers[index].answer()
+        return self._observations.copy()
+
+    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        for worker, action in zip(self.workers, actions, strict=True):
+            worker.step(action)
+        outcomes = [worker.answer() for worker in self.workers]
+        seen, rewards, terminated, truncated, told = zip(*outcomes, strict=True)
+        self._observations[:] = seen
+        ended = np.array(terminated) | np.array(truncated)  # [N]
+        info = {
+            "final_obs": self._observations.copy(),
+            "_final_obs": ended,
+            "success": np.array([float(each.get("success", np.nan)) for each in told]),
+        }
+        if ended.any():
+            info["ending"] = np.array([each.get("ending", "") for each in told], object)
+            if self.next_levels is None:  # who sets it begins other levels at once
+                self._start(self.levels[ended], np.flatnonzero(ended))
+        return self._observations.copy(), np.array(rewards), np.array(terminated), np.array(truncated), info
+
+    # ------------------------------------------------------------ state
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the levels and what has been played of them: repeating it is resuming."""
+        return {
+            "levels": self.levels.copy(),
+            "np_random": self.np_random.bit_generator.state,
+            "actions": [np.array(worker.actions) for worker in self.workers],
+        }
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self.levels[:] = state["levels"]
+        set_stream(self.np_random, state["np_random"])
+        for worker, level, actions in zip(self.workers, self.levels, state["actions"], strict=True):
+            worker.begin(level["theta"].copy(), int(level["seed"]), list(actions))
+        for index, worker in enumerate(self.workers):
+            answer = worker.answer()
+            self._observations[index] = answer[0] if worker.actions else answer
+        return self._observations.copy()
+
+    def resized(self, num_envs: int) -> ScenicUPOMDP:
+        """Return a second one of so many environments; nothing is reset yet."""
+        return ScenicUPOMDP(self.program, self.role, num_envs)
+
+    def copy(self) -> ScenicUPOMDP:
+        twin = self.resized(self.num_envs)
+        twin.set_state(self.get_state())
+        return twin
+
+    def close_extras(self, **kwargs: Any) -> None:
+        for worker in self.workers:
+            worker.kill()
