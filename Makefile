@@ -49,12 +49,15 @@ grf:
 docs: $(READY)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 
-# Each worker has one core: threads of torch in every one of them would only wait for each other.
+# Each worker has one core: threads of torch in every one of them would only wait for each other. Workers begin with a half
+# of the files each, so that what a file compiles, loads or trains for all of its tests is not done in both.
+WORKERS := --numprocesses auto --dist worksteal
+
 test: lint
-	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS)
 
 test-quick: lint
-	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest --numprocesses auto -m 'not slow'
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS) -m 'not slow'
 
 # Hostile states, code, files, programs, signals and matches, for MINUTES, with a report in runs/torture.json. It goes on
 # where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.

@@ -108,7 +108,13 @@ def modules(package: str) -> dict[str, Path]:
 @cache
 def imported(path: Path) -> tuple[str, ...]:
     """Return what a file imports anywhere: at the top, in functions, for types alone; `from a import b` is `a.b`."""
-    return tuple(_imported(ast.parse(path.read_text()), path))
+    return tuple(_imported(tree(path), path))
+
+
+@cache
+def tree(path: Path) -> ast.Module:
+    """Return what a file says, parsed once."""
+    return ast.parse(path.read_text())
 
 
 def _imported(tree: ast.Module, path: Path) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """The games of Scenic4RL's benchmark keep to its facts: who stands where, who does what, when an episode ends."""
 
 import re
+from functools import cache
 
 import gymnasium
 import numpy as np
@@ -111,6 +112,7 @@ ACCEPTED = {  # attempts per scene in the original's interpreter, where they are
 SCENES = 256
 
 
+@cache
 def program_of(name):
     return load(NAMED[name].program, FOOTBALL)
 

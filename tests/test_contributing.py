@@ -4,6 +4,7 @@ Read next: `pages`, which reads them.
 """
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -58,8 +59,8 @@ def run(lines, folder):
 
 
 def carry_out(page, folder):
-    """Do what a page says, in its order; return how many of its blocks there were."""
-    steps = blocks(page)
+    """Do what a page says, in its order, with trainings cut short; return how many of its blocks there were."""
+    steps = blocks(re.sub(r"(env_steps < |--total-env-steps )[\d_]+", r"\g<1>2_000", page))
     for step in steps:
         if step.language == "sh":
             run(step.text.splitlines(), folder)

@@ -29,7 +29,7 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
         return np.zeros((0, 0))
-    update, count = table["update"], max(table["update"].max(), 1.0)
+    update, count = table["update"], table["update"].max(initial=1.0)
     inside = (update > period[0] * count) & (update - 1 < period[1] * count)  # some part of the update
     return np.stack(columns, 1)[inside]
 

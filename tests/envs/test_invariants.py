@@ -265,6 +265,7 @@ def tortured() -> np.ndarray:
     return plain(matches)
 
 
+@pytest.mark.slow
 def test_the_rules_uncompiled(tmp_path: Path) -> None:
     """The same source as plain Python gives the same matches."""
     file = tmp_path / "matches.npy"

@@ -1,4 +1,4 @@
-"""On every football program of the repository the compiled path and the reference interpreter play the same match."""
+"""On the football programs in which something happens, compiled path and reference interpreter play the same match."""
 
 from __future__ import annotations
 
@@ -13,45 +13,34 @@ from envs.football.gym_env import FootballEnv
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.state import MATCH
 from envs.football.vector_env import FootballVectorEnv
-from scenic_lite import load
+from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
+from tests.football_programs import DYNAMIC, FILES, MODULES, name_of
 
-ROOT = Path(__file__).parents[2]
-FOLDERS = ("minigames", "tests/programs", "experiments/programs")
-
-
-def is_football(path: Path) -> bool:
-    return "= Ball " in path.read_text()
-
-
-PROGRAMS = sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.scenic") if is_football(path))
-STATIC = {"choose_passing", "crossing", "grf", "one_v_one"}  # folders in whose programs nothing has a behavior
 # Programs of one folder are much alike: the first is always played, the others with the slow tests.
 SAMPLES = [
     pytest.param(folder, part, marks=[pytest.mark.slow] * (part == "others"), id=f"{folder}-{part}")
-    for folder in sorted({path.parent.name for path in PROGRAMS} - STATIC)
+    for folder in sorted({path.parent.name for path in DYNAMIC})
     for part in ("first", "others")
 ]
 
 
-def is_dynamic(path: Path) -> bool:
-    """Return whether anything happens in a program's episodes: the others are equal without a test."""
-    program = load(path, FOOTBALL)
-    attached = any(info.behavior for info in program.objects)
-    return bool(attached or program.monitors or program.terminations or program.temporal)
-
-
 def sample(folder: str, part: str) -> list[Path]:
-    dynamic = [path for path in PROGRAMS if path.parent.name == folder and is_dynamic(path)]
-    return dynamic[:1] if part == "first" else dynamic[1:]
+    found = [path for path in DYNAMIC if path.parent.name == folder]
+    return found[:1] if part == "first" else found[1:]
 
 
-def test_nothing_happens_in_the_programs_that_are_left_out() -> None:
-    assert not any(is_dynamic(path) for path in PROGRAMS if path.parent.name in STATIC)
-
-
-def test_there_are_programs_with_behaviors() -> None:
-    assert all(sample(folder, "first") for folder in {path.parent.name for path in PROGRAMS} - STATIC)
+@pytest.mark.slow
+def test_programs_are_as_the_tables_have_them() -> None:
+    for path in FILES:
+        if name_of(path) in MODULES:
+            with pytest.raises(ScenicError, match="sets no ego"):
+                load(path, FOOTBALL)
+            continue
+        program = load(path, FOOTBALL)
+        attached = any(info.behavior for info in program.objects)
+        happens = attached or program.monitors or program.terminations or program.temporal
+        assert bool(happens) == (path in DYNAMIC), path
 
 
 def both_play(path: Path, count: int, steps: int) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,17 +13,25 @@ import minigames
 from envs.football.config import REPRESENTATIONS, FootballConfig
 from envs.football.gym_env import FootballEnv
 from envs.football.observation.raw import row
+from envs.football.scenic.domain import FOOTBALL
 from envs.football.vector_env import FootballVectorEnv
+from scenic_lite import load
+from scenic_lite.scene.program import Program
 
-PROGRAM = minigames.MINIGAMES["3v2FourBehaviors"].program
 CONTROLS = ("closest1", "closest3", "active", "2", "all", "allNonGK")
+
+
+@cache
+def program() -> Program:
+    """Return the game that is seen in all ways; read once."""
+    return load(minigames.MINIGAMES["3v2FourBehaviors"].program, FOOTBALL)
 
 
 def make(representation: str, control: str = "closest1", right_control: str = "none", count: int = 3):
     settings = FootballConfig(representation=representation, control=control, right_control=right_control)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
-        return FootballVectorEnv(PROGRAM, count, config=settings)
+        return FootballVectorEnv(program(), count, config=settings)
 
 
 def side_by_side(representation: str, steps: int = 60, control: str = "closest1"):
@@ -70,7 +79,7 @@ def check_raw(observation):
 
 
 def test_raw_has_the_keys_shapes_and_types_of_the_original():
-    env = FootballEnv(PROGRAM, representation="raw")
+    env = FootballEnv(program(), representation="raw")
     first, _ = env.reset(seed=0)
     check_raw(first)
     for _ in range(10):
@@ -78,7 +87,7 @@ def test_raw_has_the_keys_shapes_and_types_of_the_original():
 
 
 def test_raw_of_several_agents_is_a_dict_for_each():
-    env = FootballEnv(PROGRAM, representation="raw", control="closest3")
+    env = FootballEnv(program(), representation="raw", control="closest3")
     seen, _ = env.reset(seed=0)
     assert isinstance(seen, tuple) and len(seen) == 3
     for each in seen:
@@ -88,7 +97,7 @@ def test_raw_of_several_agents_is_a_dict_for_each():
 
 
 def test_raw_of_a_right_agent_is_turned():
-    env = FootballEnv(PROGRAM, representation="raw", right_control="closest1")
+    env = FootballEnv(program(), representation="raw", right_control="closest1")
     (left, right), _ = env.reset(seed=0)
     for _ in range(15):
         (left, right), *_ = env.step([5, 13])
@@ -103,7 +112,7 @@ def test_raw_of_a_right_agent_is_turned():
 
 
 def test_sticky_actions_are_those_of_the_player_and_as_he_sees_them():
-    env = FootballEnv(PROGRAM, representation="raw", control="all", right_control="2")
+    env = FootballEnv(program(), representation="raw", control="all", right_control="2")
     env.reset(seed=0)
     for actions in ([4, 4, 4, 4, 4, 4], [13] * 6, [17] * 6):
         seen, *_ = env.step(actions)
@@ -203,7 +212,7 @@ def test_the_last_observation_of_an_episode_is_of_that_episode():
 def test_gymnasium_accepts_every_representation_and_control(representation, control):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
-        env = FootballEnv(PROGRAM, representation=representation, control=control, render_mode="rgb_array")
+        env = FootballEnv(program(), representation=representation, control=control, render_mode="rgb_array")
         check_env(env)
 
 
@@ -235,7 +244,7 @@ def test_a_state_resumes_bit_for_bit_in_another_environment(representation):
 
 
 def test_the_single_environment_gives_and_takes_states():
-    env = FootballEnv(PROGRAM, representation="smm_stacked")
+    env = FootballEnv(program(), representation="smm_stacked")
     env.reset(seed=3)
     for action in (5, 13, 5):
         env.step(action)

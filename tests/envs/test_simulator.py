@@ -76,6 +76,7 @@ np.save(sys.argv[2], plain(random_play(position(FIVES, (0.0, 1.0)), 40)))
 """
 
 
+@pytest.mark.slow
 def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
     """Bit for bit where the C library's exp and log agree with Python's: the tolerance allows for others."""
     files = [tmp_path / "duel.npy", tmp_path / "fives.npy"]

@@ -11,6 +11,17 @@ from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 
 
+@pytest.fixture(autouse=True)
+def undrawn(request, monkeypatch):
+    """Leave pictures empty but in tests marked `drawn`: drawing is most of the time of a short run."""
+    if "drawn" in request.keywords:
+        return
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr(Figure, "savefig", lambda self, path, **_: Path(path).touch())
+    monkeypatch.setattr(Figure, "tight_layout", lambda self, **_: None)
+
+
 @pytest.fixture
 def probe(monkeypatch):
     """Let `build` make probes, whatever the names."""

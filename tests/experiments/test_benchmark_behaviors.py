@@ -3,8 +3,12 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from experiments.__main__ import main
 from experiments.benchmarks.behaviors import CASES, PROGRAMS
+
+pytestmark = pytest.mark.slow
 
 THESIS = Path(__file__).parents[1] / "programs" / "figure_2_1.scenic"
 

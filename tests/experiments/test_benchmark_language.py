@@ -2,8 +2,12 @@
 
 import json
 
+import pytest
+
 from experiments.__main__ import main
 from experiments.benchmarks.language import CASES, PROGRAMS
+
+pytestmark = pytest.mark.slow
 
 
 def test_every_program_of_the_table_is_installed():

@@ -7,8 +7,9 @@ import pytest
 from experiments.__main__ import main
 from ued.methods import METHODS
 
+pytestmark = pytest.mark.slow
 
-@pytest.mark.slow
+
 def test_methods_and_teams_are_measured(monkeypatch, capsys):
     monkeypatch.setattr("experiments.benchmarks.training.WARM_UPDATES", 1)
     monkeypatch.setattr("experiments.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})

@@ -12,6 +12,8 @@ from experiments.run.table import read_columns, read_rows
 from tests.experiments.test_demonstrate import PAIR, RUN
 from ued import checkpoint
 
+pytestmark = pytest.mark.slow
+
 FEW = ["--epochs", "4", "--ppo.hidden-size", "16"]
 SHORT = ["--total-env-steps", "2048", "--num-envs", "16", "--eval-every", "0", "--no-record"]
 
@@ -35,7 +37,7 @@ def untimed(path):
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 
-@pytest.mark.slow
+@pytest.mark.drawn
 @pytest.mark.parametrize("name", ["one", "two"])
 def test_a_clone_is_a_run_that_can_be_evaluated_and_trained_on(demos, tmp_path, capsys, name):
     clone, run = tmp_path / "clone", tmp_path / "run"
@@ -77,7 +79,6 @@ def test_a_training_begins_with_the_clone_and_stays_close_to_it_if_told(demos, t
     assert 0 < moved["held"] < moved["free"]
 
 
-@pytest.mark.slow
 def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_path, monkeypatch):
     from ued.methods.dr import DR
 

@@ -283,12 +283,14 @@ def test_a_page_of_an_unfinished_comparison(tmp_path):
 # ---------------------------------------------------------------- for real
 
 
+@pytest.mark.drawn
 @pytest.mark.slow
 def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
     command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]
-    command += ["--total-env-steps", "5000", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16"]
-    command += ["--eval-every", "2500", "--eval-episodes", "8", "--episodes", "8", "--processes", "1", *LEVELS]
+    command += ["--total-env-steps", "4096", "--num-envs", "8", "--num-steps", "64", "--hidden-size", "16"]
+    command += ["--eval-every", "2500", "--eval-episodes", "2", "--episodes", "4", "--processes", "1"]
+    command += ["--levels", "10", "--level-episodes", "2"]
     options = {"cwd": ROOT, "env": os.environ | {"PYTHONPATH": str(ROOT)}, "text": True}
     first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
     deadline = time.monotonic() + 300

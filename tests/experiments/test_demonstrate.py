@@ -15,6 +15,8 @@ from experiments.run import demonstrations
 from experiments.run.demonstrator import _Steps
 from experiments.run.table import read_columns
 
+pytestmark = pytest.mark.slow
+
 # A striker runs at an empty goal from near or far; from far he is too late.
 RUN = """
 from football.behaviors import *
@@ -112,7 +114,6 @@ def test_several_agents_have_data_of_their_own(tmp_path):
     assert episode.infos["agent_rewards"].shape == (steps, 2)
 
 
-@pytest.mark.slow
 def test_it_goes_on_where_it_was_killed(program, tmp_path, monkeypatch, capsys):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     flags = ["--episodes", "400"]
@@ -202,7 +203,6 @@ def test_who_never_succeeds_gives_up(tmp_path, capsys):
     assert json.loads((tmp_path / "demos" / "data" / "metadata.json").read_text())["total_episodes"] == 0
 
 
-@pytest.mark.slow
 def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     run = tmp_path / "run"
     flags = ["--total-env-steps", "512", "--num-envs", "8", "--eval-every", "0", "--no-record", "--control", "1"]

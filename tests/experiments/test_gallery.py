@@ -62,6 +62,7 @@ def data_of(page):
     return json.loads(re.search(r"^const data = (.*);$", page.read_text(), re.M)[1])
 
 
+@pytest.mark.slow
 def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
@@ -78,6 +79,7 @@ def test_every_row_plays_the_very_episodes_again(run):
         assert str(replay.level["seed"][0]) == level["seed"]
 
 
+@pytest.mark.slow
 def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
     task = Path(run.path).parent / "walk_task.py"
     command = ["train", f"{task}:task", "--method", "plr", "--plr.buffer.capacity", "5", "--total-env-steps", "4_000"]

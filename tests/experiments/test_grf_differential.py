@@ -12,6 +12,8 @@ from experiments.grf.differential import OURS, Pair, as_json, compare, play_scen
 from experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
 from experiments.grf.episodes import Episodes, side_by_side
 
+pytestmark = pytest.mark.slow
+
 
 def straight(speed, lengths, ended=RUNNING):
     """Return episodes in which the ball and the only player go straight on, at speeds [E] in m per step."""

@@ -6,6 +6,8 @@ import pytest
 from experiments.grf import keeper
 from experiments.grf.keeper import cross_line, fit_odds, measure, random_shots
 
+pytestmark = pytest.mark.drawn
+
 
 def test_a_free_ball_is_followed_to_the_line():
     """30 m/s along the diagonal from 10 m: there after a third of a second and a little, at 1 m."""

@@ -97,6 +97,7 @@ def test_the_steady_speeds_are_the_originals():
     assert all(row.ok for row in rows), [row for row in rows if not row.ok]
 
 
+@pytest.mark.drawn
 @pytest.mark.slow
 def test_the_command_prints_json_and_draws(capsys, tmp_path):
     arguments = ["benchmark", "--suite", "grf", "--family", "motion", "--effort", "0.1", "--json"]

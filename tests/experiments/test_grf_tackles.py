@@ -5,6 +5,8 @@ import pytest
 from experiments.grf import tackles
 from experiments.grf.tackles import measure, run_past, slide_in, stand_up
 
+pytestmark = pytest.mark.drawn
+
 
 def test_who_stands_loses_the_ball_and_a_sprinter_is_not_caught():
     assert stand_up("stands", "front", 20) > 0.9

@@ -8,6 +8,8 @@ from experiments.pictures.scene_view import corners, view_of
 from experiments.run.build import read_params
 from scenic_lite import load
 
+pytestmark = pytest.mark.drawn
+
 STREET = """
 street = PolygonalRegion([(0, 0), (40, 0), (40, 10), (10, 10), (10, 40), (0, 40)])
 workspace = Workspace(street)

@@ -147,6 +147,7 @@ def test_inspect_shows_what_a_theta_means(capsys):
     assert "this θ describes a valid scene" in text and "+0.50" in text
 
 
+@pytest.mark.drawn
 def test_inspect_shows_text_and_scenes(capsys, tmp_path):
     assert main(["inspect", "1v1Free", "--show", "tokens"]) == 0
     assert "'ego'" in capsys.readouterr().out

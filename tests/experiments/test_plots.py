@@ -12,6 +12,8 @@ from experiments.run import build
 from experiments.run.results import Result
 from experiments.run.table import Table
 
+pytestmark = pytest.mark.drawn
+
 
 @pytest.fixture(scope="module")
 def painter():
@@ -68,12 +70,14 @@ def test_learning_curves(runs, tmp_path):
     assert has_colour(path, plots.METHOD_COLOURS["dr"]) and has_colour(path, plots.METHOD_COLOURS["paired"])
 
 
+@pytest.mark.slow
 def test_levels(runs, painter, tmp_path):
     path = tmp_path / "levels.png"
     level_plots.levels(runs, painter, path)
     assert ink(path) > 0.3
 
 
+@pytest.mark.slow
 def test_overview(runs, painter, tmp_path):
     results = [
         Result(method, seed, scene, 100, 0.5, 0.5, 50 + 10 * seed, 30.0, 1000, 10)
@@ -98,6 +102,9 @@ def test_a_curve_averages_runs_on_one_axis(runs):
 def test_levels_of_a_period_are_those_of_its_updates(runs):
     assert len(level_plots.read_theta(runs["dr"][0], (0.0, 1.0))) == 300
     assert len(level_plots.read_theta(runs["dr"][0], (0.9, 1.0))) == 30
+    levels = runs["dr"][1] / "levels.csv"
+    levels.write_text(levels.read_text().splitlines()[0] + "\n")  # no level was finished
+    assert level_plots.read_theta(runs["dr"][1], (0.0, 0.1)).shape == (0, 6)
 
 
 def test_the_pitch_lies_within_its_measures():

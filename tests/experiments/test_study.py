@@ -19,6 +19,8 @@ from experiments.studies.measuring import measure_random
 from minigames.suites import BENCHMARK
 from tests.envs.grf.fixtures import fake_python
 
+pytestmark = pytest.mark.slow
+
 GAMES = ["academy/pass_and_shoot_with_keeper", "1v1Restricted"]
 SHORT = ["--total-env-steps", "32", "--num-envs", "4", "--num-steps", "8", "--episodes", "3", "--grf-episodes", "2"]
 SPREAD = ["--engine-spread", "0.15"]  # of our simulator alone
@@ -99,6 +101,7 @@ def single(monkeypatch, tmp_path):
     return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
 
 
+@pytest.mark.drawn
 def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single, tmp_path):
     words, begun = single
     assert main(words) == 0
@@ -121,7 +124,6 @@ def test_a_benchmark_is_measured_and_its_page_is_drawn_from_small_tables(single,
     assert "](pictures/benchmark_generalisation_fast.png)" in text
 
 
-@pytest.mark.slow
 def test_what_is_in_the_tables_is_not_made_again_and_more_seeds_are_added(single, tmp_path):
     words, begun = single
     assert main(words) == 0
@@ -154,7 +156,6 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
     assert main(words) == 0 and len(begun) == 1
 
 
-@pytest.mark.slow
 def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
     pytest.importorskip("minari")
     words, begun = single
@@ -190,7 +191,6 @@ def test_the_thesis_has_fifteen_rows_of_teams():
     ]
 
 
-@pytest.mark.slow
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)
@@ -280,7 +280,6 @@ def test_a_study_writes_into_the_checkout_only_when_it_is_told_to(tmp_path):
     assert published.page.is_file() and (published.results / "fast.csv").is_file() and published.pictures.is_dir()
 
 
-@pytest.mark.slow
 def test_measured_runs_of_other_settings_are_not_taken_for_these(single, capsys):
     words, begun = single
     assert main(words) == 0

@@ -100,6 +100,7 @@ def test_a_run_continues_from_its_checkpoint(task, tmp_path):
     assert main(["train", "--resume", str(out), "--gamma", "0.5"]) == 1
 
 
+@pytest.mark.drawn
 @pytest.mark.slow
 def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     settings = ["--total-env-steps", "128", "--episodes", "4", "--levels", "10", "--level-episodes", "2", "--no-record"]
@@ -114,6 +115,7 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     assert "three" in capsys.readouterr().out
 
 
+@pytest.mark.drawn
 def test_inspect_tells_kinds_and_draws_first_frames(task, tmp_path, capsys):
     assert main(["inspect", task, "--n", "3", "--png", str(tmp_path / "levels.png")]) == 0
     out = capsys.readouterr().out

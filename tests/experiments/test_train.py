@@ -28,6 +28,7 @@ def without_time(path):
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 
+@pytest.mark.drawn
 def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
     names = {path.name for path in (tmp_path / "run").iterdir()}
@@ -297,8 +298,8 @@ def regista(*argv, **options):
     )
 
 
-FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16", "--eval-episodes", "16"]
-BUDGET = ["--total-env-steps", "15000", "--eval-every", "5000", "--checkpoint-seconds", "0.5", "--no-record"]
+FOOTBALL = ["1v1Restricted", "--num-envs", "16", "--num-steps", "32", "--hidden-size", "16", "--eval-episodes", "2"]
+BUDGET = ["--total-env-steps", "15000", "--eval-every", "10000", "--checkpoint-seconds", "0.5", "--no-record"]
 
 
 SMALL_BUFFER = {  # so that levels are replayed within a short run

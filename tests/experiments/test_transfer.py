@@ -19,6 +19,8 @@ from experiments.grf.transfer import Played, Result, leaving, summary
 from experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
 from ued import checkpoint
 
+pytestmark = pytest.mark.slow
+
 STEPS = 4
 ROSTER = Roster([0, 0, 1], [GK, CB, GK])
 

@@ -33,6 +33,7 @@ def asked(tmp_path: Path, **environment: str) -> tuple[str, str]:
     return done.stdout.strip(), done.stderr.strip()
 
 
+@pytest.mark.slow
 def test_the_cache_is_where_the_user_wants_it(tmp_path: Path) -> None:
     assert cache_folder(tmp_path, XDG_CACHE_HOME=str(tmp_path / "xdg")) == str(
         tmp_path / "xdg" / "regista" / jit.digest()
@@ -40,6 +41,7 @@ def test_the_cache_is_where_the_user_wants_it(tmp_path: Path) -> None:
     assert cache_folder(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "numba")) == str(tmp_path / "numba" / jit.digest())
 
 
+@pytest.mark.slow
 def test_an_impossible_cache_folder_is_no_obstacle(tmp_path: Path) -> None:
     blocker = tmp_path / "file"
     blocker.write_text("not a folder")
@@ -48,6 +50,7 @@ def test_an_impossible_cache_folder_is_no_obstacle(tmp_path: Path) -> None:
     assert Path(found).stat().st_mode & 0o777 == 0o700
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [0, 1])
 def test_a_cache_into_which_others_may_write_is_not_used(tmp_path: Path, depth: int) -> None:
     folder = tmp_path / "numba"
@@ -61,6 +64,7 @@ def test_a_cache_into_which_others_may_write_is_not_used(tmp_path: Path, depth: 
     assert said == f"regista: {shared} is not used as a cache of compiled kernels: others may write into it"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can give a folder away")
 def test_a_cache_of_somebody_else_is_not_used(tmp_path: Path) -> None:
     for folder in (tmp_path / "numba", tmp_path / f"regista-{os.getuid()}"):
@@ -251,6 +255,7 @@ print(sum(quadruple.stats.cache_misses.values()))
 """
 
 
+@pytest.mark.slow
 def test_a_kernel_is_compiled_once_by_programs_that_begin_together(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(jit.ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
     environment.pop("NUMBA_DISABLE_JIT", None)
@@ -281,6 +286,7 @@ print(two_draws(holder), jit.digest())
 """
 
 
+@pytest.mark.slow
 def test_kernels_work_without_the_linking_of_their_own(tmp_path: Path) -> None:
     environment = {**os.environ, "PYTHONPATH": str(jit.ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
     environment.pop("NUMBA_DISABLE_JIT", None)

@@ -249,7 +249,7 @@ def test_a_killed_run_resumes_to_the_numbers_of_one_never_killed(tmp_path):
         run, log = start(tmp_path / "killed"), tmp_path / "killed" / "log"
         while not log.exists() or len(log.read_text().splitlines()) < updates:
             assert run.poll() is None
-            time.sleep(0.002)
+            time.sleep(0.01)
         run.send_signal(signal.SIGKILL)
         run.wait()
     whole = (tmp_path / "whole" / "log").read_text().splitlines()

@@ -14,6 +14,8 @@ from envs.grf import worker, workers
 from envs.grf.workers import Episode, GrfError, Workers, grf_python
 from tests.envs.grf.fixtures import SCENE, fake_python
 
+pytestmark = pytest.mark.slow
+
 ACTIONS = np.random.default_rng(0).integers(0, 19, (12, 3, worker.ROWS))  # [T, K, 22]
 
 

@@ -288,11 +288,14 @@ class Generator:
             self.block(1, ["a", "b"], 3)
             self.block(1, ["a", "b"], 2)
             self.write(1, "take 'end'")
-        if self.chance(0.5):
+        watched = self.chance(0.5)
+        if watched:
             self.monitor()
         self.lines += FOOTER.splitlines()
         if self.chance(0.3):
             self.write(0, f"terminate when {self.truth([], 1).replace('self', 'mate')}")
+        if watched:
+            self.write(0, "require monitor Watch()")
         return "\n".join(self.lines) + "\n"
 
     def block_without_subs(self, indent: int, names: list[str]) -> None:
@@ -353,8 +356,4 @@ things = [ego, mate, foe]"""
 
 def program(seed: int) -> str:
     """Return the text of one program."""
-    generator = Generator(seed)
-    text = generator.program()
-    if "monitor Watch" in text:
-        text += "require monitor Watch()\n"
-    return text
+    return Generator(seed).program()

@@ -17,6 +17,7 @@ from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes, vm
 from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.football_programs import DYNAMIC, name_of
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.controller import CompiledController
@@ -24,14 +25,7 @@ from tests.scenic_lite.dynamics.generated import program as generated
 from tests.scenic_lite.dynamics.generated_scenarios import program as generated_scenarios
 
 BASE = FOOTBALL_WORLD.actions or 0
-REPOSITORY = Path(__file__).resolve().parents[3]
-OPEN = REPOSITORY / "tests/oracle/open"
-FOOTBALL_PROGRAMS = sorted(
-    path
-    for folder in ("tests/programs", "minigames", "experiments/programs")
-    for path in (REPOSITORY / folder).rglob("*.scenic")
-    if re.search(r"behavior |monitor ", path.read_text()) and "ego" in path.read_text()
-)
+OPEN = Path(__file__).resolve().parents[2] / "oracle/open"
 
 
 @pytest.mark.parametrize("name", sorted(feature_programs.BODIES))
@@ -125,7 +119,7 @@ def sampled(paths):
     """Return parameters: programs of a folder are much alike, so that all but its first are left to the slow tests."""
     for before, path in zip([None, *paths], paths, strict=False):
         alike = [pytest.mark.slow] * (before is not None and before.parent == path.parent)
-        yield pytest.param(path, marks=alike, id=f"{path.parent.name}/{path.stem}")
+        yield pytest.param(path, marks=alike, id=name_of(path))
 
 
 def random_worlds(rng: np.random.Generator, objects: int, steps: int):
@@ -146,7 +140,7 @@ def random_worlds(rng: np.random.Generator, objects: int, steps: int):
         yield table, np.array([known.get(name, float(rng.integers(0, 2))) for name in facts])
 
 
-@pytest.mark.parametrize("path", list(sampled(FOOTBALL_PROGRAMS)))
+@pytest.mark.parametrize("path", list(sampled(DYNAMIC)))
 def test_football_programs_give_the_same_commands(path):
     program = load(path, FOOTBALL)
     compiled = compile_program(program, FOOTBALL_WORLD)
