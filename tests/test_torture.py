@@ -1,7 +1,10 @@
 """The torture suite counts what it does, goes on where it stopped, and tells of harm."""
 
 import json
+import os
 import shutil
+import signal
+from types import SimpleNamespace
 
 import pytest
 
@@ -9,33 +12,48 @@ from tests.torture import __main__ as suite
 from tests.torture import faults
 
 
-def test_a_suite_goes_on_with_the_seeds_that_follow(tmp_path, monkeypatch, capsys):
-    seeds = []
-
-    def attack(count, seed, folder):
-        seeds.append(seed)
-        return {"refused": count}
-
+def run_suite(monkeypatch, path, attack):
+    """Run a suite of one part for three rounds by the clock of a test."""
     monkeypatch.setattr(suite, "PARTS", {"code": suite.Part("numbers", 20, attack)})
-    monkeypatch.setattr(suite.time, "monotonic", iter(range(100)).__next__)
-    words = ["--report", str(tmp_path / "report.json"), "--minutes", "0.1"]
-    assert suite.main(words) == 0
-    first = len(seeds)
-    assert suite.main(words) == 0
-    assert seeds == list(range(len(seeds))) and len(seeds) > first > 0
-    report = json.loads((tmp_path / "report.json").read_text())
-    assert report["code" + suite.CHECKED]["counts"] == {"refused": 20 * len(seeds)}
-    assert f"| numbers{suite.CHECKED} | {20 * len(seeds)} | {20 * len(seeds)} refused | 0 |" in capsys.readouterr().out
+    monkeypatch.setattr(suite, "LIFE", path / "life.json")
+    monkeypatch.setattr(suite, "time", SimpleNamespace(monotonic=iter(range(100)).__next__))
+    return suite.main(["--report", str(path / "report.json"), "--minutes", "0.1"])
 
 
-def test_harm_is_told(tmp_path, monkeypatch, capsys):
+def test_a_suite_goes_on_with_the_seeds_that_follow(tmp_path, monkeypatch, capsys):
     def attack(count, seed, folder):
+        return {"refused": count, f"of seed {seed}": 0}
+
+    assert run_suite(monkeypatch, tmp_path, attack) == 0
+    name = "code" + suite.CHECKED
+    first = json.loads((tmp_path / "report.json").read_text())[name]["rounds"]
+    assert run_suite(monkeypatch, tmp_path, attack) == 0
+    row = json.loads((tmp_path / "report.json").read_text())[name]
+    seeds = {f"of seed {seed}": 0 for seed in range(row["rounds"])}
+    assert row["counts"] == {"refused": 20 * len(seeds)} | seeds and len(seeds) > first > 0
+    assert f"| {20 * len(seeds)} | {20 * len(seeds)} refused | 0 | 0 |" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("crash", [False, True])
+def test_harm_is_told_and_ends_no_suite(tmp_path, monkeypatch, capsys, crash):
+    def attack(count, seed, folder):
+        if crash:
+            os.kill(os.getpid(), signal.SIGSEGV)
         raise AssertionError("written beside the registers")
 
-    monkeypatch.setattr(suite, "PARTS", {"code": suite.Part("numbers", 20, attack)})
-    monkeypatch.setattr(suite.time, "monotonic", iter(range(100)).__next__)
-    assert suite.main(["--report", str(tmp_path / "report.json"), "--minutes", "0.1"]) == 1
-    assert "code, round 0: written beside the registers" in capsys.readouterr().err
+    assert run_suite(monkeypatch, tmp_path, attack) == 1
+    told = "the process ended with exit code -11" if crash else "written beside the registers"
+    name = "code" + suite.CHECKED
+    assert (
+        capsys.readouterr().err.count(f": {told}")
+        == json.loads((tmp_path / "report.json").read_text())[name]["rounds"]
+        > 1
+    )
+    assert suite.main(["--report", str(tmp_path / "report.json"), "--mended", name]) == 0
+
+
+def test_the_page_quotes_the_report():
+    assert suite.table(json.loads(suite.LIFE.read_text())) in suite.PAGE.read_text()
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the faults are a library in C")

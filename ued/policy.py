@@ -70,14 +70,18 @@ def load_policy(path: str | Path, observation_space: Space | None = None, seed: 
     file = path / "checkpoint.pt" if path.is_dir() else path
     state = checkpoint.load(file)
     try:
-        seen, done = (space_from(state["spaces"][name]) for name in ("observation", "action"))
-        saved, ppo = state["method"]["learners"][0]["ppo"]["student"], state["config"]["ppo"]
+        spaces, saved = state["spaces"], state["method"]["learners"][0]["ppo"]["student"]
+        ppo = state["config"]["ppo"]
     except (KeyError, IndexError, TypeError) as error:
         raise CheckpointError(f"{file} holds no student with its spaces; train it on for an update") from error
-    config = PPOConfig(**{item.name: ppo[item.name] for item in fields(PPOConfig) if item.name in ppo})
-    agents = int(state["spaces"]["agents"])
-    student = Student(seen, done, config, torch_generator(0), None, agents)
-    student.load_state_dict(saved)
+    try:
+        seen, done = (space_from(spaces[name]) for name in ("observation", "action"))
+        config = PPOConfig(**{item.name: ppo[item.name] for item in fields(PPOConfig) if item.name in ppo})
+        agents = int(spaces["agents"])
+        student = Student(seen, done, config, torch_generator(0), None, agents)
+        student.load_state_dict(saved)
+    except Exception as error:  # whatever values that no training wrote make of it
+        raise CheckpointError(f"{file} is damaged: its student or its spaces are none") from error
     student.requires_grad_(False)
     shape = seen.shape or ()
     return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)

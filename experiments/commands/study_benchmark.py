@@ -196,7 +196,7 @@ class BenchmarkStudy:
         for each in planned:
             path, config = self.runs.plan(each.game, each.seed, {"env.control": each.control}, each.kind)
             if (path / "config.json").exists():
-                RunFolder.open(path).extend(config)
+                RunFolder.create_or_extend(path, config)
 
 
 def run_benchmark(name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]) -> int:

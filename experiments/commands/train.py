@@ -74,6 +74,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     origin.begin_with(run, method)
     scenes = EvalScenes(config, programs, config.eval_episodes)
     elapsed = restore(run, method)
+    run.keep_config()
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, program, method, progress, connect)
 

@@ -47,6 +47,7 @@ class RunFolder:
     def __init__(self, path: Path, config: TrainConfig, about: Mapping[str, Any] | None = None) -> None:
         self.path, self.about = path, about or {}
         self.config: Any = config  # a `TaskTrainConfig` where the task is one's own
+        self._kept: Any = config  # what config.json says
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
         self.events = Table(path / "events.csv")
@@ -69,7 +70,8 @@ class RunFolder:
         except OSError as error:
             raise cannot_write(path, error) from error
         with run.locked():
-            run._keep_config(config)
+            run._kept = None
+            run.keep_config()
         return run
 
     @classmethod
@@ -79,6 +81,8 @@ class RunFolder:
             return cls.create(path, config)
         run = cls.open(path)
         run.extend(config)
+        with run.locked():
+            run.keep_config()
         return run
 
     @classmethod
@@ -89,23 +93,27 @@ class RunFolder:
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
     def extend(self, config: TrainConfig) -> None:
-        """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ."""
+        """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ.
+
+        The folder has it from `keep_config` on: one that turns out damaged is left as it was.
+        """
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
-        if config != self.config:
-            with self.locked():
-                self._keep_config(config)
         self.config = config
 
-    def _keep_config(self, config: Any) -> None:
+    def keep_config(self) -> None:
+        """Write the settings, if they are others than the folder has; whoever does has the folder `locked`."""
+        if self.config == self._kept:
+            return
         path = self.path / "config.json"
         try:
-            configs.save(config, path, self.about)
+            configs.save(self.config, path, self.about)
         except OSError as error:
             raise cannot_write(path, error) from error
+        self._kept = self.config
 
     @contextmanager
     def locked(self) -> Iterator[None]:

@@ -13,8 +13,8 @@ from typing import Any
 from experiments.run import config as configs
 from experiments.run.build import is_football
 from experiments.run.config import TrainConfig
-from experiments.run.errors import CommandError, refused
-from experiments.run.folder import RunFolder
+from experiments.run.errors import DAMAGE, CommandError, refused
+from experiments.run.folder import LARGEST, RunFolder
 from ued.config import FineTuningConfig
 
 # Of `PPOConfig`, what a student is; of `FootballConfig`, what it sees and whom it moves
@@ -94,12 +94,17 @@ def begin_with(run: RunFolder, method: Any) -> None:
     if not path.exists():
         return
     state = checkpoint.load(path)
+    source, minigame = state.get("source"), state.get("minigame")
     try:
-        method.start_from(state["student"], state["kl_coef"], state["kl_env_steps"])
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise CommandError(f"{path} is damaged: {refused(error)}") from error
+        numbers = {name: state[name] for name in ("kl_coef", "kl_env_steps")}
+        for name, number in numbers.items():
+            if type(number) not in (int, float) or not 0 <= number < LARGEST:
+                raise ValueError(f"its {name} is {number!r}")
+        method.start_from(state["student"], **numbers)
     except RuntimeError as error:
         raise CommandError(
-            f"{state['source']} holds a student of {state['minigame']}, who sees something else than "
+            f"{source} holds a student of {minigame}, who sees something else than "
             f"{method.upomdp.single_observation_space.shape} or moves other players than {run.config.minigame} has"
         ) from error
+    except DAMAGE as error:
+        raise CommandError(f"{path} is damaged: {refused(error)}") from error

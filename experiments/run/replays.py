@@ -59,7 +59,7 @@ class Replay:
         """Read a row of replays.csv, of these environments. Raises `CommandError` for one that is damaged."""
         dtype, space = level_dtype(upomdp.theta_dim), upomdp.single_action_space
         try:
-            level = np.frombuffer(_read(row["level"], dtype.itemsize), dtype)
+            level = np.frombuffer(_read(row["level"], dtype.itemsize), dtype).reshape(1)
             kept = _kept(space.dtype)
             data = _read(row["actions"], MAX_STEPS * max(int(np.prod(space.shape)), 1) * kept.itemsize)
             actions = np.frombuffer(data, kept).astype(space.dtype).reshape(-1, *space.shape)

@@ -2,8 +2,9 @@
 
     python -m tests.envs.hostile COUNT SEED
 
-One match of a batch gets a number that it should not have. Either `set_state` refuses it, or the batch is played some
-steps: then no other match may come out differently, for kernels that write out of bounds write into those first.
+Every second match of a batch gets a number that it should not have. Either the check of `set_state` refuses it, or the
+batch is played some steps: then no match between them may come out differently, for kernels that write out of bounds
+write into those first.
 """
 
 from __future__ import annotations
@@ -11,13 +12,19 @@ from __future__ import annotations
 import io
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from envs.football import replay as records
 from envs.football.config import FootballConfig
-from envs.football.limits import StateError
+from envs.football.constants import NO_FAULT
+from envs.football.limits import StateError, words_of
 from envs.football.replay import Recorder, RecordError, load_record, replay, save_record
 from envs.football.vector_env import FootballVectorEnv
 from minigames import MINIGAMES
@@ -25,57 +32,71 @@ from scenic_lite import ScenicError
 
 PROGRAMS = ("3v2FourBehaviors", "1v1Free")
 REPRESENTATIONS = ("features", "smm_stacked", "simple115")
-NUM_ENVS, BEFORE, AFTER = 4, 30, 6  # matches, steps before the change, steps after it
-SECONDS = 2.0  # of processor time, at most, for one state
+NUM_ENVS, BEFORE, AFTER = 32, 30, 6  # matches, steps before the change, steps after it
+SECONDS = 2.0  # of processor time, at most, for one batch
+CHANGED = ("matches", "matches", "starts", "registers", "start_registers", "minimap_agents")
 WORDS = np.array([-(2**63), 2**63 - 1, -2, -1, 0, 1, 5, 10, 19, 21, 22, 23, 400, 10**9, 2**31, 2**52], np.int64)
 NUMBERS = np.array([np.nan, np.inf, -np.inf, -0.0, 1e308, -1e308, 1e-308, 1e9, -1e9, 3.5, 1e19, 55.0, 400.0])
 TEXTS = ["", "{}", "[" * 500, "nan", "1e999", "null", '{"a": 1}', "\x00", "é" * 99]
 REFUSED, PLAYED, FAULTED = "refused", "played", "stopped by a fault"
 
 
+@cache
+def environment(program: str, representation: str, count: int) -> FootballVectorEnv:
+    """Return an environment, made once."""
+    config = FootballConfig(representation=representation, control="all")
+    return FootballVectorEnv(MINIGAMES[program].program, count, config=config)
+
+
 class Target:
     """An environment with a state to begin from, and what becomes of it if nobody changes anything."""
 
     def __init__(self, program: str, representation: str, seed: int) -> None:
-        config = FootballConfig(representation=representation, control="all")
-        self.env = FootballVectorEnv(MINIGAMES[program].program, NUM_ENVS, config=config)
+        self.env = environment(program, representation, NUM_ENVS)
         self.env.reset(seed=seed)
         self.actions = np.random.default_rng(seed).integers(0, 19, (BEFORE + AFTER, *self.env.action_space.shape))
         for action in self.actions[:BEFORE]:
             self.env.step(action)
         self.state = self.env.get_state()
-        self.expected = self._after(self.state)
+        self.words = {name: words_of(self.state[name]) for name in CHANGED if self.state[name].size}
+        self.expected, faulted = self._after(self.state)
+        assert not faulted.any()
 
-    def _after(self, state: dict[str, Any]) -> np.ndarray:
+    def _after(self, state: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the matches after some steps, and which were stopped by a fault in one: those have begun anew."""
         self.env.set_state(state)
+        faulted = np.zeros(NUM_ENVS, bool)
         for action in self.actions[BEFORE:]:
-            self.env.step(action)
-        return self.env.matches
+            try:
+                self.env.step(action)
+            except (FloatingPointError, ScenicError):  # found while it was played, and the program's line told
+                faulted |= self.env._outcome.faults != NO_FAULT
+        return self.env.matches, faulted
 
-    def attempt(self, rng: np.random.Generator) -> str:
-        """Change one number of one match, and say what became of it. Raises AssertionError for any harm."""
-        state, row = dict(self.state), int(rng.integers(NUM_ENVS))
-        name = str(rng.choice(["matches", "matches", "starts", "registers", "start_registers", "minimap_agents"]))
-        array = np.array(state[name])
-        if not array.size:
-            return self.attempt(rng)
-        words = array.reshape(-1).view(np.int64).reshape(NUM_ENVS, -1)
-        place = int(rng.integers(words.shape[1]))
-        value = hostile(rng, words[row, place])
-        words[row, place] = value
-        state[name] = array
-        what, began = f"word {place} of {name}[{row}] = {value}", time.process_time()
-        try:
-            after = self._after(state)
-        except StateError:
-            return REFUSED
-        except (FloatingPointError, ScenicError):
-            return FAULTED  # found while it was played: the match was put back, and the program's line told
-        finally:
-            assert time.process_time() - began < SECONDS, f"{what} took too long"
-        others = np.arange(NUM_ENVS) != row
-        assert (after[others] == self.expected[others]).all(), f"{what} changed another match"
-        return PLAYED
+    def attempt(self, rng: np.random.Generator) -> dict[str, int]:
+        """Change one number of every second match, and say what became of each. Raises AssertionError for any harm."""
+        state, changes, refused = dict(self.state), [], 0
+        words = {name: np.array(each) for name, each in self.words.items()}
+        for row in range(1, NUM_ENVS, 2):
+            name = str(rng.choice([name for name in CHANGED if name in words]))
+            place = int(rng.integers(words[name].shape[1]))
+            words[name][row, place] = value = hostile(rng, words[name][row, place])
+            try:
+                self.env._limits[name].check(words[name][row : row + 1], name)
+                changes.append(f"word {place} of {name}[{row}] = {value}")
+            except StateError:
+                words[name][row, place] = self.words[name][row, place]
+                refused += 1
+        for name, each in words.items():
+            state[name] = each.view(self.state[name].dtype).reshape(self.state[name].shape)
+        began = time.process_time()
+        after, faulted = self._after(state)
+        what = "; ".join(changes)
+        assert time.process_time() - began < SECONDS, f"one of these took too long: {what}"
+        same = (after == self.expected) & ~faulted
+        assert same[::2].all(), f"match {2 * np.argmin(same[::2])} was changed by one of: {what}"
+        stopped = int(np.count_nonzero(faulted))
+        return {REFUSED: refused, PLAYED: len(changes) - stopped, FAULTED: stopped}
 
 
 def hostile(rng: np.random.Generator, before: np.int64) -> np.int64:
@@ -94,36 +115,65 @@ def attack_states(count: int, seed: int) -> dict[str, int]:
     """Change so many states; return how many were refused, played, or stopped."""
     rng, counts = np.random.default_rng(seed), dict.fromkeys((REFUSED, PLAYED, FAULTED), 0)
     targets = [Target(program, kind, seed) for program in PROGRAMS for kind in REPRESENTATIONS]
-    for k in range(count):
-        counts[targets[k % len(targets)].attempt(rng)] += 1
+    for k in range(count // (NUM_ENVS // 2)):
+        for what, number in targets[k % len(targets)].attempt(rng).items():
+            counts[what] += number
     return counts
+
+
+@contextmanager
+def known_programs() -> Iterator[None]:
+    """Have records whose program and settings are as they were played in an environment that is made already."""
+    made, make = dict[Any, FootballVectorEnv](), records.FootballVectorEnv
+
+    def remembered(source: Any, num_envs: int, *, config: FootballConfig) -> FootballVectorEnv:
+        key = str(source), repr(config)
+        if key not in made:
+            made[key] = make(source, 1, config=config)
+        return made[key].resized(num_envs)
+
+    records.FootballVectorEnv = remembered  # type: ignore[assignment,misc]
+    try:
+        yield
+    finally:
+        records.FootballVectorEnv = make  # type: ignore[misc]
+
+
+def recorded(seed: int) -> bytes:
+    """Return the file of a record."""
+    rng = np.random.default_rng(seed)
+    env = environment(PROGRAMS[seed % 2], REPRESENTATIONS[seed % 3], 2)
+    lengths = np.array([AFTER, AFTER if seed % 4 else 1])
+    env.idle[:] = False
+    env.reset(seed=seed)
+    recorder = Recorder(env)
+    for step in range(AFTER):
+        env.idle[:] = lengths <= step
+        recorder.step(rng.integers(0, 19, env.action_space.shape))
+    stored, record = io.BytesIO(), recorder.record()
+    save_record(record if seed % 4 else replace(record, lengths=lengths), stored)
+    return stored.getvalue()
 
 
 def attack_records(count: int, seed: int, folder: Path) -> dict[str, int]:
     """Damage so many files of a record, byte by byte or entry by entry; return how many were refused or played."""
     rng, counts = np.random.default_rng(seed), dict.fromkeys((REFUSED, PLAYED, FAULTED), 0)
-    env = FootballVectorEnv(MINIGAMES[PROGRAMS[1]].program, 2)
-    env.reset(seed=seed)
-    recorder = Recorder(env)
-    for action in rng.integers(0, 19, (AFTER, 2)):
-        recorder.step(action)
-    stored = io.BytesIO()
-    save_record(recorder.record(), stored)
-    with np.load(io.BytesIO(stored.getvalue())) as archive:
+    stored, path = recorded(seed), folder / "record.npz"
+    with np.load(io.BytesIO(stored)) as archive:
         entries = {name: archive[name] for name in archive.files}
-    path = folder / "record.npz"
-    for _ in range(count):
-        path.write_bytes(damaged(stored.getvalue(), rng) if rng.random() < 0.3 else altered(entries, rng))
-        began = time.process_time()
-        try:
-            for _ in replay(load_record(path)):
-                pass
-            counts[PLAYED] += 1
-        except RecordError:
-            counts[REFUSED] += 1
-        except (FloatingPointError, ScenicError):
-            counts[FAULTED] += 1
-        assert time.process_time() - began < SECONDS, "a record took too long"
+    with known_programs():
+        for _ in range(count):
+            path.write_bytes(damaged(stored, rng) if rng.random() < 0.3 else altered(entries, rng))
+            began = time.process_time()
+            try:
+                for _ in replay(load_record(path)):
+                    pass
+                counts[PLAYED] += 1
+            except RecordError:
+                counts[REFUSED] += 1
+            except (FloatingPointError, ScenicError):
+                counts[FAULTED] += 1
+            assert time.process_time() - began < SECONDS, "a record took too long"
     return counts
 
 

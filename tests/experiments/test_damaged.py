@@ -1,6 +1,7 @@
 """Damaged run folders: one sentence and exit code 1, nothing overwritten."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,9 @@ import torch
 
 from experiments.run.table import Table
 from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
+from ued import checkpoint
+from ued.checkpoint import CheckpointError
+from ued.policy import load_policy
 
 DAMAGES = {
     "config.json": (b"", b"[" * 100_000, b"\xff\xfe", b'{"seed": NaN}', b"null", b'{"minigame": 3}'),
@@ -67,6 +71,63 @@ def test_a_table_whose_last_row_was_cut_off_goes_on(tmp_path):
     table.keep_until(7)
     table.append([{"update": 2, "score": 0.25}])
     assert (tmp_path / "t.csv").read_text() == "update,score\n1,0.5\n2,0.25\n"
+
+
+def altered(path: Path, *keys: object, value: object) -> None:
+    """Write a checkpoint of which one entry is another one."""
+    state = inside = checkpoint.load(path)
+    for key in keys[:-1]:
+        inside = inside[key]  # type: ignore[index]
+    inside[keys[-1]] = value  # type: ignore[index]
+    checkpoint.save(path, state)
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of a toy task that began with a student."""
+    return make_run(tmp_path_factory.mktemp("begun"), 200, "begun")
+
+
+def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
+    for keys, value in (
+        (("spaces", "action", "kind"), "Nothing"),
+        (("spaces", "agents"), "x"),
+        (("config", "ppo", "memory"), "lstm"),
+        (("method", "learners", 0, "ppo", "student"), {}),
+    ):
+        shutil.copy(begun / "checkpoint.pt", tmp_path)
+        altered(tmp_path / "checkpoint.pt", *keys, value=value)
+        with pytest.raises(CheckpointError, match="is damaged: its student or its spaces are none"):
+            load_policy(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("kl_coef", "x"), ("kl_coef", float("nan")), ("student", {}), ("source", 3)]
+)
+def test_what_a_run_began_with_is_refused_if_damaged(begun, tmp_path, name, value):
+    copy = shutil.copytree(begun, tmp_path / "run")
+    altered(copy / "origin.pt", name, value=value)
+    code, said = quietly(["train", "--resume", str(copy)])
+    assert code == (0 if name == "source" else 1) and "Traceback" not in said
+    assert code == 0 or (said.startswith("regista: ") and said.count("\n") == 1)
+
+
+def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path):
+    copy = shutil.copytree(begun, tmp_path / "run")
+    (copy / "checkpoint.pt").write_bytes(b"PK")
+    before = contents(copy)
+    assert quietly(["train", "--resume", str(copy), "--total-env-steps", "500"])[0] == 1
+    assert contents(copy) == before
+
+
+@pytest.mark.parametrize("damage", [("best/student", "x"), ("source,", "sauce,"), ("theta/length1", "theta/length0")])
+def test_a_gallery_of_damaged_levels_is_refused(begun, tmp_path, damage):
+    copy = shutil.copytree(begun, tmp_path / "run")
+    text = (copy / "levels.csv").read_text()
+    assert damage[0] in text
+    (copy / "levels.csv").write_text(text.replace(*damage))
+    code, said = quietly(["gallery", str(copy)])
+    assert code == 1 and said.startswith("regista: ") and said.count("\n") == 1 and str(copy) in said
 
 
 @pytest.mark.slow

@@ -1,10 +1,12 @@
 """The torture suite: minutes or hours of what must never harm, in rounds, with a report of how much was done.
 
     python -m tests.torture [--minutes 10] [--report runs/torture.json] [--only states code]
+    python -m tests.torture --page                       # write what the report counts into RELIABILITY.md
 
 Each part does rounds of so many attempts, every round with a seed of its own; the part that has had least of the time
-is next. The report is written after each round, and a suite that was stopped goes on with the seeds that follow. With
-NUMBA_BOUNDSCHECK=1 kernels are compiled with bounds checks, and counted apart.
+is next. The report is written after each round, and a suite that was stopped goes on with the seeds that follow; a new
+report goes on from `life.json`, that of the page. With NUMBA_BOUNDSCHECK=1 kernels are compiled with bounds checks, and
+counted apart.
 """
 
 from __future__ import annotations
@@ -12,11 +14,13 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import sys
 import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,7 +31,13 @@ from tests.torture import moments
 from tests.torture.faults import attack as inject_faults
 from tests.torture.files import attack as attack_folders
 from tests.torture.interrupts import attack as interrupt_commands
+from tests.torture.language import attack as attack_language
+from tests.torture.worker import Worker
+from ued.files import write_whole
 
+LIFE = Path(__file__).with_name("life.json")  # the report that the page quotes
+PAGE = Path(__file__).resolve().parents[2] / "RELIABILITY.md"
+HEAD = "| what | how many | what became of them | harm, mended | harm |\n|---|---|---|---|---|\n"
 CHECKED = " with bounds checks" if os.environ.get("NUMBA_BOUNDSCHECK") == "1" else ""
 
 
@@ -39,29 +49,12 @@ class Part(NamedTuple):
     attack: Callable[[int, int, Path], dict[str, int]]
 
 
-def programs(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Try programs that nobody would write; raises AssertionError for an error that is none of the language's."""
-    import random
-
-    from tests.scenic_lite import fuzzing
-
-    texts, counts = fuzzing.corpus(), dict[str, int]()
-    for i in range(count):
-        rng = random.Random(f"{seed} {i}")
-        text, dialect = fuzzing.written(rng, texts), rng.choice((2, 3))
-        result = fuzzing.attempt(text, dialect)
-        assert not result.startswith("FAULT"), f"{result}\n{text}"
-        kind = "loaded" if result == "loaded" else "refused"
-        counts[kind] = counts.get(kind, 0) + 1
-    return counts
-
-
 PARTS = {
-    "states": Part("states with a number changed", 2_000, lambda count, seed, _: attack_states(count, seed)),
+    "states": Part("states with a number changed", 4_800, lambda count, seed, _: attack_states(count, seed)),
     "code": Part("code or registers with a number changed", 5_000, lambda count, seed, _: attack_code(count, seed)),
-    "records": Part("records of matches damaged", 100, attack_records),
-    "folders": Part("run folders damaged", 40, attack_folders),
-    "programs": Part("programs that nobody would write", 500, programs),
+    "records": Part("records of matches damaged", 200, attack_records),
+    "folders": Part("run folders damaged", 100, attack_folders),
+    "language": Part("texts of programs", 10_000, lambda count, seed, _: attack_language(count, seed)),
     "faults": Part("changes on the disk that failed, or were the last", 10, inject_faults),
     "kills": Part("commands killed", 10, moments.kill),
     "ctrl-c": Part("commands interrupted in their work", 10, moments.interrupt),
@@ -85,30 +78,53 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--report", type=Path, default=Path("runs/torture.json"))
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
+    parser.add_argument("--mended", nargs="+", default=[], metavar="ROW", help="the harm in these rows is mended")
+    parser.add_argument("--page", action="store_true", help="write the report's table into RELIABILITY.md")
     typed = parser.parse_args(argv)
-    report: dict[str, Any] = json.loads(typed.report.read_text()) if typed.report.exists() else {}
+    begun = next((path for path in (typed.report, LIFE) if path.exists()), None)
+    report: dict[str, Any] = json.loads(begun.read_text()) if begun else {}
     typed.report.parent.mkdir(parents=True, exist_ok=True)
+    for row in (report[name] for name in typed.mended):
+        row["mended"], row["harm"] = row.get("mended", 0) + len(row["harm"]), []
+    if typed.page:
+        quote(report)
+    elif not typed.mended:
+        do_rounds(report, typed)
+        print(table(report))
+    save(report, typed.report)
+    return int(any(row["harm"] for row in report.values()))
+
+
+def do_rounds(report: dict[str, Any], typed: argparse.Namespace) -> None:
+    """Do rounds until the time is over, and keep the report."""
     end = time.monotonic() + 60 * typed.minutes
     with tempfile.TemporaryDirectory() as folder:
-        while time.monotonic() < end:
-            done = {name: report.setdefault(name + CHECKED, new_row(name)) for name in typed.only}
-            name = min(typed.only, key=lambda each: done[each]["seconds"])
-            row, began = done[name], time.monotonic()
-            try:
-                counts = run_round(name, row["rounds"], Path(folder))
-            except AssertionError as harm:
-                counts = {"HARM": 1}
-                row["harm"].append(f"round {row['rounds']}: {harm}"[:2_000])
-                print(f"{name}, round {row['rounds']}: {harm}", file=sys.stderr, flush=True)
-            row["rounds"] += 1
-            row["seconds"] += time.monotonic() - began
-            for what, count in counts.items():
-                row["counts"][what] = row["counts"].get(what, 0) + count
-            beside = typed.report.with_name(typed.report.name + ".part")
-            beside.write_text(json.dumps(report, indent=2) + "\n")
-            beside.replace(typed.report)
-    print(table(report))
-    return int(any(row["harm"] for row in report.values()))
+        worker = Worker(lambda name, seed: run_round(name, seed, Path(folder)))
+        with closing(worker):
+            while time.monotonic() < end:
+                done = {name: report.setdefault(name + CHECKED, new_row(name)) for name in typed.only}
+                name = min(typed.only, key=lambda each: done[each]["seconds"])
+                do_round(worker, name, done[name])
+                save(report, typed.report)
+
+
+def do_round(worker: Worker, name: str, row: dict[str, Any]) -> None:
+    """Do the next round of a part, and count it in its row."""
+    began, counts = time.monotonic(), {}
+    try:
+        counts = worker.do(name, row["rounds"])
+    except AssertionError as harm:
+        row["harm"].append(f"round {row['rounds']}: {harm}"[:2_000])
+        print(f"{name}, round {row['rounds']}: {harm}", file=sys.stderr, flush=True)
+    row["rounds"] += 1
+    row["seconds"] += time.monotonic() - began
+    for what, count in counts.items():
+        row["counts"][what] = row["counts"].get(what, 0) + count
+
+
+def save(report: dict[str, Any], path: Path) -> None:
+    """Replace the report in one stroke."""
+    write_whole(path, json.dumps(report, indent=2) + "\n")
 
 
 def new_row(name: str) -> dict[str, Any]:
@@ -117,12 +133,20 @@ def new_row(name: str) -> dict[str, Any]:
 
 def table(report: dict[str, Any]) -> str:
     """Return the report as a Markdown table."""
-    lines = ["| what | how many | what became of them | harm |", "|---|---|---|---|"]
-    for row in report.values():
+    lines = []
+    for row in sorted(report.values(), key=lambda each: each["unit"].endswith("bounds checks")):
         total = sum(row["counts"].values())
-        parts = ", ".join(f"{count:,} {what}" for what, count in sorted(row["counts"].items()))
-        lines.append(f"| {row['unit']} | {total:,} | {parts} | {len(row['harm'])} |")
-    return "\n".join(lines)
+        parts = ", ".join(f"{count:,} {what}" for what, count in sorted(row["counts"].items()) if count)
+        lines.append(f"| {row['unit']} | {total:,} | {parts} | {row.get('mended', 0)} | {len(row['harm'])} |\n")
+    return HEAD + "".join(lines)
+
+
+def quote(report: dict[str, Any]) -> None:
+    """Write the table into the page, and keep the report that it is of."""
+    before, _, rest = PAGE.read_text().partition(HEAD.partition(" harm")[0])
+    after = re.sub(r"\A.*?\n(?=[^|])", "", rest, count=1, flags=re.DOTALL)
+    write_whole(PAGE, f"{before}{table(report)}{after}")
+    save(report, LIFE)
 
 
 if __name__ == "__main__":

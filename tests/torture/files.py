@@ -1,4 +1,8 @@
-"""Run folders in which a file is damaged: the run goes on, or one sentence says why not, and nothing is overwritten."""
+"""Run folders in which a file is damaged: the run goes on, or one sentence says why not, and nothing is overwritten.
+
+Most are read as `train --resume` reads them, in this process; some as `load_policy` does, or by a whole command. Read
+next: `tests.torture.__main__`.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +10,10 @@ import io
 import shutil
 import sys
 import time
+import traceback
+import warnings
 from contextlib import redirect_stderr, redirect_stdout
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -15,73 +22,149 @@ import torch
 
 from experiments.__main__ import main
 from experiments.commands.train import restore
-from experiments.run import build
-from experiments.run.errors import CommandError
+from experiments.run import build, origin
+from experiments.run.errors import USERS, CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns
 from tests.envs.hostile import damaged
 from ued.checkpoint import CheckpointError
+from ued.policy import load_policy
 
+TASK = f"{Path(__file__).with_name('toy_task.py')}:walk"
 FILES = ("checkpoint.pt", "checkpoint.pt", "config.json", "metrics.csv", "levels.csv", "program.scenic")
-SECONDS = 2.0  # of processor time, at most, for one attempt
+MORE = ("checkpoint.pt", "checkpoint.pt", "checkpoint.pt", "replays.csv", "origin.pt", "owner.json")
+SECONDS, LONGER = 2.0, 30.0  # of processor time, at most, for one attempt; for one with a whole command
 STRANGE: list[Any] = [None, -1, 10**9, 10**30, float("nan"), float("inf"), "", "x" * 100, [], {}, [[[]]], True, 0.5]
-SETTINGS = ["--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0"]
-WENT_ON, REFUSED = "went on", "refused in a sentence"
+SETTINGS = ["--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0", "--hidden-size", "8"]
+UPDATED = 0.3  # how many of those that can go on are trained for an update
+WENT_ON, REFUSED, FAULTED = "went on", "refused in a sentence", "stopped in its first update"
+RUNS = {  # of each kind that keeps something else
+    "run": ["1v1Restricted", "--method", "plr"],
+    "remembering": [TASK, "--method", "paired", "--memory", "gru"],
+    "mixed": ["1v1Restricted+1v1Free", "--method", "accel"],
+    "recorded": [TASK, "--method", "plr", "--record"],
+    "begun": [TASK, "--method", "dr", "--from", "{remembering}", "--kl-to-clone", "0.5"],
+}
+COMMANDS = (
+    ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
+    ["gallery", "{run}", "--out", "{run}.html", "--replays", "3"],
+    ["train", "--resume", "{run}", "--total-env-steps", "2_000"],
+    ["train", TASK, "--method", "dr", "--from", "{run}", *SETTINGS, "--total-env-steps", "128", "--out", "{run}-child"],
+)
 
 
-def make_run(folder: Path, steps: int = 1_000) -> Path:
+def make_run(folder: Path, steps: int = 1_000, kind: str = "run") -> Path:
     """Train a small run."""
-    path = folder / "run"
-    words = ["train", "1v1Restricted", "--method", "plr", "--total-env-steps", str(steps), *SETTINGS]
+    path = folder / kind
     if not path.exists():
-        assert quietly([*words, "--out", str(path)])[0] == 0
+        words = [word.format(remembering=folder / "remembering") for word in RUNS[kind]]
+        if "--from" in words:
+            make_run(folder, steps, "remembering")
+        words = ["train", *SETTINGS, "--total-env-steps", str(steps), *words]
+        code, said = quietly([*words, "--out", str(path)])
+        assert code == 0, said
     return path
 
 
 def quietly(words: list[str]) -> tuple[int, str]:
     """Run a command in this process; return its exit code and what it wrote on stderr."""
     said = io.StringIO()
-    with redirect_stdout(io.StringIO()), redirect_stderr(said):
+    with redirect_stdout(io.StringIO()), redirect_stderr(said), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         return main(words), said.getvalue()
 
 
 class Target:
-    """A run, and a method of its kind that can take its checkpoint again and again."""
+    """A run, a copy to be damaged, and a method of its kind that can take its checkpoint again and again."""
 
-    def __init__(self, folder: Path) -> None:
-        self.run, self.folder = make_run(folder), folder
+    def __init__(self, folder: Path, kind: str = "run") -> None:
+        self.run, self.copy = make_run(folder, kind=kind), folder / f"{kind}-copy"
+        self.whole = contents(self.run)
         config = RunFolder.open(self.run).config
         program = build.load_scenes(config)[build.TRAINING_SCENE]
-        self.upomdp = build.make_upomdp(program, config.num_envs, config.env, config.seed, 1)
+        env = config.env if build.is_football(config) else None
+        self.upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, 1)
         self.method = build.make_method(config, self.upomdp)
-        self.content = torch.load(self.run / "checkpoint.pt", weights_only=True)
+        self.quick = env is None
+        self.restore()
+
+    def restore(self) -> None:
+        """Make the copy whole again."""
+        self.copy.mkdir(exist_ok=True)
+        for name in contents(self.copy).keys() - self.whole.keys():
+            (self.copy / name).unlink()
+        for name, content in self.whole.items():
+            file = self.copy / name
+            if not file.exists() or file.read_bytes() != content:
+                file.write_bytes(content)
 
     def attempt(self, rng: np.random.Generator) -> str:
-        """Damage one file of a copy and go on from it. Raises AssertionError for any harm."""
-        name, path = str(rng.choice(FILES)), self.folder / "copy"
-        shutil.rmtree(path, ignore_errors=True)
-        shutil.copytree(self.run, path)
-        file = path / name
-        if name == "checkpoint.pt" and rng.random() < 0.7:
+        """Damage one file of the copy and go on from it. Raises AssertionError for any harm."""
+        names = [name for name in (*FILES, *MORE) if name in self.whole]
+        file, kind = self.copy / str(rng.choice(names)), rng.random()
+        if file.suffix == ".pt" and rng.random() < 0.7:
             self.save_altered(file, rng)
         else:
             file.write_bytes(damaged(file.read_bytes(), rng))
-        before, began = contents(path), time.process_time()
+        before, began = contents(self.copy), time.process_time()
+        read = self.go_on if kind < 0.85 else self.load if kind < 0.95 else self.command
         try:
-            run = RunFolder.open(path)
-            read_columns(run.metrics.path), read_columns(run.levels.path)
-            restore(run, self.method)
-            outcome = WENT_ON
+            outcome = read(rng)
         except (CommandError, CheckpointError, OSError) as error:
             assert "\n" not in str(error).strip() and len(str(error)) < 2_000, error
-            assert contents(path) == before, f"{name} was refused, and something was overwritten"
             outcome = REFUSED
-        assert time.process_time() - began < SECONDS, f"{name} took too long"
+        except AssertionError:
+            raise
+        except Exception as error:
+            raise AssertionError(f"{file}: {read.__name__}: {traceback.format_exc()[-1_500:]}") from error
+        if outcome == REFUSED:
+            after = contents(self.copy)
+            other = sorted(name for name in before.keys() | after.keys() if before.get(name) != after.get(name))
+            assert not other, f"{file.name}: {read.__name__} refused it, and {', '.join(other)} was overwritten"
+        spent = time.process_time() - began
+        assert spent < (LONGER if read == self.command else SECONDS), f"{file.name}: {read.__name__} took {spent:.1f} s"
+        self.restore()
         return outcome
+
+    def go_on(self, rng: np.random.Generator) -> str:
+        """Do what `train --resume` does before its first update; where that takes milliseconds, now and then it too."""
+        run = RunFolder.open(self.copy)
+        read_columns(run.metrics.path), read_columns(run.levels.path)
+        origin.begin_with(run, self.method)
+        restore(run, self.method)
+        if self.quick and rng.random() < UPDATED:
+            before = contents(self.copy)
+            try:
+                self.method.update()
+            except Exception as error:
+                if type(error).__name__ not in USERS:
+                    raise
+                assert contents(self.copy) == before
+                return FAULTED
+        return WENT_ON
+
+    def load(self, _: np.random.Generator) -> str:
+        """Have the student of the checkpoint play."""
+        policy = load_policy(self.copy)
+        try:
+            policy.act(np.zeros((3, *policy.shape), np.float32))
+        except (FloatingPointError, ValueError) as error:  # weights that are no numbers
+            assert "finite" in str(error) or "NaN" in str(error), traceback.format_exc()
+            return REFUSED
+        return WENT_ON
+
+    def command(self, rng: np.random.Generator) -> str:
+        """Give the folder to a command."""
+        words = [word.format(run=self.copy) for word in COMMANDS[rng.integers(len(COMMANDS))]]
+        shutil.rmtree(f"{self.copy}-child", ignore_errors=True)
+        code, said = quietly(words)
+        told = [line for line in said.splitlines() if line.startswith("regista: ")]
+        assert code in (0, 1, 2) and (code == 0 or told), f"{' '.join(words[:2])}: exit code {code}: {said[-1_000:]}"
+        return WENT_ON if code == 0 else REFUSED
 
     def save_altered(self, file: Path, rng: np.random.Generator) -> None:
         """Write a whole checkpoint of which one entry, however deep, is another one."""
-        content = torch.load(self.run / "checkpoint.pt", weights_only=True)
+        content = torch.load(self.run / file.name, weights_only=True)
         holder: Any = content
         while True:
             keys = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
@@ -111,11 +194,19 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {each.name: each.read_bytes() for each in folder.iterdir() if each.is_file()}
 
 
+@cache
+def target(folder: Path, kind: str) -> Target:
+    """Return a run of this suite, made once."""
+    return Target(folder, kind)
+
+
 def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Damage so many run folders; return how many went on and how many were refused."""
-    rng, target, counts = np.random.default_rng(seed), Target(folder), {WENT_ON: 0, REFUSED: 0}
+    """Damage so many run folders of one kind; return how many went on and how many were refused."""
+    rng, counts = np.random.default_rng(seed), {WENT_ON: 0, REFUSED: 0, FAULTED: 0}
+    attacked = target(folder, list(RUNS)[seed % len(RUNS)])
+    attacked.restore()
     for _ in range(count):
-        counts[target.attempt(rng)] += 1
+        counts[attacked.attempt(rng)] += 1
     return counts
 
 
