@@ -38,11 +38,11 @@ def test_a_suite_goes_on_with_the_seeds_that_follow(tmp_path, monkeypatch, capsy
 def test_harm_is_told_and_ends_no_suite(tmp_path, monkeypatch, capsys, crash):
     def attack(count, seed, folder):
         if crash:
-            os.kill(os.getpid(), signal.SIGSEGV)
+            os.kill(os.getpid(), signal.SIGKILL)
         raise AssertionError("written beside the registers")
 
     assert run_suite(monkeypatch, tmp_path, attack) == 1
-    told = "the process ended with exit code -11" if crash else "written beside the registers"
+    told = "the process ended with exit code -9" if crash else "written beside the registers"
     name = "code" + suite.CHECKED
     assert (
         capsys.readouterr().err.count(f": {told}")
