@@ -84,7 +84,7 @@ def altered(path: Path, *keys: object, value: object) -> None:
 
 @pytest.fixture(scope="module")
 def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of a toy task that began with a student."""
+    """Train a toy task, beginning with a student."""
     return make_run(tmp_path_factory.mktemp("begun"), 200, "begun")
 
 
