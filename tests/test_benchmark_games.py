@@ -177,6 +177,7 @@ def test_draws_are_accepted_as_often_as_in_the_original(name):
     assert 1 / share == pytest.approx(attempts, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FACTS)
 def test_matches_of_random_keys_end_as_they_should(name):
     env = FootballVectorEnv(program_of(name), 32)

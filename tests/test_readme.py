@@ -28,6 +28,7 @@ def blocks(text, *languages):
     return [block.text for block in pages.blocks(text) if block.language in languages]
 
 
+@pytest.mark.slow
 def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     torch.set_num_threads(1)
     python = blocks((HOWTO / "environment.md").read_text(), "python")

@@ -18,7 +18,8 @@ from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 from scenic_lite.scene.program import Program
 
-CONTROLS = ("closest1", "closest3", "active", "2", "all", "allNonGK")
+MORE_CONTROLS = ("closest3", "active", "2", "all", "allNonGK")
+CONTROLS = ("closest1", *(pytest.param(name, marks=pytest.mark.slow) for name in MORE_CONTROLS))
 
 
 @cache

@@ -110,6 +110,7 @@ def test_the_baselines_play_for_every_agent():
         env.step(policy.play(env.observe(), torch.Generator().manual_seed(0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("control", "representation", "agents"),
     [

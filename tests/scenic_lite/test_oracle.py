@@ -82,7 +82,8 @@ def cases():
     for (folder, dialect), path in EXPECTED.items():
         for name, record in sorted(expected_records(path).items()):
             if record["kind"] in KINDS:
-                marks = [pytest.mark.slow] if folder == OPEN or name == "area_rand_inter" else []  # many, or long
+                many = folder == OPEN or dialect == 2 or name == "area_rand_inter"  # the last takes long
+                marks = [pytest.mark.slow] * many
                 yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 
 

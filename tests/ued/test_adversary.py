@@ -66,6 +66,7 @@ def test_of_a_mixture_densities_and_entropy_are_those_of_choice_and_part():
     assert entropy == pytest.approx(chosen + 0.2 * math.log(2) + 0.8 * 2 * math.log(2), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
     config, rng = AdversaryConfig(), np.random.default_rng(0)
     adversary = Adversary(3, config, torch_generator(0), program_dims=(2, 2, 2))

@@ -60,6 +60,7 @@ def trained(memory, updates):
     return method.student, metrics
 
 
+@pytest.mark.slow
 def test_a_gru_solves_a_maze_whose_sign_must_be_remembered_and_a_feed_forward_student_cannot():
     student, metrics = trained("gru", 60)
     assert metrics["return_100/student"] > 0.9
@@ -139,6 +140,7 @@ def test_the_end_that_is_cut_off_is_valued_by_who_remembers():
     assert (student.value(final, memory) != student.value(final)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.parametrize("make", [Landscape, Roles])
 def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tmp_path):

@@ -265,6 +265,7 @@ def test_the_regularizer_brings_policies_together():
     assert distances[1] < 0.5 * distances[0]
 
 
+@pytest.mark.slow
 def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     method = METHODS["repaired"](frontier())
     batches, adversary = [], method.teacher.adversary

@@ -81,22 +81,25 @@ def seeds(count, quick):
     return [seed if seed < quick else pytest.param(seed, marks=pytest.mark.slow) for seed in range(count)]
 
 
-@pytest.mark.parametrize("seed", seeds(60, quick=20))
+@pytest.mark.parametrize("seed", seeds(60, quick=12))
 def test_generated_programs_give_the_same_commands(seed):
     text = generated(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=14)
     assert found == [], text
 
 
-@pytest.mark.parametrize("seed", seeds(40, quick=12))
+@pytest.mark.parametrize("seed", seeds(40, quick=6))
 def test_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
     assert found == [], text
 
 
+HUGE = {1072, 1110}  # as much work as all others together: 60,000 rows of code
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(1000, 1120))
+@pytest.mark.parametrize("seed", [seed for seed in range(1000, 1120) if seed not in HUGE])
 def test_more_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
