@@ -22,7 +22,7 @@ def toy_world(timestep: float = 1.0) -> World:
 
     def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
         names = {"currentTime": facts["time"], "timestep": timestep, "objects": objects}
-        names["agents"] = [each for each in objects if each.properties["behavior"] is not None]
+        names["agents"] = [instance for instance in objects if instance.properties["behavior"] is not None]
         return Namespace("simulation()", names)
 
     return World("toy", FIELDS, FACTS, timestep, properties, simulation, lambda action, _: action)

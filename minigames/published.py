@@ -33,8 +33,8 @@ def published() -> tuple[Published, ...]:
 
 def find_published(game: str, agent: str, split: str = "train", control: str = "") -> Published | None:
     """Return the row of an agent on a game, the first if no control mode is given; None if there is none."""
-    found = (row for row in published() if (row.game, row.agent, row.split) == (game, agent, split))
-    return next((row for row in found if control in ("", row.control)), None)
+    rows = (row for row in published() if (row.game, row.agent, row.split) == (game, agent, split))
+    return next((row for row in rows if control in ("", row.control)), None)
 
 
 def _row(row: dict[str, str]) -> Published:

@@ -58,7 +58,7 @@ def load(
     apply_mutations(state)
     refuse_without_ego(state, own)
     prune(state)
-    warnings = {(each.place, each.message): each for each in state.warnings + state.diagnostics}  # each once
+    warnings = {(slip.place, slip.message): slip for slip in state.warnings + state.diagnostics}  # each once
     return Program(mode, own, text, tuple(warnings.values()))
 
 

@@ -35,13 +35,13 @@ class Checked:
 
     def __post_init__(self) -> None:
         hints = typing.get_type_hints(type(self))
-        for each in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
-            value, (holds, words) = self.__dict__[each.name], RULES[each.metadata.get("rule", "")]
-            if typing.get_origin(hints[each.name]) is Literal:
-                allowed = typing.get_args(hints[each.name])
+        for entry in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
+            value, (holds, words) = self.__dict__[entry.name], RULES[entry.metadata.get("rule", "")]
+            if typing.get_origin(hints[entry.name]) is Literal:
+                allowed = typing.get_args(hints[entry.name])
                 holds, words = allowed.__contains__, "must be " + " or ".join(map(str, allowed))
             if not holds(value):
-                raise ValueError(f"{each.name} {words}, got {value!r}")
+                raise ValueError(f"{entry.name} {words}, got {value!r}")
 
 
 @dataclass(frozen=True)

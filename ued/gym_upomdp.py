@@ -43,9 +43,9 @@ class _Levelled(gymnasium.Wrapper):
         """Start an episode on θ `[D]`; `seed` is the level's, None where an episode is played again."""
         self.theta, self.seed = theta.copy(), seed if seed is not None else self.seed
         with self._telling("the function that puts levels into it"):
-            given = self.apply(self.env, self.theta_map.values(self.theta))
-        if isinstance(given, dict):
-            options = {**given, **options}
+            returned = self.apply(self.env, self.theta_map.values(self.theta))
+        if isinstance(returned, dict):
+            options = {**returned, **options}
         rule = self.seed_episodes
         seed = rule(seed) if callable(rule) else seed if rule else None
         with self._telling("reset"):

@@ -311,8 +311,8 @@ class UPOMDP(LevelSpace, VectorEnv):
         """
         chosen = np.flatnonzero(self._mask(where))
         if not isinstance(levels, np.ndarray) or levels.dtype != self.levels.dtype:
-            found = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
-            raise ValueError(f"levels must be records of {self.levels.dtype}, got {found}; see make_levels")
+            kind = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
+            raise ValueError(f"levels must be records of {self.levels.dtype}, got {kind}; see make_levels")
         if levels.shape != chosen.shape:
             raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)

@@ -138,7 +138,7 @@ class FootballEnv(gymnasium.Env):
     def _first(self, observations: Any) -> Any:
         """Return row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""
         if isinstance(observations, tuple):
-            return tuple(row(each, 0) for each in observations)
+            return tuple(row(part, 0) for part in observations)
         return row(observations, 0) if isinstance(observations, dict) else observations[0]
 
 

@@ -143,35 +143,35 @@ def load_record(path: str | Path) -> Record:
     """Read a record. Raises `RecordError` for a file that is none, that is damaged, or of another version."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            if sum(each.file_size for each in archive.zip.infolist()) > LARGEST:
+            if sum(member.file_size for member in archive.zip.infolist()) > LARGEST:
                 raise RecordError(f"{path} is larger than any record: it would be more than {LARGEST:,} bytes")
-            found = {name: archive[name] for name in archive.files}
+            arrays = {name: archive[name] for name in archive.files}
     except (FileNotFoundError, PermissionError, IsADirectoryError, RecordError):
         raise
     except Exception as error:  # whatever a damaged archive makes NumPy stumble over
         raise RecordError(f"{path} is no record of a match, or it is damaged") from error
-    stated = str(found.get("format"))
+    stated = str(arrays.get("format"))
     if not stated.startswith(KIND):
         raise RecordError(f"{path} is no record of a match: it does not say {KIND!r}")
     if stated != FORMAT:
         raise RecordError(f"{path} was made by another version of the simulator: it is a {stated}, not {FORMAT[-1]}")
-    missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in found]
+    missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in arrays]
     if missing:
         raise RecordError(f"{path} is damaged: {', '.join(missing)} missing")
-    if found["last"].dtype != MATCH or found["matches"].dtype != MATCH:
+    if arrays["last"].dtype != MATCH or arrays["matches"].dtype != MATCH:
         raise RecordError(f"{path} was made by another version of the simulator: its matches have other fields")
     try:
-        record = _decoded(found)
+        record = _decoded(arrays)
     except (TypeError, ValueError, RecursionError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
     return record
 
 
-def _decoded(found: dict[str, Any]) -> Record:
+def _decoded(arrays: dict[str, Any]) -> Record:
     """Return the record that these arrays are. Raises ValueError or TypeError where they do not fit together."""
-    program, file, config, random = (str(found[name]) for name in ("program", "program_file", "config", "np_random"))
-    actions, lengths, count = found["actions"], found.get("lengths"), len(np.atleast_1d(found["last"]))
-    if found["last"].shape != (count,) or not count:
+    program, file, config, random = (str(arrays[name]) for name in ("program", "program_file", "config", "np_random"))
+    actions, lengths, count = arrays["actions"], arrays.get("lengths"), len(np.atleast_1d(arrays["last"]))
+    if arrays["last"].shape != (count,) or not count:
         raise ValueError("it has no matches")
     if actions.dtype.kind not in "iu" or actions.shape[1:2] != (count,):
         raise ValueError(f"actions must be whole numbers for each of {count} matches")
@@ -179,12 +179,12 @@ def _decoded(found: dict[str, Any]) -> Record:
         lengths.dtype.kind not in "iu" or lengths.shape != (count,) or lengths.min() < 0 or lengths.max() > len(actions)
     ):
         raise ValueError(f"lengths must be 0 to {len(actions)} steps for each of {count} matches")
-    state = {name: array for name, array in found.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
+    state = {name: array for name, array in arrays.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
     state["np_random"] = json.loads(random)
     # Which program on this machine plays is no business of whoever recorded the matches.
     settings = replace(FootballConfig(**json.loads(config)), grf_python=None)
-    scripted = bool(np.all(found.get("scripted", False)))
-    return Record(program, file, settings, state, actions, found["last"], scripted, lengths)
+    scripted = bool(np.all(arrays.get("scripted", False)))
+    return Record(program, file, settings, state, actions, arrays["last"], scripted, lengths)
 
 
 def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:

@@ -180,7 +180,7 @@ class FootballVectorEnv(UPOMDP):
         """
         actions = np.zeros((self.num_envs, self.num_agents), np.int64)
         if self.behaviors.is_live:
-            copies = [np.copy(each) for each in (self._batch.registers, self._batch.commands)]
+            copies = [np.copy(array) for array in (self._batch.registers, self._batch.commands)]
             matches = self._batch.matches.copy()
             ask_program(matches, *copies, self.lineup.object_to_player, self.behaviors.code, actions)
         return actions.reshape(self.action_space.shape)
@@ -300,17 +300,17 @@ def bytes_of(array: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.asarray(array)).reshape(-1).view(np.uint8)
 
 
-def check_state(state: dict[str, Any], wanted: dict[str, np.ndarray]) -> None:
+def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
     """Raise `StateError` unless the arrays of a state have the shapes and fields that are wanted."""
-    for name, array in wanted.items():
-        found = state.get(name)
+    for name, array in expected.items():
+        value = state.get(name)
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
-        if isinstance(found, np.ndarray):
-            if found.shape == array.shape and (found.dtype.fields or found.dtype) == kind:
+        if isinstance(value, np.ndarray):
+            if value.shape == array.shape and (value.dtype.fields or value.dtype) == kind:
                 continue
-            what = f"shape {list(found.shape)}" if found.shape != array.shape else "other fields"
+            what = f"shape {list(value.shape)}" if value.shape != array.shape else "other fields"
         else:
-            what = "none" if found is None else f"a {type(found).__name__}"
+            what = "none" if value is None else f"a {type(value).__name__}"
         raise StateError(
             f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
             "program, number of matches, control and representation must be those of the environment that gave it"

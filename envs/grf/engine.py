@@ -87,12 +87,12 @@ class GrfEngine:
         """Return the episodes as they have been played; the scenes are in `batch.starts`."""
         matches = sorted(self._played)
         episodes = [self._played[index] for index in matches]
-        actions = [row for each in episodes for row in each.actions]
+        actions = [row for episode in episodes for row in episode.actions]
         return {
             "grf_matches": np.array(matches, np.int64),
-            "grf_seeds": np.array([each.seed for each in episodes], np.int64),
-            "grf_checks": np.array([each.check for each in episodes], np.int64),
-            "grf_lengths": np.array([len(each.actions) for each in episodes], np.int64),
+            "grf_seeds": np.array([episode.seed for episode in episodes], np.int64),
+            "grf_checks": np.array([episode.check for episode in episodes], np.int64),
+            "grf_lengths": np.array([len(episode.actions) for episode in episodes], np.int64),
             "grf_actions": np.array(actions, np.int64).reshape(len(actions), ROWS),
         }
 

@@ -322,14 +322,14 @@ class _Round:
 
 def _begin_request(episodes: Sequence[Episode]) -> tuple[dict[str, Any], float, dict[str, np.ndarray]]:
     """Return the request that begins or repeats episodes, the seconds that it may take, and its arrays."""
-    lengths = np.array([len(each.actions) for each in episodes], np.int64)
-    played = [row for each in episodes for row in each.actions]
+    lengths = np.array([len(episode.actions) for episode in episodes], np.int64)
+    played = [row for episode in episodes for row in episode.actions]
     actions = np.array(played, np.int64).reshape(len(played), ROWS)
     message = {
         "do": "begin",
-        "slots": [each.slot for each in episodes],
-        "scenes": [each.scene for each in episodes],
-        "seeds": [each.seed for each in episodes],
+        "slots": [episode.slot for episode in episodes],
+        "scenes": [episode.scene for episode in episodes],
+        "seeds": [episode.seed for episode in episodes],
     }
     seconds = ANSWER_SECONDS + STEP_SECONDS * (20 * len(episodes) + len(played))
     return message, seconds, {"lengths": lengths, "actions": actions}

@@ -119,8 +119,8 @@ def measure(config: BenchmarkConfig) -> int:
     """Measure in both engines, family by family, and print each as soon as it is there."""
     results: dict[str, Any] = {}
     for family in config.family or ("differential",):
-        text, found = MEASURES[family](config.measuring, config.effort, config.figures)
-        results |= found
+        text, numbers = MEASURES[family](config.measuring, config.effort, config.figures)
+        results |= numbers
         if not config.json:
             print(text, end="\n\n", flush=True)
     if config.json:

@@ -83,12 +83,12 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     minigame = build.canonical_name(config.minigame or demos.config.minigame)
     base = build.starting_point(config.preset, minigame)
     env = replace(demos.config.env, rewards=base.env.rewards)
-    wanted = replace(
+    training = replace(
         base, minigame=minigame, method="dr", env=env, ppo=config.ppo, seed=config.seed, threads=config.threads
     )
-    program = build.load_scenes(wanted)[build.TRAINING_SCENE]
-    upomdp = build.make_upomdp(program, wanted.num_envs, env, wanted.seed, wanted.threads)
-    method = build.make_method(wanted, upomdp)
+    program = build.load_scenes(training)[build.TRAINING_SCENE]
+    upomdp = build.make_upomdp(program, training.num_envs, env, training.seed, training.threads)
+    method = build.make_method(training, upomdp)
     seen, space = data.observation_shape, upomdp.single_observation_space
     if seen != space.shape or data.action_shape != upomdp.single_action_space.shape:
         raise CommandError(
@@ -97,19 +97,19 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
         )
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
-    run = _open(path, wanted, configs.to_dict(replace(config, out=None)))
+    run = _open(path, training, configs.to_dict(replace(config, out=None)))
     run.keep_program(program)
     return method, run
 
 
-def _open(path: Path, wanted: TrainConfig, asked: dict[str, Any]) -> RunFolder:
+def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder:
     """Make the run folder, or go on with one that was begun with the same settings."""
     file, text = path / "clone.json", json.dumps(asked, indent=2) + "\n"
     if file.exists():
         if file.read_text() != text:
             raise CommandError(f"{path} holds a clone of other settings, those of {file}; choose another --out")
         return RunFolder.open(path)
-    run = RunFolder.create(path, wanted)
+    run = RunFolder.create(path, training)
     try:
         write_whole(file, text)
     except OSError as error:

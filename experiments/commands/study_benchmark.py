@@ -92,7 +92,7 @@ class BenchmarkStudy:
         table = self.places.results / page.FILES.format(preset=self.config.preset)
         table.parent.mkdir(parents=True, exist_ok=True)
         rows, planned = load(table), list(self.planned())
-        missing = [each for each in planned if trained(rows, *each) < steps]
+        missing = [plan for plan in planned if trained(rows, *plan) < steps]
         self.check_same(planned)
         how = self.config.launch
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
@@ -146,11 +146,11 @@ class BenchmarkStudy:
         """Create the folders of runs or open them; clones, with which some of them begin, are made first."""
         clones: list[RunFolder] = []
         runs: list[RunFolder] = []
-        for each in planned:
-            made = self.make_clone(each, stop) if each.kind else None
-            if each.kind and made is None:
+        for plan in planned:
+            made = self.make_clone(plan, stop) if plan.kind else None
+            if plan.kind and made is None:
                 break
-            runs.append(self.runs.open(each.game, each.seed, {"env.control": each.control}, each.kind))
+            runs.append(self.runs.open(plan.game, plan.seed, {"env.control": plan.control}, plan.kind))
             if made is not None:
                 clones.append(RunFolder.open(made))
                 if not runs[-1].begun():
@@ -193,8 +193,8 @@ class BenchmarkStudy:
 
         Raises `ConfigError` that names the run, the setting and both values.
         """
-        for each in planned:
-            path, config = self.runs.plan(each.game, each.seed, {"env.control": each.control}, each.kind)
+        for plan in planned:
+            path, config = self.runs.plan(plan.game, plan.seed, {"env.control": plan.control}, plan.kind)
             if (path / "config.json").exists():
                 RunFolder.create_or_extend(path, config)
 

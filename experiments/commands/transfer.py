@@ -72,7 +72,7 @@ def main(argv: Sequence[str]) -> int:
     results, traces = play(config, [RunFolder.open(path) for path in config.runs])
     print(json.dumps(report.as_json(results), indent=2) if config.json else report.text(results, config.details))
     if config.csv is not None:
-        rows = [row for each in results for row in report.csv_rows(each)]
+        rows = [row for result in results for row in report.csv_rows(result)]
         save_rows(rows, list(rows[0]), config.csv)
     if config.markdown is not None:
         notes = f"{report.INTERVALS}; {report.verdict(results)}".replace("\n", "; ")
@@ -94,16 +94,16 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
     traces: list[Any] = []
     for number, run in enumerate(runs):
         told, asked = f"{run.path}, {number + 1} of {len(runs)}", plan.asked(run)
-        found = kept(run.path / KEPT, asked) if config.kept and not traced else []
-        print(f"{told}, kept" if found else told, file=sys.stderr, flush=True)
-        if not found:
-            found, seen = play_run(run, plan)
+        played = kept(run.path / KEPT, asked) if config.kept and not traced else []
+        print(f"{told}, kept" if played else told, file=sys.stderr, flush=True)
+        if not played:
+            played, seen = play_run(run, plan)
             traces += seen
             try:
-                keep(run.path / KEPT, asked, found)
+                keep(run.path / KEPT, asked, played)
             except OSError as error:
                 raise cannot_write(run.path / KEPT, error) from error
-        results += found
+        results += played
     return results, traces
 
 

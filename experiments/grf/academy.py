@@ -97,12 +97,12 @@ def outcomes(matches: np.ndarray) -> Outcomes:
     return Outcomes(matches["score"][:, 0] > 0, length, ended, mode)
 
 
-def ends(found: Outcomes) -> dict[str, int]:
+def ends(outcomes: Outcomes) -> dict[str, int]:
     """Count what ended episodes, by the original's words."""
     words = {1: "score", 3: "possession", 4: "time"}
     names = [
         f"out_{mode}" if end == OUT_OF_PLAY else words[int(end)]
-        for end, mode in zip(found.ended, found.mode, strict=True)
+        for end, mode in zip(outcomes.ended, outcomes.mode, strict=True)
     ]
     return {name: names.count(name) for name in sorted(set(names), key=names.count, reverse=True)}
 
@@ -110,16 +110,16 @@ def ends(found: Outcomes) -> dict[str, int]:
 def figure(path: Path, effort: float = 1.0) -> None:
     """Draw goal rates and median lengths of all policies, in the order of the table."""
     targets = read_data("academy")
-    found = [play_policy(target["scene"], target["policy"], effort) for target in targets]
+    outcomes = [play_policy(target["scene"], target["policy"], effort) for target in targets]
     order = np.arange(len(targets))
     rates = [int(target["goals"]) / int(target["episodes"]) for target in targets]
     lengths = [float(target["median_length"]) for target in targets]
     panels = [
-        Panel("goal rate", (order, rates), (order, [each.scored.mean() for each in found]), "row", "", points=True),
+        Panel("goal rate", (order, rates), (order, [one.scored.mean() for one in outcomes]), "row", "", points=True),
         Panel(
             "median length",
             (order, lengths),
-            (order, [np.median(each.length) for each in found]),
+            (order, [np.median(one.length) for one in outcomes]),
             "row",
             "steps",
             points=True,

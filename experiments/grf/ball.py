@@ -49,10 +49,10 @@ def their_paths() -> dict[str, np.ndarray]:
     """Return the original's paths by name: `[T, 4]`, m from the beginning, m of height, m/s in the plane, m/s
     upwards.
     """
-    found: dict[str, list[list[float]]] = {}
+    paths: dict[str, list[list[float]]] = {}
     for row in read_data("ball_paths"):
-        found.setdefault(row["path"], []).append([float(row[name]) for name in ("away", "height", "speed", "rise")])
-    return {name: np.array(path) for name, path in found.items()}
+        paths.setdefault(row["path"], []).append([float(row[name]) for name in ("away", "height", "speed", "rise")])
+    return {name: np.array(path) for name, path in paths.items()}
 
 
 def our_path(name: str, theirs: np.ndarray) -> np.ndarray:

@@ -59,7 +59,7 @@ class Pair:
         Pairs of which one has ended before do not count; nan where none is left.
         """
         first, second = self._sides(limit)
-        one, other = (each.places if what == "players" else each.ball[:, :, None, :2] for each in (first, second))
+        one, other = (side.places if what == "players" else side.ball[:, :, None, :2] for side in (first, second))
         if step >= min(one.shape[1], other.shape[1]):
             return np.nan
         gap = np.linalg.norm(one[:, None, step] - other[None, :, step], axis=-1).mean(-1)
@@ -75,7 +75,7 @@ class Pair:
             for step in LOOKED_AT
             for what in ("ball", "players")
         ]
-        known = [each for each in excess if np.isfinite(each)]
+        known = [value for value in excess if np.isfinite(value)]
         return max(known, default=0.0) + 10.0 * max(self.agreement(True) - self.agreement(), 0.0)
 
     def line(self) -> list[str]:
@@ -84,7 +84,7 @@ class Pair:
         for what in ("ball", "players"):
             both, own = (self.apart(20, what, limit) for limit in (False, True))
             places.append(f"{_spelled(both)} ({_spelled(own)})")
-        counts = [_counted(each.endings()) for each in (self.ours, self.grf)]
+        counts = [_counted(episodes.endings()) for episodes in (self.ours, self.grf)]
         return [self.drawn.name, self.drawn.sides, *places, *counts]
 
     def painter(self) -> FootballPainter:

@@ -68,9 +68,9 @@ def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes
     from experiments.pictures.side_by_side import SideBySide
 
     both = ours, grf
-    points = [each.points()[row, : each.lengths[row] + 1] for each in both]
-    ends = [str(each.endings()[row]) for each in both]
-    keys = max(both, key=lambda each: each.lengths[row]).actions[row]
+    points = [episodes.points()[row, : episodes.lengths[row] + 1] for episodes in both]
+    ends = [str(episodes.endings()[row]) for episodes in both]
+    keys = max(both, key=lambda episodes: episodes.lengths[row]).actions[row]
     keys = keys.reshape(len(keys), -1)[:, 0]  # of several agents the first one's
     return SideBySide(name, painter, ENGINES, (points[0], points[1]), keys[keys != NO_ACTION], (ends[0], ends[1]))
 
@@ -151,7 +151,7 @@ def _play_batch(
         ended[over] = info["ended"][over]
         running &= ~over
     env.idle[:] = False
-    ball, places, owner, score = (np.stack(each, 1)[:count] for each in zip(*frames, strict=True))
+    ball, places, owner, score = (np.stack(frame, 1)[:count] for frame in zip(*frames, strict=True))
     keys = np.stack(actions, 1)[:count]
     watched = np.stack(seen, 1)[:count] if observed else np.zeros((*keys.shape, 0), np.float32)
     places = places[:, :, : env.num_players]

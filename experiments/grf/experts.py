@@ -58,24 +58,24 @@ class Found:
 
     def counted(self) -> dict[str, Counted]:
         """Return goals and episodes, of what is published only where episodes were counted."""
-        found = {name: Counted(int(each.scored.sum()), len(each)) for name, each in self._both().items()}
+        counts = {name: Counted(int(episodes.scored.sum()), len(episodes)) for name, episodes in self._both().items()}
         if self.expert.episodes is not None:
             goals = round(self.expert.published * self.expert.episodes)
-            found["published"] = Counted(goals, self.expert.episodes)
-        return found
+            counts["published"] = Counted(goals, self.expert.episodes)
+        return counts
 
     def line(self) -> list[str]:
         """Return a row of the table."""
-        rates = {name: two_digits(goal_rate([each])) for name, each in self.counted().items()}
+        rates = {name: two_digits(goal_rate([count])) for name, count in self.counted().items()}
         rates.setdefault("published", f"{self.expert.published:.2f}")
-        lengths = [f"{np.median(each.lengths):g}" for each in self._both().values()]
+        lengths = [f"{np.median(episodes.lengths):g}" for episodes in self._both().values()]
         agents = "a team" if self.expert.is_team else "one"
         return [self.expert.name, agents, rates["ours"], rates["grf"], rates["published"], *lengths]
 
     def numbers(self) -> dict[str, Any]:
         """Return all of it as JSON can hold it."""
-        intervals = {name: goal_rate([each])._asdict() for name, each in self.counted().items()}
-        lengths = {f"median_length_{name}": float(np.median(each.lengths)) for name, each in self._both().items()}
+        intervals = {name: goal_rate([count])._asdict() for name, count in self.counted().items()}
+        lengths = {f"median_length_{name}": float(np.median(side.lengths)) for name, side in self._both().items()}
         return {"program": self.expert.name, "team": self.expert.is_team, **self.rates(), **lengths} | {
             "intervals": intervals
         }
@@ -122,16 +122,16 @@ def play_expert(expert: Expert, config: FootballConfig, episodes: int) -> Episod
             return play(script, lambda _, step: np.zeros(count, np.int64), levels)
 
 
-def table(found: Sequence[Found]) -> list[list[str]]:
+def table(experts: Sequence[Found]) -> list[list[str]]:
     """Return a row for each program."""
     head = ["semi-expert program", "agents", "goals, ours", "goals, grf", "published", "length, ours", "length, grf"]
-    return [head, *(each.line() for each in found)]
+    return [head, *(expert.line() for expert in experts)]
 
 
-def correlations(found: Sequence[Found]) -> dict[str, float]:
+def correlations(experts: Sequence[Found]) -> dict[str, float]:
     """Return Spearman's rank correlations of the goal rates over the programs; nan of fewer than two."""
-    rates = [each.rates() for each in found]
+    rates = [expert.rates() for expert in experts]
     return {
-        f"{one}, {other}": spearman([each[one] for each in rates], [each[other] for each in rates])
+        f"{one}, {other}": spearman([rate[one] for rate in rates], [rate[other] for rate in rates])
         for one, other in PAIRS
     }

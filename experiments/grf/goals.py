@@ -72,27 +72,27 @@ def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:
     edges = (-np.inf, *limits, np.inf)
     between = [f"{low:g} to {high:g}" for low, high in pairwise(limits)]
     words = [f"<{limits[0]:g}", *between, f">{limits[-1]:g}"]
-    found = zip(words, edges, edges[1:], strict=False)
-    return {word: float(((values > low) & (values <= high)).mean()) for word, low, high in found}
+    bins = zip(words, edges, edges[1:], strict=False)
+    return {word: float(((values > low) & (values <= high)).mean()) for word, low, high in bins}
 
 
-def line(found: dict[str, Any]) -> str:
+def line(goals: dict[str, Any]) -> str:
     """Return a summary of goals in a line."""
-    if not found["goals"]:
+    if not goals["goals"]:
         return "no goal"
-    far = f"{found['median_distance']:.0f} m ({_spelled(found['distance_shares'])})"
-    if found["median_keeper_out"] is None:
-        return f"{found['goals']} goals from {far}, no keeper"
-    keeper = f"{found['median_keeper_out']:.1f} m ({_spelled(found['keeper_shares'])})"
-    return f"{found['goals']} goals from {far}, keeper off his line by {keeper}"
+    far = f"{goals['median_distance']:.0f} m ({_spelled(goals['distance_shares'])})"
+    if goals["median_keeper_out"] is None:
+        return f"{goals['goals']} goals from {far}, no keeper"
+    keeper = f"{goals['median_keeper_out']:.1f} m ({_spelled(goals['keeper_shares'])})"
+    return f"{goals['goals']} goals from {far}, keeper off his line by {keeper}"
 
 
-def table(found: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
+def table(rows: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
     """Return summaries of goals, each with the first three cells of its row: whose, how played, on which engine."""
     far, out = ([*shares(np.zeros(1), limits)] for limits in (FAR, OUT))
     head = ["goals of", "policy", "engine", "goals", "from, m", *(f"{word} m" for word in far)]
     lines = [[*head, "keeper off his line, m", *(f"{word} m" for word in out)]]
-    for first, goals in found:
+    for first, goals in rows:
         cells = [str(goals["goals"])]
         for median, parts, words in (("distance", "distance", far), ("keeper_out", "keeper", out)):
             middle = goals.get(f"median_{median}")
@@ -108,5 +108,5 @@ def _median(values: np.ndarray) -> float | None:
     return float(np.median(known)) if len(known) else None
 
 
-def _spelled(found: dict[str, float]) -> str:
-    return ", ".join(f"{share:.0%} {word}" for word, share in found.items() if share)
+def _spelled(shares: dict[str, float]) -> str:
+    return ", ".join(f"{share:.0%} {word}" for word, share in shares.items() if share)

@@ -107,10 +107,10 @@ def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
     """Find in a trace when the ball left the foot, where it would have crossed the line, and how it ended."""
     speed = np.linalg.norm(trace.ball_velocity[:, :, :2], axis=-1)
     launch = np.maximum(np.argmax(speed > KICKED, axis=0), 1)
-    each = np.arange(len(launch))
-    ball, velocity = trace.ball[launch, each], trace.ball_velocity[launch, each]
+    match = np.arange(len(launch))
+    ball, velocity = trace.ball[launch, match], trace.ball_velocity[launch, match]
     gk = int(np.flatnonzero((np.asarray(roster.teams) == RIGHT) & (np.asarray(roster.roles) == GK))[0])
-    keeper = trace.places[launch, each, gk]
+    keeper = trace.places[launch, match, gk]
     crossing = cross_line(ball, velocity)
     to_line = np.column_stack([HALF_LENGTH - ball[:, 0], crossing[:, 0] - ball[:, 1]])
     away = keeper - ball[:, :2]
@@ -120,7 +120,7 @@ def judge(trace: Trace, pressed: int, roster: Roster) -> Shots:
     owners = np.where(later, trace.owner, -1)
     out = ((trace.mode != NORMAL) & later).any(axis=0) & ~goal
     first = np.argmax(owners >= 0, axis=0)
-    team = np.where((owners >= 0).any(axis=0), np.asarray(roster.teams)[owners[first, each]], -1)
+    team = np.where((owners >= 0).any(axis=0), np.asarray(roster.teams)[owners[first, match]], -1)
     on_target = (np.abs(crossing[:, 0]) < GOAL_HALF_WIDTH) & (crossing[:, 1] < GOAL_HEIGHT)
     on_target &= crossing[:, 2] < SLOWEST
     distance = np.linalg.norm(ball[:, :2] - (HALF_LENGTH, 0.0), axis=1)
@@ -251,12 +251,12 @@ def after_catch(n: int) -> dict[str, float]:
     actions[1, 0] = SHOT
     trace = stage.play(actions)
     gk = list(np.asarray(SQUAD.teams)).index(RIGHT)
-    found: dict[str, list[float]] = {name: [] for name in ("hold", "v", "vz", "dist")}
+    measured: dict[str, list[float]] = {name: [] for name in ("hold", "v", "vz", "dist")}
     for e in range(n):
         one = catch(trace, e, gk)
         for name, value in one.items():
-            found[name].append(value)
-    return {name: float(np.median(values)) if values else np.nan for name, values in found.items()}
+            measured[name].append(value)
+    return {name: float(np.median(values)) if values else np.nan for name, values in measured.items()}
 
 
 def catch(trace: Trace, e: int, gk: int) -> dict[str, float]:

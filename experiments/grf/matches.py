@@ -36,12 +36,12 @@ def measure(effort: float = 1.0) -> list[Row]:
     """Compare whole matches at both difficulties; `effort` below 1 plays fewer."""
     rows = []
     for setting in SETTINGS:
-        found = statistics(setting, max(round(MATCHES * effort), 2))
+        numbers = statistics(setting, max(round(MATCHES * effort), 2))
         for target in read_data("matches"):
             if target[setting]:
                 name, unit = target["quantity"], target["unit"]
                 grf = float(target[setting])
-                rows.append(by_factor("matches", f"{setting}: {name}", found[name], grf, unit, TOLERANCE))
+                rows.append(by_factor("matches", f"{setting}: {name}", numbers[name], grf, unit, TOLERANCE))
     return rows
 
 
@@ -87,11 +87,11 @@ def events(trace: Trace) -> dict[str, float]:
             on_target[team] += abs(y) < GOAL_HALF
     goals = trace.score[-1].mean(axis=0)
     counts = {"shots": shots, "shots on target": on_target, "passes": passes, "turnovers won": turnovers}
-    found = {f"goals {side}": float(goals[team]) for team, side in enumerate(("left", "right"))}
+    rates = {f"goals {side}": float(goals[team]) for team, side in enumerate(("left", "right"))}
     for name, count in counts.items():
-        found |= {f"{name} {side}": float(count[team] / n) for team, side in enumerate(("left", "right"))}
+        rates |= {f"{name} {side}": float(count[team] / n) for team, side in enumerate(("left", "right"))}
     middle, long = np.percentile(lengths, [50, 90]) if lengths else (np.nan, np.nan)
-    return found | {"pass length median": float(middle), "pass length 90 %": float(long)}
+    return rates | {"pass length median": float(middle), "pass length 90 %": float(long)}
 
 
 def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
@@ -100,14 +100,14 @@ def owner_changes(trace: Trace, match: int) -> list[tuple[int, float | None]]:
     """
     owner = trace.owner[:, match]
     owned = np.flatnonzero(owner != NOBODY)
-    found: list[tuple[int, float | None]] = []
+    changes: list[tuple[int, float | None]] = []
     for before, now in pairwise(owned):
         if owner[before] == owner[now]:
             continue
         mates = owner[before] // 11 == owner[now] // 11
         way = trace.ball[now, match, :2] - trace.ball[before, match, :2]
-        found.append((int(owner[now] // 11), float(np.hypot(*way)) if mates else None))
-    return found
+        changes.append((int(owner[now] // 11), float(np.hypot(*way)) if mates else None))
+    return changes
 
 
 def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
@@ -115,7 +115,7 @@ def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
     ball, owner = trace.ball[:, match, :2], trace.owner[:, match]
     speed = np.linalg.norm(np.diff(ball, axis=0), axis=1) / 0.1
     sudden = np.flatnonzero((speed[1:] > SUDDEN) & (speed[:-1] <= SUDDEN) & (speed[1:] < 60.0)) + 1
-    found: list[tuple[int, float]] = []
+    shots: list[tuple[int, float]] = []
     last = -SHOT_APART
     for step in sudden:
         before = owner[: step + 1][owner[: step + 1] != NOBODY]
@@ -129,8 +129,8 @@ def shots_of(trace: Trace, match: int) -> list[tuple[int, float]]:
         crossing = y + (side * GOAL_X - x) / dx * dy
         if abs(crossing) < SHOT_WIDE:
             last = int(step)
-            found.append((team, float(crossing)))
-    return found
+            shots.append((team, float(crossing)))
+    return shots
 
 
 def possession(trace: Trace) -> dict[str, float]:
@@ -170,7 +170,7 @@ def shape(trace: Trace) -> dict[str, float]:
     away = np.linalg.norm(places - trace.ball[:, :, None, :2], axis=-1)
     with_ball, without = team != NOBODY, np.where(team == NOBODY, NOBODY, 1 - team)
     own, other = ([np.sort(_of_team(away, who)[with_ball], axis=-1)] for who in (team, without))
-    found = {
+    numbers = {
         "owner to ball median": float(np.median(own[0][:, 0])),
         "owner to opponent median left": _nearest_opponent(trace, team == 0),
         "second of the owners to the ball": float(np.median(own[0][:, 1])),
@@ -179,8 +179,10 @@ def shape(trace: Trace) -> dict[str, float]:
     }
     for words, who in (("with", team), ("without", without)):
         spread = _of_team(places, who)[with_ball][:, 1:].std(axis=1).mean(axis=0)
-        found |= {f"spread {way} {words} the ball": float(spread[axis]) for axis, way in enumerate(("along", "across"))}
-    return found
+        numbers |= {
+            f"spread {way} {words} the ball": float(spread[axis]) for axis, way in enumerate(("along", "across"))
+        }
+    return numbers
 
 
 def _of_team(values: np.ndarray, team: np.ndarray) -> np.ndarray:

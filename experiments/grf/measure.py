@@ -68,11 +68,11 @@ def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
     other = config.playing.instead_of(replace(programs.OURS, engine="grf"))
     progress = Progress(len(chosen), stream=sys.stderr)
     count = max(round(programs.EPISODES * effort), 1)
-    found = list(programs.play_experts(chosen, other, count, progress.show))
-    ranks = programs.correlations(found)
+    experts = list(programs.play_experts(chosen, other, count, progress.show))
+    ranks = programs.correlations(experts)
     lines = [f"rank correlation of {pair}: {value:.2f}" for pair, value in ranks.items()]
-    text = "\n".join([align(programs.table(found)), *lines])
-    return text, {"experts": [each.numbers() for each in found], "rank_correlations": ranks}
+    text = "\n".join([align(programs.table(experts)), *lines])
+    return text, {"experts": [expert.numbers() for expert in experts], "rank_correlations": ranks}
 
 
 def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
@@ -88,7 +88,7 @@ def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measure
     for number, run in enumerate([RunFolder.open(path) for path in config.runs]):
         print(f"{run.path}, {number + 1} of {len(config.runs)}", file=sys.stderr, flush=True)
         results += play_run(run, plan)[0]
-    return align(goals_table(results)), {"goals": [asdict(each) for each in results]}
+    return align(goals_table(results)), {"goals": [asdict(result) for result in results]}
 
 
 MEASURES: dict[str, Callable[[MeasureConfig, float, Path | None], Measured]] = {

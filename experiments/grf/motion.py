@@ -131,7 +131,7 @@ def start_rows() -> list[Row]:
     """Compare sprints from rest, player by player: their top speeds differ."""
     rows = []
     for target in read_data("player_sprints"):
-        theirs = np.array([float(each) for each in target["start"].split()])
+        theirs = np.array([float(speed) for speed in target["start"].split()])
         path = velocities(run_straight("sprint", False, 64, int(target["player"])), 6)[:, 0]
         name = f"player {target['player']}"
         rows.append(by_share("motion", f"{name}, top speed", float(path[-1]), float(target["top"]), "m/s", TOLERANCE))
@@ -160,10 +160,10 @@ def _curve_row(name: str, error: float, top: float) -> Row:
 
 def their_curves() -> dict[str, Curve]:
     """Return the original's curves by name."""
-    found: dict[str, list[tuple[float, float]]] = {}
+    samples: dict[str, list[tuple[float, float]]] = {}
     for row in read_data("motion_curves"):
-        found.setdefault(row["curve"], []).append((float(row["ahead"]), float(row["aside"])))
-    return {name: Curve(np.array(velocity), direction_asked(name)) for name, velocity in found.items()}
+        samples.setdefault(row["curve"], []).append((float(row["ahead"]), float(row["aside"])))
+    return {name: Curve(np.array(velocity), direction_asked(name)) for name, velocity in samples.items()}
 
 
 def direction_asked(name: str) -> np.ndarray:
@@ -175,7 +175,7 @@ def direction_asked(name: str) -> np.ndarray:
 def best_phase(name: str, theirs: Curve) -> list[Curve]:
     """Return our curves of this name that agree best with the original's, over the phases in which the key may come."""
     phases = range(PHASES if "with ball" in name and "start" not in name else 1)
-    return min((our_curves(name, phase) for phase in phases), key=lambda found: sum(fit(found[0], theirs)[1]))
+    return min((our_curves(name, phase) for phase in phases), key=lambda curves: sum(fit(curves[0], theirs)[1]))
 
 
 def our_curves(name: str, phase: int = 0) -> list[Curve]:
@@ -191,11 +191,11 @@ def our_curves(name: str, phase: int = 0) -> list[Curve]:
     run_up = RUN_UP + phase
     pressed = [*((key, 1) for key in PRESSED[mode]), (DIRECTION_RIGHT, run_up - len(PRESSED[mode]))]
     last = {"stop": (RELEASE_DIRECTION,), "release sprint": (RELEASE_SPRINT,)}
-    found = []
+    curves = []
     for side, key in zip((1.0, -1.0), TURNS[int(what.split()[-1])] if "turn" in what else last[what], strict=False):
         trace = run_keys(with_ball, *pressed, (key, 1), (IDLE, 30))
-        found.append(Curve(velocities(trace, run_up - 4) * (1.0, side), asked))
-    return found
+        curves.append(Curve(velocities(trace, run_up - 4) * (1.0, side), asked))
+    return curves
 
 
 def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
@@ -203,12 +203,12 @@ def fit(ours: Curve, theirs: Curve) -> tuple[int, tuple[float, float]]:
     along.
     """
     count = len(theirs.velocity)
-    found = []
+    errors = []
     for shift in SHIFTS:
         along = rms(shifted(ours.along, shift + 4, count) - theirs.along)
-        found.append((rms(shifted(ours.speed, shift + 4, count) - theirs.speed), along))
-    best = int(np.argmin([first**2 + second**2 for first, second in found]))
-    return SHIFTS[best], found[best]
+        errors.append((rms(shifted(ours.speed, shift + 4, count) - theirs.speed), along))
+    best = int(np.argmin([first**2 + second**2 for first, second in errors]))
+    return SHIFTS[best], errors[best]
 
 
 def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
@@ -228,9 +228,9 @@ def slide_rows() -> list[Row]:
     """Compare slides: the curve of speeds, the distance, and when the player is up and fast again."""
     rows = []
     for target in read_data("slides"):
-        theirs = np.array([float(each) for each in target["speeds"].split()])
+        theirs = np.array([float(speed) for speed in target["speeds"].split()])
         ours = slide_speeds(target["mode"])
-        shift = min(SHIFTS, key=lambda each: rms(shifted(ours, each + 4, len(theirs)) - theirs))
+        shift = min(SHIFTS, key=lambda steps: rms(shifted(ours, steps + 4, len(theirs)) - theirs))
         ours = shifted(ours, shift + 4, len(theirs))
         name = f"slide, {target['mode']}"
         rows.append(Row("motion", f"{name}: speeds", rms(ours - theirs), max(theirs), "m/s rms, top",

@@ -136,8 +136,8 @@ def figure(path: Path, effort: float = 1.0) -> None:
     panels = []
     for number, unit in (("speed", "m/s"), ("apex", "m"), ("flight", "steps")):
         for kind in KICKS:
-            found = [(d, rows.get(f"{kind} pass, {d} m: {number}")) for d in (5, 10, 15, 20, 30, 40)]
-            over = [d for d, row in found if row]
-            grf, ours = ([getattr(row, side) for _, row in found if row] for side in ("grf", "ours"))
+            measured = [(d, rows.get(f"{kind} pass, {d} m: {number}")) for d in (5, 10, 15, 20, 30, 40)]
+            over = [d for d, row in measured if row]
+            grf, ours = ([getattr(row, side) for _, row in measured if row] for side in ("grf", "ours"))
             panels.append(Panel(f"{kind} pass: {number}", (over, grf), (over, ours), "m", unit))
     draw_panels(path, TITLE, panels, columns=3)

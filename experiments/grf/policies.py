@@ -129,11 +129,11 @@ def policy_named(name: str) -> Policy:
     }
     if name in simple:
         return simple[name]
-    if found := PASS.fullmatch(name):
-        kind, way, then, to, run_then = found.groups()
+    if match := PASS.fullmatch(name):
+        kind, way, then, to, run_then = match.groups()
         run_to = float(to) if to else -np.inf
         return Policy((DIRECTIONS[way], PASSES[kind]), True, run_to, must_own=bool(to), finish=_spell(then or run_then))
-    if found := RUN.fullmatch(name):
+    if match := RUN.fullmatch(name):
         aimed, to_goal = "aimed" in name, name.startswith("run_to_goal")
         return Policy(
             run_to=float(name.rpartition("_")[2]),

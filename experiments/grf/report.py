@@ -51,11 +51,11 @@ def render_rows(title: str, rows: Sequence[Row], required: float) -> str:
     """Return comparisons as a table, of which a share is required to be within tolerance."""
     lines = [[title, "     ours", "      GRF", "unit", "difference", "tolerance", "verdict"]]
     for row in rows:
-        numbers = [_spell(each).rjust(9) for each in (row.ours, row.grf)]
-        differences = [_spell(each).rjust(9) for each in (row.difference, row.tolerance)]
+        numbers = [_spell(number).rjust(9) for number in (row.ours, row.grf)]
+        differences = [_spell(number).rjust(9) for number in (row.difference, row.tolerance)]
         lines.append([row.name, *numbers, row.unit, *differences, "ok" if row.ok else "MISSES"])
-    wanted = math.ceil(required * len(rows) - 1e-9)
-    return f"{align(lines)}\n{sum(row.ok for row in rows)} of {len(rows)} within tolerance (wanted {wanted})"
+    least = math.ceil(required * len(rows) - 1e-9)
+    return f"{align(lines)}\n{sum(row.ok for row in rows)} of {len(rows)} within tolerance (wanted {least})"
 
 
 def read_data(name: str) -> list[dict[str, str]]:

@@ -57,14 +57,14 @@ def measure(effort: float = 1.0) -> list[Row]:
 def conditions(effort: float) -> list[tuple[str, dict[str, str], Shots]]:
     """Name, numbers of the original, and our shots, of every condition."""
     repeats = max(int(REPEATS * effort), 4)
-    found = []
+    played = []
     for target in read_data("shots"):
         place = (float(target["x"]), float(target["y"]))
         before, presses = int(target["before"]), int(target["presses"])
         shots = shoot(place, target["direction"], before, presses, repeats)
         name = f"({target['x']}, {target['y']}) {target['direction']} for {before}, {presses} x shot"
-        found.append((name, target, shots))
-    return found
+        played.append((name, target, shots))
+    return played
 
 
 def shoot(place: tuple[float, float], direction: str, before: int, presses: int, repeats: int) -> Shots:
@@ -93,7 +93,7 @@ def shoot(place: tuple[float, float], direction: str, before: int, presses: int,
 
 def figure(path: Path, effort: float = 1.0) -> None:
     """Draw the four numbers and the rise, ours over the original's, a dot per condition on the line of likeness."""
-    found = conditions(effort)
+    played = conditions(effort)
     panels = []
     numbers = (
         ("delay", "steps", lambda shots: shots.delay),
@@ -103,7 +103,7 @@ def figure(path: Path, effort: float = 1.0) -> None:
         ("line_sd", "units", lambda shots: np.std(shots.line_y, ddof=1)),
     )
     for column, unit, number in numbers:
-        grf = np.array([float(target[column]) for _, target, _ in found])
-        ours = np.array([number(shots) for _, _, shots in found])
+        grf = np.array([float(target[column]) for _, target, _ in played])
+        ours = np.array([number(shots) for _, _, shots in played])
         panels.append(Panel(column, (grf, grf), (grf, ours), f"original, {unit}", f"ours, {unit}", points=True))
     draw_panels(path, TITLE, panels, columns=3)

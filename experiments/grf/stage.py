@@ -90,8 +90,8 @@ class Stage:
 
         Directions are those of the pitch for either team.
         """
-        wanted = np.broadcast_to(np.asarray(actions, np.int64), (len(self.matches), self.num_players))
-        step_everybody(self.matches, np.require(wanted, requirements=("C", "W")))
+        everybody = np.broadcast_to(np.asarray(actions, np.int64), (len(self.matches), self.num_players))
+        step_everybody(self.matches, np.require(everybody, requirements=("C", "W")))
         self._frames.append(self._frame())
 
     def play(self, actions: npt.ArrayLike | Policy, steps: int | None = None) -> Trace:
@@ -108,7 +108,7 @@ class Stage:
 
     def trace(self) -> Trace:
         """Return what was seen so far: row 0 is the beginning, row t the end of step t."""
-        return Trace(*(np.stack(each) for each in zip(*self._frames, strict=True)))
+        return Trace(*(np.stack(frames) for frames in zip(*self._frames, strict=True)))
 
     def _frame(self) -> tuple[np.ndarray, ...]:
         ball, players = self.matches["ball"], self.matches["players"][:, : self.num_players]

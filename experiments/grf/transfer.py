@@ -218,8 +218,8 @@ class BothEngines:
         unit = env.observation_unit
         assert unit is not None
         ours, grf = (
-            play(each, self._choose(greedy), self.levels[:count], observed=True)
-            for each, count in zip(self.envs, self.plan.episodes, strict=True)
+            play(engine, self._choose(greedy), self.levels[:count], observed=True)
+            for engine, count in zip(self.envs, self.plan.episodes, strict=True)
         )
         names = feature_names(env, len(unit))
         return Played(ours, grf, env.lineup.roster, names, unit, normaliser.mean.numpy(), deviation)

@@ -53,21 +53,21 @@ class Group(NamedTuple):
     def numbers(self) -> dict[str, Any]:
         """Return all of it as JSON can hold it."""
         intervals = {"ours": self.rate("ours"), "grf": self.rate("grf"), "ratio": self.ratio()}
-        plain = {name: [None if value != value else value for value in each] for name, each in intervals.items()}
+        plain = {name: [None if value != value else value for value in ends] for name, ends in intervals.items()}
         return {name: getattr(self, name) for name in self._fields[:4]} | {"runs": len(self.results)} | plain
 
 
 def groups(results: Sequence[Result]) -> list[Group]:
     """Return the results by game, representation, method and policy."""
-    found: dict[tuple[str, str, str, str], list[Result]] = {}
-    for each in results:
-        found.setdefault((each.game, each.representation, each.method, each.policy), []).append(each)
-    return [Group(*key, results=alike) for key, alike in found.items()]
+    by_key: dict[tuple[str, str, str, str], list[Result]] = {}
+    for result in results:
+        by_key.setdefault((result.game, result.representation, result.method, result.policy), []).append(result)
+    return [Group(*key, results=alike) for key, alike in by_key.items()]
 
 
 def counts(results: Sequence[Result], engine: str) -> list[Counted]:
     """Return the goals and episodes of each run on an engine."""
-    return [Counted(each.engines[engine]["goals"], each.engines[engine]["episodes"]) for each in results]
+    return [Counted(result.engines[engine]["goals"], result.engines[engine]["episodes"]) for result in results]
 
 
 def rate_ratio(results: Sequence[Result]) -> Interval:
@@ -78,17 +78,17 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
     """
     rng = np.random.default_rng(SEED)
     grf, ours = (counts(results, engine) for engine in ("grf", "ours"))
-    if not any(each.goals for each in ours):
+    if not any(group.goals for group in ours):
         return Interval(np.nan, np.nan, np.nan)
     if len(results) == 1:
         there, here = (
-            rng.beta(each[0].goals + 0.5, each[0].episodes - each[0].goals + 0.5, SAMPLES) for each in (grf, ours)
+            rng.beta(count[0].goals + 0.5, count[0].episodes - count[0].goals + 0.5, SAMPLES) for count in (grf, ours)
         )
         low, high = np.quantile(there / here, [0.025, 0.975])
         return Interval(grf[0].goals / grf[0].episodes / (ours[0].goals / ours[0].episodes), float(low), float(high))
-    rates, errors = (np.stack(each, 1) for each in zip(goal_rates(grf), goal_rates(ours), strict=True))  # [R, 2]
-    found = bootstrap(rates, rng, _ratio, errors, SAMPLES).interval()
-    return found._replace(low=max(found.low, 0.0), high=max(found.high, 0.0))
+    rates, errors = (np.stack(rate, 1) for rate in zip(goal_rates(grf), goal_rates(ours), strict=True))  # [R, 2]
+    interval = bootstrap(rates, rng, _ratio, errors, SAMPLES).interval()
+    return interval._replace(low=max(interval.low, 0.0), high=max(interval.high, 0.0))
 
 
 def _ratio(rates: np.ndarray) -> float:
@@ -101,17 +101,17 @@ def _ratio(rates: np.ndarray) -> float:
 def by_game(results: Sequence[Result]) -> list[list[str]]:
     """Return a row for each game, representation, method and policy."""
     lines = [["game", "sees", "method", "policy", "runs", "goals, ours", "goals, grf", "grf / ours"]]
-    for each in groups(results):
-        rates = [two_digits(each.rate(engine)) for engine in ENGINES]
-        lines.append([*each[:4], str(len(each.results)), *rates, spelled(each.ratio())])
+    for group in groups(results):
+        rates = [two_digits(group.rate(engine)) for engine in ENGINES]
+        lines.append([*group[:4], str(len(group.results)), *rates, spelled(group.ratio())])
     return lines
 
 
 def verdict(results: Sequence[Result]) -> str:
     """Return how many games carry over, policy by policy, in a line each."""
     lines = []
-    for policy in dict.fromkeys(each.policy for each in results):
-        ratios = [each.ratio().estimate for each in groups(results) if each.policy == policy]
+    for policy in dict.fromkeys(result.policy for result in results):
+        ratios = [group.ratio().estimate for group in groups(results) if group.policy == policy]
         good, bad = sum(ratio >= WANTED for ratio in ratios), sum(ratio < LEAST for ratio in ratios)
         lines.append(f"{policy}: {good} of {len(ratios)} ratios at {WANTED:g} or more, {bad} below {LEAST:g}")
     return "\n".join(lines)
@@ -120,46 +120,46 @@ def verdict(results: Sequence[Result]) -> str:
 def by_run(results: Sequence[Result]) -> list[list[str]]:
     """Return a row for each run, policy and engine."""
     lines = [["run", "policy", "engine", "goals", "return", "length", " / ".join(ENDINGS[:-1]), "ratio"]]
-    for each in results:
-        for engine, numbers in each.engines.items():
-            rate = two_digits(goal_rate(counts([each], engine)))
+    for result in results:
+        for engine, numbers in result.engines.items():
+            rate = two_digits(goal_rate(counts([result], engine)))
             ends = " / ".join(f"{share:.2f}" for share in numbers["endings"].values())
             score = f"{numbers['mean_return']:+.2f} ± {1.96 * numbers['return_error']:.2f}"
-            first = [each.run, each.policy] if engine == "ours" else ["", ""]
-            ratio = "" if engine == "ours" else spelled(rate_ratio([each]))
+            first = [result.run, result.policy] if engine == "ours" else ["", ""]
+            ratio = "" if engine == "ours" else spelled(rate_ratio([result]))
             lines.append([*first, engine, rate, score, f"{numbers['median_length']:g}", ends, ratio])
     return lines
 
 
-def details(each: Result) -> str:
+def details(result: Result) -> str:
     """Return what differs in one policy's episodes, in lines."""
-    ours, grf = (numbers["actions"] for numbers in each.engines.values())
+    ours, grf = (numbers["actions"] for numbers in result.engines.values())
     most = sorted(range(len(KEYS)), key=lambda key: -abs(ours[key] - grf[key]))[:SHOWN_KEYS]
     keys = ", ".join(f"{KEYS[key]} {ours[key]:.0%} ({grf[key]:.0%})" for key in most)
     return "\n".join(
         [
-            f"{each.run}, {each.policy}",
+            f"{result.run}, {result.policy}",
             f"  keys, ours (grf): {keys}",
-            f"  features leave what ours shows: {Leaving(**each.leaves_ours).line()}",
-            f"  and what training showed, too: {Leaving(**each.leaves_training).line()}",
-            *(f"  goals, {engine}: {goals.line(numbers['goals_from'])}" for engine, numbers in each.engines.items()),
+            f"  features leave what ours shows: {Leaving(**result.leaves_ours).line()}",
+            f"  and what training showed, too: {Leaving(**result.leaves_training).line()}",
+            *(f"  goals, {engine}: {goals.line(numbers['goals_from'])}" for engine, numbers in result.engines.items()),
         ]
     )
 
 
 def goals_table(results: Sequence[Result]) -> list[list[str]]:
     """Return where the goals come from: a row for each run, policy and engine."""
-    found = []
-    for each in results:
-        for engine, numbers in each.engines.items():
-            found.append(([each.run, each.policy, engine], numbers["goals_from"]))
-    return goals.table(found)
+    rows = []
+    for result in results:
+        for engine, numbers in result.engines.items():
+            rows.append(([result.run, result.policy, engine], numbers["goals_from"]))
+    return goals.table(rows)
 
 
 def text(results: Sequence[Result], with_details: bool) -> str:
     """Return all tables for a terminal: of games where there are several runs, of runs, and details of each."""
     parts = [align(by_run(results))]
-    if len(results) > len({each.policy for each in results}):
+    if len(results) > len({result.policy for result in results}):
         parts.insert(0, f"{align(by_game(results))}\n[{INTERVALS}]\n{verdict(results)}")
     return "\n\n".join([*parts, *(map(details, results) if with_details else ())])
 
@@ -174,16 +174,16 @@ def spelled(ratio: Interval) -> str:
 
 def as_json(results: Sequence[Result]) -> dict[str, Any]:
     """Return everything: each run's policies, and the groups."""
-    return {"runs": [asdict(each) for each in results], "groups": [each.numbers() for each in groups(results)]}
+    return {"runs": [asdict(result) for result in results], "groups": [result.numbers() for result in groups(results)]}
 
 
-def csv_rows(each: Result) -> list[dict[str, Any]]:
+def csv_rows(result: Result) -> list[dict[str, Any]]:
     """Return a row for each engine."""
-    ratio = dict(zip(("ratio", "ratio_low", "ratio_high"), rate_ratio([each]), strict=True))
-    of_run = {name: getattr(each, name) for name in ("run", "game", "representation", "method", "policy")}
+    ratio = dict(zip(("ratio", "ratio_low", "ratio_high"), rate_ratio([result]), strict=True))
+    of_run = {name: getattr(result, name) for name in ("run", "game", "representation", "method", "policy")}
     rows = []
-    for engine, numbers in each.engines.items():
-        rate = goal_rate(counts([each], engine))
+    for engine, numbers in result.engines.items():
+        rate = goal_rate(counts([result], engine))
         row = of_run | {"engine": engine} | {name: numbers[name] for name in ("episodes", "goals")}
         row |= dict(zip(("goal_rate", "goal_rate_low", "goal_rate_high"), rate, strict=True)) | ratio
         row |= {name: numbers[name] for name in ("mean_return", "return_error", "median_length")}
@@ -195,13 +195,13 @@ def csv_rows(each: Result) -> list[dict[str, Any]]:
 
 def keep(path: Path, asked: dict[str, Any], results: Sequence[Result]) -> None:
     """Keep the results of a run beside what was asked for. Raises OSError if it cannot be written."""
-    path.write_text(json.dumps({"asked": asked, "results": [asdict(each) for each in results]}, indent=1))
+    path.write_text(json.dumps({"asked": asked, "results": [asdict(result) for result in results]}, indent=1))
 
 
 def kept(path: Path, asked: dict[str, Any]) -> list[Result]:
     """Return the results of a run that have been kept, none unless the same was asked for."""
     try:
-        found = json.loads(path.read_text())
-        return [Result(**each) for each in found["results"]] if found["asked"] == asked else []
+        stored = json.loads(path.read_text())
+        return [Result(**result) for result in stored["results"]] if stored["asked"] == asked else []
     except (OSError, ValueError, KeyError, TypeError):
         return []

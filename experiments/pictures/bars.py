@@ -28,14 +28,14 @@ def draw_bars(games: Sequence[str], groups: Sequence[Bars], heading: str, path: 
     """Draw the groups' bars of each game beside each other. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
-    middles, each = np.arange(len(games)), WIDTH / len(groups)
+    middles, width = np.arange(len(games)), WIDTH / len(groups)
     with style():
         wide = 0.12 * len(groups) * len(games)  # an inch or so for eight bars
         figure, axes = plt.subplots(figsize=(max(6.0, 0.62 * len(games) + 1.5, wide), 3.6))
         for number, group in enumerate(groups):
-            places = middles + (number + 0.5) * each - WIDTH / 2
+            places = middles + (number + 0.5) * width - WIDTH / 2
             heights = np.asarray(group.heights, float)
-            axes.bar(places, heights, each * 0.92, color=group.colour, label=group.label)
+            axes.bar(places, heights, width * 0.92, color=group.colour, label=group.label)
             ends = np.abs(np.stack([heights - group.lows, np.asarray(group.highs) - heights]))
             known = np.isfinite(ends).all(0)
             axes.errorbar(places[known], heights[known], ends[:, known], fmt="none", ecolor="#22262b", elinewidth=0.9)

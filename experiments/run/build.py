@@ -244,7 +244,7 @@ def _environments(program: Program | MixedProgram, num_envs: int, config: Footba
         return FootballVectorEnv(program, num_envs, config=config)
     from ued.mixture import Mixture
 
-    members = [FootballVectorEnv(each, num_envs, config=config) for each in program.programs]
+    members = [FootballVectorEnv(member, num_envs, config=config) for member in program.programs]
     try:
         return Mixture(members, program.names, program.only)
     except ValueError as error:
@@ -305,6 +305,6 @@ def make_painter(program: Any, upomdp: Any = None) -> Any:
     from experiments.run.mixed import MixedPainter, MixedProgram
 
     if isinstance(program, MixedProgram):
-        painters = [FootballPainter(Lineup(each)) for each in program.programs]
-        return MixedPainter(painters, [each.dim for each in program.programs])
+        painters = [FootballPainter(Lineup(member)) for member in program.programs]
+        return MixedPainter(painters, [member.dim for member in program.programs])
     return FootballPainter(Lineup(program) if upomdp is None else upomdp.lineup)

@@ -29,7 +29,7 @@ class CloningData:
         self.demos, self.gamma = demos, gamma
         self.episodes = demos.num_episodes()
         summaries = list(demos.summaries())
-        kept = sum(int(each.kept.sum()) for each in summaries)
+        kept = sum(int(summary.kept.sum()) for summary in summaries)
         if kept < self.episodes:
             raise CommandError(
                 f"{demos.path} is cut short: of its {self.episodes} episodes there are {kept}; regista demonstrate, "
@@ -78,8 +78,8 @@ class CloningData:
             self._shapes = tuple(seen.shape[1:]), tuple(file[f"episode_{self._parts[first][0]}/actions"].shape[1:])
         groups: list[list[int]] = [[]]
         room = CHUNK_BYTES
-        for part, each in enumerate(summaries):
-            needed = size * int(each.lengths[each.kept].sum())
+        for part, summary in enumerate(summaries):
+            needed = size * int(summary.lengths[summary.kept].sum())
             if groups[-1] and needed > room:
                 groups.append([])
                 room = CHUNK_BYTES
@@ -114,8 +114,8 @@ class CloningData:
 def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:
     """Return for each part the numbers of its kept episodes, of the first so many."""
     parts, first = [], 0
-    for each in summaries:
-        after = first + int(each.kept.sum())
+    for summary in summaries:
+        after = first + int(summary.kept.sum())
         parts.append([number for number in range(first, after) if number < episodes])
         first = after
     return parts

@@ -133,9 +133,7 @@ class FootballRunConfig(RunConfig):
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
     """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
-    sharing = {
-        row.name: tuple(each.name for each in METHODS.values() if each.group == row.name) for row in METHODS.values()
-    }
+    sharing = {row.name: tuple(m.name for m in METHODS.values() if m.group == row.name) for row in METHODS.values()}
     return [
         (
             row.name,
@@ -198,10 +196,10 @@ def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> Non
 
 def about(path: Path) -> dict[str, Any]:
     """Return what `save` was told about a run, nothing of an older one. Raises `ConfigError` for what is no object."""
-    found = _json(path).get(ABOUT, {})
-    if not isinstance(found, dict):
-        raise ConfigError(f"{path}: '{ABOUT}' must be an object, got {json.dumps(found)}")
-    return found
+    section = _json(path).get(ABOUT, {})
+    if not isinstance(section, dict):
+        raise ConfigError(f"{path}: '{ABOUT}' must be an object, got {json.dumps(section)}")
+    return section
 
 
 def load(kind: type[Config] | None, path: Path) -> Config:

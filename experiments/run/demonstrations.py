@@ -174,10 +174,10 @@ class Demonstrations:
 
         `settings` are those of the `FootballEnv` that Minari recovers.
         """
-        numbers = [number for number, each in enumerate(self.summaries()) for _ in range(int(each.kept.sum()))]
+        numbers = [number for number, summary in enumerate(self.summaries()) for _ in range(int(summary.kept.sum()))]
         numbers = numbers[:episodes]
-        steps = sum(int(each) for summary in self.summaries() for each in summary.lengths[summary.kept])
-        if len(numbers) < sum(int(each.kept.sum()) for each in self.summaries()):
+        steps = sum(int(length) for summary in self.summaries() for length in summary.lengths[summary.kept])
+        if len(numbers) < sum(int(summary.kept.sum()) for summary in self.summaries()):
             lengths = [int(n) for summary in self.summaries() for n in summary.lengths[summary.kept]]
             steps = sum(lengths[:episodes])
         try:
@@ -200,12 +200,12 @@ class Demonstrations:
             *(f"theta/{name}" for name in names),
         ]
         lines, number = [",".join(f'"{name}"' if "," in name else name for name in header)], 0
-        for part, each in enumerate(self.summaries()):
-            for row in range(len(each.kept)):
-                label = number if each.kept[row] and number < episodes else None
-                number += bool(each.kept[row])
-                told = (each.seed[row], each.returns[row], int(each.success[row]), each.lengths[row])
-                cells = [part, row, label, *told, *each.theta[row]]
+        for part, summary in enumerate(self.summaries()):
+            for row in range(len(summary.kept)):
+                label = number if summary.kept[row] and number < episodes else None
+                number += bool(summary.kept[row])
+                told = (summary.seed[row], summary.returns[row], int(summary.success[row]), summary.lengths[row])
+                cells = [part, row, label, *told, *summary.theta[row]]
                 lines.append(",".join(spell(cell) for cell in cells))
         return "\n".join(lines) + "\n"
 

@@ -124,16 +124,16 @@ class _Steps:
 
     def episode(self, index: int, length: int) -> Episode:
         """Return the episode of one match."""
-        seen = np.stack([*(each[index] for each in self._seen[:length]), self._last[index]])
-        actions = np.stack([each[index] for each in self.actions[:length]])
+        seen = np.stack([*(array[index] for array in self._seen[:length]), self._last[index]])
+        actions = np.stack([array[index] for array in self.actions[:length]])
         actions = actions if self._agents > 1 else actions[:, 0]
         told = actions != NO_KEY
         return Episode(
             self._unpacked(seen),
             np.where(told, actions, 0),
             told,
-            np.array([each[index] for each in self._rewards[:length]]),
-            np.stack([each[index] for each in self._agent_rewards[:length]]),
+            np.array([array[index] for array in self._rewards[:length]]),
+            np.stack([array[index] for array in self._agent_rewards[:length]]),
             bool(self._terminated[length - 1][index]),
         )
 

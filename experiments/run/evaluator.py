@@ -109,7 +109,7 @@ class Evaluator:
         for run in runs:
             student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
             self._play(student, run.label, run.config.seed, trained, results, levels)
-        program, upomdp = (each[build.TRAINING_SCENE] for each in (self.scenes.programs, self.scenes.scenes))
+        program, upomdp = (table[build.TRAINING_SCENE] for table in (self.scenes.programs, self.scenes.scenes))
         for name, policy in make_baselines(upomdp, program).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)
         return Report(results, levels, "goals" if succeeds_by_goals(upomdp, program) else "success")

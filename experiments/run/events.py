@@ -36,13 +36,13 @@ class Watch:
     def look(self, row: Mapping[str, float]) -> list[Event]:
         """Return what begins with this row."""
         lasts = {}
-        found = list(self._forgetting(row))
+        events = list(self._forgetting(row))
         for event, about, updates, text in _signs(row):
             lasts[event, about] = self._lasts.get((event, about), 0) + 1
             if lasts[event, about] == updates:
-                found.append(Event(event, text))
+                events.append(Event(event, text))
         self._lasts = lasts
-        return found
+        return events
 
     def _forgetting(self, row: Mapping[str, float]) -> Iterator[Event]:
         """Yield the test scenes, if they were played, on which most of what had been gained is lost."""

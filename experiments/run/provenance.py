@@ -51,13 +51,13 @@ def commit() -> str:
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
     """Return the versions of those of these packages that are installed."""
-    found = {}
+    installed = {}
     for name in packages:
         try:
-            found[name] = version(name)
+            installed[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return installed
 
 
 def hardware() -> dict[str, Any]:

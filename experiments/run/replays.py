@@ -76,7 +76,7 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
     Levels of which not everything is known, because they were begun before a kill, are left out.
     """
     batch = method.last
-    records, tapes, found = batch.records, {}, []
+    records, tapes, replays = batch.records, {}, []
     for index, learner in enumerate(method.learners):
         if learner.student is not None and learner.worker.tape is not None:
             tapes[index] = learner.worker.tape.pop(records["turn"])
@@ -89,8 +89,8 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
             returns = record["returns"][index, :played]
             level = records["level"][row : row + 1].copy()
             numbers = update, int(record["id"]), int(record["turn"])
-            found.append(Replay(*numbers, method.learners[index].name, level, actions, returns))
-    return found
+            replays.append(Replay(*numbers, method.learners[index].name, level, actions, returns))
+    return replays
 
 
 class Played(NamedTuple):

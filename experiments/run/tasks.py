@@ -102,11 +102,11 @@ def load_task(name: str) -> tuple[Task, str]:
     module = _import(place)
     if not hasattr(module, attribute):
         raise UsageError(f"{place} has no '{attribute}'{nearest(attribute, vars(module))}")
-    found = getattr(module, attribute)
-    if not isinstance(found, Task) and not callable(found):
-        raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {found!r}")
+    task = getattr(module, attribute)
+    if not isinstance(task, Task) and not callable(task):
+        raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {task!r}")
     file = getattr(module, "__file__", None)
-    return found if isinstance(found, Task) else Task(found), Path(file).read_text() if file else ""
+    return task if isinstance(task, Task) else Task(task), Path(file).read_text() if file else ""
 
 
 def _import(place: str) -> ModuleType:

@@ -52,13 +52,13 @@ class Measured(NamedTuple):
         `control` is whom a team moves.
         """
         control = control or (BENCHMARK[game].control if agent in ("ppo", "random") and game in BENCHMARK else "")
-        found = (row for row in self.rows if (row.game, row.agent, row.scene) == (game, agent, scene))
-        return [row for row in found if control in ("", row.control)]
+        rows = (row for row in self.rows if (row.game, row.agent, row.scene) == (game, agent, scene))
+        return [row for row in rows if control in ("", row.control)]
 
     def estimate(self, game: str, agent: str = "ppo", scene: str = TRAIN, control: str = "") -> Interval | None:
         """Estimate the goal difference of an agent on a scene, None where it was not measured."""
-        found = self.of(game, agent, scene, control)
-        return mean_return([row.result() for row in found]) if found else None
+        rows = self.of(game, agent, scene, control)
+        return mean_return([row.result() for row in rows]) if rows else None
 
 
 def write_page(results: Path, page: Path, pictures: Path) -> None:
@@ -98,7 +98,7 @@ def about(measured: Measured) -> str:
     runs = {(row.game, row.control, row.seed): row for row in measured.rows if row.env_steps}.values()
     games, seeds = {row.game for row in runs}, {row.seed for row in runs}
     steps = sorted({row.env_steps for row in runs})
-    length = " to ".join(dict.fromkeys(count(each) for each in (steps[0], steps[-1]))) if steps else "no"
+    length = " to ".join(dict.fromkeys(count(step) for step in (steps[0], steps[-1]))) if steps else "no"
     spent = sum(row.seconds for row in runs) / 3600
     commits = ", ".join(sorted({row.commit for row in measured.rows} - {""}))
     return (
@@ -149,7 +149,7 @@ def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:
 
 def teams(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of Figure 3.1 and Table 3.1: teams, ours beside the published."""
-    pairs = [each for each in PAIRS["multi"] if measured.of(each[0], "team_ppo", TRAIN, each[1])]
+    pairs = [pair for pair in PAIRS["multi"] if measured.of(pair[0], "team_ppo", TRAIN, pair[1])]
     if not pairs:
         return ""
     path = pictures / f"benchmark_multi_{measured.preset}.png"
@@ -163,24 +163,24 @@ def teams(measured: Measured, folder: Path, pictures: Path) -> str:
         path,
     )
     head = ["game", "moved", "uniform keys", "team", "runs", "published", "semi-expert", "published"]
-    rows = [_team_row(measured, *each) for each in pairs]
+    rows = [_team_row(measured, *pair) for pair in pairs]
     parts = ["### Teams (Figure 3.1, Table 3.1)", f"![Teams]({path.relative_to(folder)})", as_markdown([head, *rows])]
     return _paragraphs([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
 
 
 def demonstrations(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of Figure 2.10 and Table 3.2: semi-experts, their clones, and what training adds to these."""
-    pairs = [each for each in PAIRS["demonstrations"] if _with_demonstrations(measured, *each, "pretrained")]
+    pairs = [pair for pair in PAIRS["demonstrations"] if _with_demonstrations(measured, *pair, "pretrained")]
     if not pairs:
         return ""
     path = pictures / f"benchmark_demonstrations_{measured.preset}.png"
-    bars, cells = [], {each: [] for each in pairs}  # type: ignore[var-annotated]
+    bars, cells = [], {pair: [] for pair in pairs}  # type: ignore[var-annotated]
     for agent, (label, colour, light) in DEMONSTRATED.items():
-        ours = [_with_demonstrations(measured, *each, agent) for each in pairs]
-        theirs = [_published_with(*each, agent) for each in pairs]
+        ours = [_with_demonstrations(measured, *pair, agent) for pair in pairs]
+        theirs = [_published_with(*pair, agent) for pair in pairs]
         bars += [_bars(label, colour, ours), _published_bars(f"{label}, published", light, theirs)]
-        for each, mine, told in zip(pairs, ours, theirs, strict=True):
-            cells[each] += [_cell(mine), _plain(told)]
+        for pair, mine, told in zip(pairs, ours, theirs, strict=True):
+            cells[pair] += [_cell(mine), _plain(told)]
     for game, control in pairs:
         before, after = (
             measured.of(game, _named(game, control, agent), TRAIN, control) for agent in ("ppo", "pretrained")
@@ -319,14 +319,14 @@ def _theirs(games: Sequence[str], split: str, colour: str, label: str) -> Bars:
     return _published_bars(label, colour, [find_published(game, "ppo", split) for game in games])
 
 
-def _bars(label: str, colour: str, found: Sequence[Interval | None]) -> Bars:
+def _bars(label: str, colour: str, intervals: Sequence[Interval | None]) -> Bars:
     nothing = Interval(float("nan"), float("nan"), float("nan"))
-    return Bars(label, colour, *zip(*(each or nothing for each in found), strict=True))
+    return Bars(label, colour, *zip(*(interval or nothing for interval in intervals), strict=True))
 
 
-def _published_bars(label: str, colour: str, found: Sequence[Published | None]) -> Bars:
+def _published_bars(label: str, colour: str, published: Sequence[Published | None]) -> Bars:
     nan = float("nan")
-    middles = [nan if row is None else row.goal_difference for row in found]
-    halves = [nan if row is None or row.interval is None else row.interval for row in found]
+    middles = [nan if row is None else row.goal_difference for row in published]
+    halves = [nan if row is None or row.interval is None else row.interval for row in published]
     lows, highs = ([middle + side * half for middle, half in zip(middles, halves, strict=True)] for side in (-1, 1))
     return Bars(label, colour, middles, lows, highs)

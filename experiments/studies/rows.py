@@ -65,13 +65,13 @@ def add(path: Path, rows: Iterable[Row]) -> list[Row]:
 
     Raises `CommandError` if the disk refuses.
     """
-    found = {row.key(): row for row in [*load(path), *rows]}
-    kept = [found[key] for key in sorted(found)]
+    by_key = {row.key(): row for row in [*load(path), *rows]}
+    kept = [by_key[key] for key in sorted(by_key)]
     save_rows([row._asdict() for row in kept], Row._fields, path)
     return kept
 
 
 def trained(rows: Sequence[Row], game: str, agent: str, control: str, seed: int) -> int:
     """Return after how many steps of training an agent was measured, 0 if it was not."""
-    wanted = (game, agent, control, seed)
-    return max((row.env_steps for row in rows if (row.game, row.agent, row.control, row.seed) == wanted), default=0)
+    key = (game, agent, control, seed)
+    return max((row.env_steps for row in rows if (row.game, row.agent, row.control, row.seed) == key), default=0)

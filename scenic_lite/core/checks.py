@@ -156,13 +156,13 @@ class TapeCheck(NamedTuple):
 
 def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> list[TapeCheck]:
     """Return the checks of values on a tape; `rules` gives the rule of each requirement, None if it always holds."""
-    found = []
+    on_tape = []
     for check in checks:
         operation = fallible(check.node.operation)
         if check.place is not None and operation is not None and reaches(tape, check):
             tape.keep(check.node, *check.node.inputs, *(condition for condition, _ in check.guards))
-            found.append(TapeCheck(check, operation, None if check.requirement is None else rules[check.requirement]))
-    return found
+            on_tape.append(TapeCheck(check, operation, None if check.requirement is None else rules[check.requirement]))
+    return on_tape
 
 
 class Faults:
@@ -170,11 +170,11 @@ class Faults:
 
     def __init__(self, checks: list[TapeCheck], tape: Tape, registers: list[Any], failed: np.ndarray) -> None:
         self._tape, self._registers = tape, registers
-        self._masks = [(each, np.broadcast_to(self._mask(*each[:2]), failed.shape[1:])) for each in checks]
+        self._masks = [(check, np.broadcast_to(self._mask(*check[:2]), failed.shape[1:])) for check in checks]
         self.any = any(mask.any() for _, mask in self._masks)
-        for each, mask in self._masks if self.any else ():
-            if each.rule is not None:
-                failed[each.rule] |= mask
+        for check, mask in self._masks if self.any else ():
+            if check.rule is not None:
+                failed[check.rule] |= mask
 
     def _mask(self, check: Check, operation: FallibleOperation) -> Any:
         mask = operation.fails(self._of(check.node), *map(self._of, check.node.inputs))
@@ -189,7 +189,7 @@ class Faults:
     @property
     def in_values(self) -> np.ndarray | np.bool_:
         """[N]: the scenes with a value that cannot be computed."""
-        own = [mask for each, mask in self._masks if each.check.requirement is None]
+        own = [mask for check, mask in self._masks if check.check.requirement is None]
         return np.logical_or.reduce(own) if own else np.False_
 
     def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:

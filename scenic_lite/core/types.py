@@ -250,12 +250,12 @@ class Definition:
 
     def defaults(self) -> list[Value]:
         """Return the values of the parameters that need not be given."""
-        return [each.default for each in self.signature.parameters.values() if each.default is not Parameter.empty]
+        return [p.default for p in self.signature.parameters.values() if p.default is not Parameter.empty]
 
     def required(self) -> list[str]:
         """Return the parameters that must be given."""
         parameters = self.signature.parameters.values()
-        return [each.name for each in parameters if each.default is Parameter.empty and each.kind is not SPREAD]
+        return [p.name for p in parameters if p.default is Parameter.empty and p.kind is not SPREAD]
 
     def bind(self, arguments: list, keywords: dict[str, Value]) -> dict[str, Value]:
         """Return arguments by the names of the parameters. Raises ScenicError if they do not fit."""
@@ -268,7 +268,7 @@ class Definition:
 
     def _misfit(self, arguments: list, keywords: dict[str, Value]) -> ScenicError:
         """Return what is wrong with arguments that do not fit."""
-        names = [each.name for each in self.signature.parameters.values() if each.kind is not SPREAD]
+        names = [p.name for p in self.signature.parameters.values() if p.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
         if unknown and len(arguments) <= len(names):

@@ -176,7 +176,7 @@ def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
     if isinstance(index, slice):
         between = partial(at_each, index.stop)
         return at_each(index.start, lambda start: between(lambda stop: item(slice(start, stop, index.step))))
-    column = next((each for each in columns_of(index) if each.shown is index), None)
+    column = next((own for own in columns_of(index) if own.shown is index), None)
     if column is None or column.draw_kind != "integers" or math.isnan(column.low):
         return item(index)
     first, last = int(column.low), int(column.high)

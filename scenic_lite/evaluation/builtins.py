@@ -269,7 +269,7 @@ TYPES: tuple[Builtin, ...] = (
     typed(tuple, lambda scope, node, values=(): tuple(scope.elements(values, node)), over_choices=True),
 )
 PYTHON: dict[str, Value] = {
-    **{each.name: each for each in TYPES},
+    **{kind.name: kind for kind in TYPES},
     "len": Builtin("len", length, needs_context=True),
     **needs_context(
         all=folded(AND, True),

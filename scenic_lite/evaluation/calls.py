@@ -124,7 +124,7 @@ def call_builtin(scope: Scope, function: Builtin, arguments: list, keywords: dic
     at = next((i for i, argument in enumerate(arguments) if isinstance(argument, RandomChoice)), None)
     if at is not None and function.over_choices:
         anew = partial(call_builtin, scope, function, keywords=keywords, node=node)
-        return for_each_option(lambda *each: anew(arguments=list(each)), at, tuple(arguments), {})
+        return for_each_option(lambda *option: anew(arguments=list(option)), at, tuple(arguments), {})
     if not function.needs_context:
         scope.mode.budget.whole(arguments)
     inputs = [scope, node, *arguments] if function.needs_context else arguments
@@ -271,8 +271,8 @@ def named_by_do(scope: Scope, node: nodes.Do, kind: str) -> list[tuple[Value, Va
 
     `choose` and `shuffle` also take a dictionary of weights.
     """
-    values, places = [scope.value(each) for each in node.calls], list(node.calls)
-    weights = [1.0] * len(values) if node.weights is None else [scope.value(each) for each in node.weights]
+    values, places = [scope.value(call) for call in node.calls], list(node.calls)
+    weights = [1.0] * len(values) if node.weights is None else [scope.value(weight) for weight in node.weights]
     if len(values) == 1 and isinstance(values[0], dict) and node.how != "all":
         values, weights = list(values[0]), list(values[0].values())
         places *= len(values)

@@ -122,7 +122,7 @@ class Extreme:
     def _by_key(self, scope: Scope, node: ast.AST, items: list, key: Value) -> Value:
         keys = [scope.call(key, [item], {}, node) for item in items]
         scope.mode.budget.whole(keys)
-        if any(isinstance(each, RandomExpr) for each in keys) and all(kind_of(each) == "number" for each in keys):
+        if any(isinstance(value, RandomExpr) for value in keys) and all(kind_of(value) == "number" for value in keys):
             return choose(RandomExpr(self._best_of, tuple(keys)), items)
         return items[self.operation.scalar(range(len(items)), key=keys.__getitem__)]
 

@@ -85,16 +85,16 @@ def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
 def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
     """Return the world model of a file that names none: the caller's, or the domain's default."""
     library = state.domain.library if state.domain else {}
-    wanted = (state.domain.default_model or None) if state.domain else None
+    model = (state.domain.default_model or None) if state.domain else None
     if state.model is not None:
-        library, wanted = {}, None if state.importing else state.model
-    if wanted is None:
+        library, model = {}, None if state.importing else state.model
+    if model is None:
         return None
     statements = list(ast.walk(tree))
     names = [node.module for node in statements if isinstance(node, ast.ImportFrom)]
     names += [alias.name for node in statements if isinstance(node, ast.Import) for alias in node.names]
     own = any(isinstance(node, nodes.Model) for node in statements) or any(name in library for name in names)
-    return None if own else wanted
+    return None if own else model
 
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:

@@ -107,12 +107,12 @@ def as_orientation(value: Value) -> Value:
     return as_heading(value)
 
 
-def needed(words: str, noun: str, value: Value, found: Value, hint: str = "") -> Value:
+def needed(words: str, noun: str, value: Value, converted: Value, hint: str = "") -> Value:
     """Return what was found in a value. Raises ScenicError if that is None, naming the words that need it."""
-    if found is None:
+    if converted is None:
         message = f"`{words}` needs {noun}" if words else f"{noun} is needed here"
         raise ScenicError("type", f"{message}, not {describe_kind(value)}", hint=hint)
-    return found
+    return converted
 
 
 def vector_of(value: Value, words: str = "") -> Vector:
@@ -175,12 +175,12 @@ def checked(name: str, value: Value, dialect: int) -> Value:
     if name not in PROPERTY_TYPES or (name == "parentOrientation" and dialect == 2):
         return value
     noun, read = PROPERTY_TYPES[name]
-    found = read(value)
-    if found is None:
+    converted = read(value)
+    if converted is None:
         raise ScenicError("type", f"{name} must be {noun}, not {describe_kind(value)}")
-    if name in ("width", "length") and is_number(found) and not 0 <= found < math.inf:
-        raise ScenicError("value", f"{name} must be finite and not negative, not {found}")
-    return found
+    if name in ("width", "length") and is_number(converted) and not 0 <= converted < math.inf:
+        raise ScenicError("value", f"{name} must be finite and not negative, not {converted}")
+    return converted
 
 
 def is_behavior(value: Value) -> bool:

@@ -213,9 +213,9 @@ def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
         delayed = direction
         heading: Value = LazyValue(delayed.needs, lambda self: finish(delayed.compute(self)))
     else:
-        found = as_orientation(direction) if scope.state.dialect == 3 else as_heading(direction)
+        rotation = as_orientation(direction) if scope.state.dialect == 3 else as_heading(direction)
         hint = "a point is faced by `facing toward`" if as_vector(direction) is not None else ""
-        heading = finish(needed("facing", "a heading", direction, found, hint))
+        heading = finish(needed("facing", "a heading", direction, rotation, hint))
     return ResolvedSpecifier("facing", node, {"heading": Given(REQUIRED, heading)})
 
 

@@ -163,11 +163,11 @@ def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
     batched = [] if overlaps is None else [overlaps]
     for region, (where, label) in containers(state, objects).items():
         held = [objects[i] for i in where]
-        stays = [Constraint(f"{each.title()} leaves {label}", each.place, "containment") for each in held]
+        stays = [Constraint(f"{one.title()} leaves {label}", one.place, "containment") for one in held]
         if isinstance(region, RectangularRegion) and region.fixed():
             batched.append(containment_of(region, where, stays))
         else:
-            nodes += [(stay, region.contains_corners(outline(each))) for stay, each in zip(stays, held, strict=True)]
+            nodes += [(stay, region.contains_corners(outline(one))) for stay, one in zip(stays, held, strict=True)]
     nodes += [*sometimes_apart(objects), *visibility(state, objects)]
     for requirement in state.requirements:
         if requirement.condition is not True:
@@ -219,7 +219,7 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
     demands = [(instance, sight, True) for instance, sight in state.sights if id(instance) in made]
     if state.ego is not None:
         others = (instance for instance in objects if instance is not state.ego)
-        demands = [*((each, Sight(state.ego, True), each.properties["requireVisible"]) for each in others), *demands]
+        demands = [*((one, Sight(state.ego, True), one.properties["requireVisible"]) for one in others), *demands]
     for instance, (viewer, visible), required in demands:
         seen = can_see(viewer, instance, state.dialect) if required is not False else visible
         holds = seen if visible else apply(NOT, seen)

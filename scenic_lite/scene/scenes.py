@@ -160,7 +160,7 @@ class ScenePlan:
         others = [name for name in names if name not in ("position", "heading")]
         behaviors = [instance.properties["behavior"] for instance in objects]
         arguments = [call.arguments if isinstance(call, BehaviorCall) else None for call in behaviors]
-        self._properties = planner.reader({name: [each.properties.get(name) for each in objects] for name in others})
+        self._properties = planner.reader({name: [one.properties.get(name) for one in objects] for name in others})
         self._arguments = planner.reader(arguments)
         self._params = planner.reader(params)
         readers = {name: planner.reader(value) for name, value in params.items()}

@@ -50,7 +50,7 @@ def theta_of(
     drawn = zip(layout.draws, layout.columns, strict=True)
     known: dict[Any, tuple[Value, SourceSpan]] = {draw.name: (column.shown, draw.place) for draw, column in drawn}
     known |= {name: (value, state.param_places[name]) for name, value in state.params.items()}
-    known |= {key: (each, each.place) for i, each in enumerate(objects) for key in (i, each.title())}
+    known |= {key: (instance, instance.place) for i, instance in enumerate(objects) for key in (i, instance.title())}
     for key in description.keys() - known.keys():
         names = [name for name in known if isinstance(name, str)]
         hint = near(str(key), names) or f"it has {', '.join(names)}"
@@ -102,18 +102,18 @@ def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterat
         zip((value.x, value.y), parts, strict=True) if isinstance(value, Vector) and several == 2 else [(value, asked)]
     )
     for number, part in pairs:
-        wanted = np.atleast_1d(part)
-        if wanted.ndim > 1 or wanted.dtype.kind not in KINDS.get(kind_of(number), ""):
+        goal = np.atleast_1d(part)
+        if goal.ndim > 1 or goal.dtype.kind not in KINDS.get(kind_of(number), ""):
             raise ScenicError("type", f"{what} cannot be {asked!r}", place)
-        if wanted.dtype.kind == "f" and not np.isfinite(wanted).all():
+        if goal.dtype.kind == "f" and not np.isfinite(goal).all():
             raise ScenicError("value", f"{what} cannot be a number that is not finite", place)
-        yield Target(what, number, wanted, place)
+        yield Target(what, number, goal, place)
 
 
 def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> list[System]:
     """Return the targets in groups that share columns, directly or through others, or are the two of one place."""
-    reads = np.array([[column in set(columns_of(each.value)) for column in columns] for each in targets], dtype=bool)
-    whats = np.array([each.what for each in targets], dtype=object)
+    reads = np.array([[column in set(columns_of(goal.value)) for column in columns] for goal in targets], dtype=bool)
+    whats = np.array([goal.what for goal in targets], dtype=object)
     linked, fewer = (reads @ reads.T) | (whats[:, None] == whats) if targets else reads, 0  # [W, W]
     while linked.sum() > fewer:
         fewer, linked = linked.sum(), linked @ linked
@@ -127,7 +127,7 @@ class System:
     def __init__(self, targets: Sequence[Target], columns: Sequence[ThetaColumn], read: Any) -> None:
         self.targets, self.at = targets, np.flatnonzero(read).tolist()
         own = [columns[d] for d in self.at]
-        self.tape = Tape([each.value for each in targets if isinstance(each.value, RandomExpr)], own, 10**9)
+        self.tape = Tape([target.value for target in targets if isinstance(target.value, RandomExpr)], own, 10**9)
         self.offset = np.array([column.offset for column in own])
         self.span = np.array([column.span for column in own])
 
@@ -135,7 +135,7 @@ class System:
         """Return what the targets are at unit [M, C]: W arrays [M], or values that never vary."""
         with np.errstate(all="ignore"):
             registers = self.tape.run((self.offset + unit * self.span).T)
-        values = [each.value for each in self.targets]
+        values = [target.value for target in self.targets]
         return [registers[self.tape.slot(value)] if isinstance(value, RandomExpr) else value for value in values]
 
     def gaps(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
@@ -160,9 +160,9 @@ class System:
             values = self.values(scan)
             far = [worst(self.gaps(values, np.full(len(scan), row))) for row in missed]
             for starts in np.argsort(far, axis=1, kind="stable")[:, : STARTS[1]].T:
-                found, there = self.descend(scan[starts], missed)
+                descended, there = self.descend(scan[starts], missed)
                 better = worst(there) < worst(gaps[missed])
-                unit[missed[better]], gaps[missed[better]] = found[better], there[better]
+                unit[missed[better]], gaps[missed[better]] = descended[better], there[better]
         if (worst(gaps) > CLOSE).any():
             raise self.unmet(unit, gaps)
         return unit

@@ -76,7 +76,7 @@ def _children(node: ast.AST, context: Context) -> Iterator[tuple[ast.AST, Contex
     outer, after = context, set()
     if isinstance(node, ast.For | ast.While):
         context, after = context._replace(loop=True), set(map(id, node.orelse))
-    yield from ((each, outer if id(each) in after else context) for each in ast.iter_child_nodes(node))
+    yield from ((child, outer if id(child) in after else context) for child in ast.iter_child_nodes(node))
 
 
 class _Checker:
@@ -144,9 +144,9 @@ class _Checker:
         self.once(zip(node.names, node.places, strict=True), 'the parameter "{}" occurs twice in one statement')
 
     def class_body(self, node: ast.ClassDef, context: Context) -> None:
-        given = [(each.name, each) for each in node.body if isinstance(each, nodes.PropertyDefault)]
-        self.once(given, f'the property "{{}}" occurs twice in the class "{node.name}"')
-        declared = BUILT_IN | {name for name, _ in given}
+        named = [(part.name, part) for part in node.body if isinstance(part, nodes.PropertyDefault)]
+        self.once(named, f'the property "{{}}" occurs twice in the class "{node.name}"')
+        declared = BUILT_IN | {name for name, _ in named}
         for statement in node.body:
             for target in statement.targets if isinstance(statement, ast.Assign) else ():
                 if isinstance(target, ast.Name) and target.id in declared:

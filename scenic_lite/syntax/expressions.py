@@ -186,12 +186,12 @@ def close(c: Cursor, sign: str) -> None:
 
 def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list[Item]:
     """Read `value, value, ...`; before a closing sign a comma may stand, or nothing at all."""
-    found: list[Item] = []
+    items: list[Item] = []
     while not closing or c.token.text != closing:
-        found.append(read(c))
+        items.append(read(c))
         if not c.accept(","):
             break
-    return found
+    return items
 
 
 def missing_operator_hint(c: Cursor) -> str:
@@ -299,7 +299,7 @@ def begins_comprehension(c: Cursor) -> bool:
 
 def comprehensions(c: Cursor) -> list[ast.comprehension]:
     """Read `for targets in operation [if condition]`, once or more."""
-    found = []
+    clauses = []
     while begins_comprehension(c):
         c.advance()
         target = targets(c)
@@ -308,9 +308,9 @@ def comprehensions(c: Cursor) -> list[ast.comprehension]:
         conditions = []
         while c.accept("if"):  # no `if else`
             conditions.append(c.operation(Level.OR))
-        found.append(ast.comprehension(target, values, conditions, 0))
-        c.check_chain(len(found), '"for"')
-    return found
+        clauses.append(ast.comprehension(target, values, conditions, 0))
+        c.check_chain(len(clauses), '"for"')
+    return clauses
 
 
 def targets(c: Cursor) -> ast.expr:
@@ -376,9 +376,9 @@ def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
     if c.token.text != "(":
         c.missing(f'"(" after {owner}', 'write "()" if it takes nothing')
     opened(c)
-    found = parameters(c, ")")
+    signature = parameters(c, ")")
     close(c, ")")
-    return found
+    return signature
 
 
 def condition(c: Cursor) -> ast.expr:
@@ -392,23 +392,23 @@ def condition(c: Cursor) -> ast.expr:
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:
     """Read `a, b=1, *rest`, up to but without the closing sign; in brackets with `: annotation`."""
-    found = ast.arguments([], [], None, [], [], None, [])
+    signature = ast.arguments([], [], None, [], [], None, [])
     names: set[str] = set()
     while c.token.text != closing:
-        if c.token.text == "**" or found.vararg is not None:
+        if c.token.text == "**" or signature.vararg is not None:
             c.refuse("**" if c.token.text == "**" else "* parameter")
         if c.accept("*"):
-            found.vararg = parameter(c, closing, names)
+            signature.vararg = parameter(c, closing, names)
         else:
             name = parameter(c, closing, names)
             default = c.expression() if c.accept("=") else None
-            if default is None and found.defaults:
+            if default is None and signature.defaults:
                 c.fail("a parameter without a default follows one with a default", at=name)
-            found.args.append(name)
-            found.defaults += [default] if default else []
+            signature.args.append(name)
+            signature.defaults += [default] if default else []
         if not c.accept(","):
             break
-    return found
+    return signature
 
 
 def parameter(c: Cursor, closing: str, names: set[str]) -> ast.arg:

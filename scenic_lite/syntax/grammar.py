@@ -57,8 +57,8 @@ def form(text: str, level: int = 0, node: str = "") -> Form:
 def by_first_word(forms: Iterable[Form]) -> Forms:
     """Return a table of forms; where two begin alike, the earlier one is tried first."""
     table: dict[str, list[Form]] = {}
-    for each in forms:
-        table.setdefault(each.words[0], []).append(each)
+    for form in forms:
+        table.setdefault(form.words[0], []).append(form)
     return table
 
 
@@ -245,10 +245,10 @@ UNFINISHED = {
 
 def nearest(word: str, candidates: Iterable[str]) -> str:
     """Return the hint 'did you mean "..."?', or nothing when none is near; a table tells what each stands for."""
-    found = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
-    if not found:
+    close = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
+    if not close:
         return ""
-    return f'did you mean "{candidates[found[0]] if isinstance(candidates, Mapping) else found[0]}"?'
+    return f'did you mean "{candidates[close[0]] if isinstance(candidates, Mapping) else close[0]}"?'
 
 
 def statement_hint(word: str) -> str:

@@ -141,14 +141,14 @@ class _Lexer:
         """Read everything."""
         match, text, end, tokens = _TOKEN.match, self.text, self.end, self.tokens
         while True:
-            found = match(text, self.position, end)
-            kind = found.lastgroup if found else None
-            if found is None or kind is None:
+            matched = match(text, self.position, end)
+            kind = matched.lastgroup if matched else None
+            if matched is None or kind is None:
                 raise self.bad_character()
-            start, self.position = found.span(kind)
+            start, self.position = matched.span(kind)
             if kind in ("name", "operator", "number"):
                 column = start - self.line_start
-                word = found[kind]
+                word = matched[kind]
                 token = Token(kind, word, self.line, column, self.line, column + len(word))
                 if kind == "operator":
                     if word in "()[]{}":
@@ -157,7 +157,7 @@ class _Lexer:
                     token = self.checked(token)
                 tokens.append(token)
             elif kind == "string":
-                self.string(found[kind], start)
+                self.string(matched[kind], start)
             elif kind == "newline":
                 if self.brackets:
                     self.next_line()
@@ -171,7 +171,7 @@ class _Lexer:
             elif kind == "end":
                 return self.finish(start)
             elif kind == "open_string":
-                raise self.unterminated(found[kind], start)
+                raise self.unterminated(matched[kind], start)
 
     def next_line(self) -> None:
         self.line += 1
@@ -227,12 +227,12 @@ class _Lexer:
 
     def goes_on(self) -> bool:
         """Go on after a comma at a line's end if the next is indented deeper, as specifiers may be; return whether."""
-        found = _NEXT_LINE.match(self.text, self.position, self.end)
-        if found is None or len(found[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
+        line = _NEXT_LINE.match(self.text, self.position, self.end)
+        if line is None or len(line[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
             return False
-        self.line += found[0].count("\n") + 1
-        self.line_start, self.position = found.span(1)
-        self.tokens.append(Token("indent", "", self.line, 0, self.line, len(found[1])))
+        self.line += line[0].count("\n") + 1
+        self.line_start, self.position = line.span(1)
+        self.tokens.append(Token("indent", "", self.line, 0, self.line, len(line[1])))
         return True
 
     def bracket(self, token: Token) -> None:

@@ -41,9 +41,9 @@ def expression(c: Cursor) -> ast.expr:
     value: ast.expr | None = None
     if start.text == "lambda":
         c.advance()
-        found = parameters(c, ":")
+        signature = parameters(c, ":")
         c.expect(":", 'after the parameters of "lambda"')
-        value = c.at(start, ast.Lambda(found, expression(c)))
+        value = c.at(start, ast.Lambda(signature, expression(c)))
     elif start.kind == "name" and not asks_truth and c.tokens[c.index + 1].text in BEHIND_CLASSES:
         value = possible_instance(c)
     if value is None:
@@ -119,16 +119,16 @@ def operands(c: Cursor, form: Form, read: Callable[[str], ast.expr], reach: bool
     """
     c.go_to(c.index + len(form.words))
     start = c.token
-    found: list[ast.expr | None] = [read(form.name)] if form.value else []
+    values: list[ast.expr | None] = [read(form.name)] if form.value else []
     for word, needed in form.parts:
         if reach:
-            found[-1] = up_to(c, word, found[-1], start)  # type: ignore[arg-type]  # only the last may be left out
+            values[-1] = up_to(c, word, values[-1], start)  # type: ignore[arg-type]  # only the last may be left out
         if needed and c.token.text != word:
             c.missing(f'"{word}" in "{form.name}"', f'write "{form.text}"')
         given = c.accept(word)
         start = c.token
-        found.append(read(f"{form.name} ... {word}") if given else None)
-    return found
+        values.append(read(f"{form.name} ... {word}") if given else None)
+    return values
 
 
 def operand(c: Cursor, level: int) -> ast.expr:
@@ -195,10 +195,10 @@ def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
         text = f"{token.text} {c.peek().text}"
         c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
     reach = Level.ALONG if c.dialect == 2 else Level.PREFIX
-    found = operands(c, form, lambda _: operation(c, reach), reach=True)
+    ends = operands(c, form, lambda _: operation(c, reach), reach=True)
     if form.name in ("distance to", "angle to"):
-        found.reverse()
-    return c.at(token, Operator(form.name.removesuffix(" from").removesuffix(" to"), found))
+        ends.reverse()
+    return c.at(token, Operator(form.name.removesuffix(" from").removesuffix(" to"), ends))
 
 
 def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
@@ -313,10 +313,10 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Form) -> ast.ex
         begins.append(c.token)
         return specifier_value(c, words, infix.level + 1)
 
-    found = operands(c, infix, read)
-    *before, value = found
+    values = operands(c, infix, read)
+    *before, value = values
     assert value is not None
-    operator: ast.expr = Operator(infix.name, [cls, *found])
+    operator: ast.expr = Operator(infix.name, [cls, *values])
     if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
@@ -342,13 +342,13 @@ def starts_instance(c: Cursor) -> bool:
     return form.words[-1] == "visible" and c.peek(len(form.words)).text != "from"
 
 
-def more_specifiers(c: Cursor, found: list[Specifier]) -> list[Specifier]:
+def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
     """Read `, specifier` as often as it comes; a line may end after a comma if the next one is indented."""
     while True:
         if begins_specifier(c):
             c.fail(f'expected a comma before the specifier "{c.token.text}"')
         if c.token.text != ",":
-            return found
+            return specifiers
         index, comma = c.index, c.advance()
         next_line = c.token.kind == "indent"
         if next_line:
@@ -357,7 +357,7 @@ def more_specifiers(c: Cursor, found: list[Specifier]) -> list[Specifier]:
             hint = "take the comma away, or indent the next specifier"
             c.fail("a comma ends the line, but no indented specifier follows", hint, at=comma)
         if begins_specifier(c):
-            found.append(specifier(c))
+            specifiers.append(specifier(c))
             continue
         if is_misspelt(c):
             c.fail(f'unknown specifier "{c.token.text}"', grammar.specifier_hint(c.token.text))
@@ -366,7 +366,7 @@ def more_specifiers(c: Cursor, found: list[Specifier]) -> list[Specifier]:
         if next_line or (not c.brackets and not tuple_of_instances):
             c.missing("a specifier after the comma", 'a place is written "3 @ 4"' if c.token.kind == "number" else "")
         c.go_to(index)
-        return found
+        return specifiers
 
 
 def begins_specifier(c: Cursor) -> bool:

@@ -55,15 +55,15 @@ def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
     raise error
 
 
-def dialect_of(text: str, file: str, wanted: int | None) -> int:
+def dialect_of(text: str, file: str, dialect: int | None) -> int:
     """Return 2 or 3: what is wanted; else a first line like `# scenic: 3`; else 3 if `new` stands before a name, or 2.
 
     Raises ValueError for a wanted dialect that does not exist, ScenicError for a first line that names one.
     """
-    if wanted is not None:
-        if wanted not in DIALECTS:
-            raise ValueError(f"dialect must be one of {DIALECTS}, not {wanted!r}")
-        return wanted
+    if dialect is not None:
+        if dialect not in DIALECTS:
+            raise ValueError(f"dialect must be one of {DIALECTS}, not {dialect!r}")
+        return dialect
     first = text.removeprefix("\ufeff").split("\n", 1)[0].rstrip()
     match = MARKER.match(first)
     if match is None:
@@ -80,8 +80,8 @@ def makes_instances_with_new(text: str, file: str) -> bool:
     """Return whether the word `new` is used as Scenic 3 does: before the name of a class, and not as a name itself."""
     if "new" not in text:
         return False
-    found = lex(Source(text, file))
-    for before, word, after in zip([None, *found], found, found[1:], strict=False):
+    tokens = lex(Source(text, file))
+    for before, word, after in zip([None, *tokens], tokens, tokens[1:], strict=False):
         follows_dot = before is not None and before.text == "."
         if word.text == "new" and after.kind == "name" and not keyword.iskeyword(after.text) and not follows_dot:
             return True

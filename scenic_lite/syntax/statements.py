@@ -51,14 +51,14 @@ def by_first_word(c: Cursor, rules: Mapping[str, Rule], word: str) -> ast.stmt |
 
 def simple_line(c: Cursor) -> list[ast.stmt]:
     """Read `statement [; statement]*` up to the end of the line."""
-    found = [simple_statement(c)]
+    statements = [simple_statement(c)]
     while c.accept(";") and c.token.kind != "newline":
-        found.append(simple_statement(c))
+        statements.append(simple_statement(c))
     if c.token.kind == "newline":
         c.advance()
     elif c.token.kind != "end":
-        unexpected_end(c, found[-1])
-    return found
+        unexpected_end(c, statements[-1])
+    return statements
 
 
 def simple_statement(c: Cursor) -> ast.stmt:
@@ -188,9 +188,9 @@ def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
     if bracket.text != "(":
         return ast.ImportFrom(module, listed(c, imported), 0)
     expressions.opened(c)
-    found = listed(c, imported, ")")
+    aliases = listed(c, imported, ")")
     expressions.close(c, ")")
-    return ast.ImportFrom(module, found, 0)
+    return ast.ImportFrom(module, aliases, 0)
 
 
 def alias(c: Cursor, start: Token, name: str) -> ast.alias:
@@ -322,10 +322,10 @@ def begins_refused(c: Cursor, following: Token) -> bool:
     while c.peek(ahead).kind not in ("newline", "end"):
         ahead += 1
     if c.token.text == "match":
-        found = c.peek(ahead + 1).kind == "indent" and c.peek(ahead + 2).text == "case"
+        is_refused = c.peek(ahead + 1).kind == "indent" and c.peek(ahead + 2).text == "case"
     else:
-        found = ":" in [c.peek(k).text for k in range(ahead)]
-    if found:
+        is_refused = ":" in [c.peek(k).text for k in range(ahead)]
+    if is_refused:
         c.refuse(c.token.text)
     if c.token.text == "with":
         hint = "a specifier follows a class, or a comma after another specifier"

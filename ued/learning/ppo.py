@@ -211,8 +211,8 @@ class Batch:
         """Return it on a device, from pinned memory: the copies of all columns are on their way at once."""
         if device.type == "cpu":
             return self
-        past, *rest = (getattr(self, each.name) for each in fields(self))
-        past, rest = ([each.pin_memory().to(device, non_blocking=True) for each in columns] for columns in (past, rest))
+        past, *rest = (getattr(self, field.name) for field in fields(self))
+        past, rest = ([part.pin_memory().to(device, non_blocking=True) for part in columns] for columns in (past, rest))
         return Batch(Past(*past), *rest)
 
     def rows(self, sequences: Tensor) -> Batch:
@@ -223,7 +223,7 @@ class Batch:
         past = Past(memory[rows[0] % len(memory)], begins[rows], told[rows].flatten())
         rows = rows.flatten()
         learned = rows[past.told]
-        observation, *rest = (getattr(self, each.name) for each in fields(self)[1:])
+        observation, *rest = (getattr(self, field.name) for field in fields(self)[1:])
         return Batch(past, observation[rows], *(column[learned] for column in rest))
 
 

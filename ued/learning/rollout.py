@@ -101,8 +101,8 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
     """
     by_agent = rollout.value.ndim
     reward, terminated, truncated = (
-        each if each.ndim == by_agent else each[..., None]
-        for each in (rollout.reward, rollout.terminated, rollout.truncated)
+        column if column.ndim == by_agent else column[..., None]
+        for column in (rollout.reward, rollout.terminated, rollout.truncated)
     )
     done = terminated | truncated
     next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])

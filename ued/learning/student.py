@@ -212,7 +212,7 @@ class Student(nn.Module):
         if self.device.type == "cpu":
             return policy
         fetched = copy.copy(policy)
-        vars(fetched).update({name: each.cpu() for name, each in vars(policy).items() if isinstance(each, Tensor)})
+        vars(fetched).update({name: part.cpu() for name, part in vars(policy).items() if isinstance(part, Tensor)})
         return fetched
 
     def _sent(self, host: Tensor) -> Tensor:

@@ -74,11 +74,11 @@ class LevelBatch:
         in PLR, also best_ever, the best return that was ever made on the level, and the means over episodes of V,
         max(A, 0) and |A|.
         """
-        found = {f"return/{name}": values for name, values in self.returns.items()}
-        found |= {f"best/{name}": values for name, values in self.best.items()}
+        columns = {f"return/{name}": values for name, values in self.returns.items()}
+        columns |= {f"best/{name}": values for name, values in self.best.items()}
         success = mean_played(solved(self.records))  # [L, S]
-        found |= {f"success/{name}": success[:, index] for index, name in enumerate(self.students)}
+        columns |= {f"success/{name}": success[:, index] for index, name in enumerate(self.students)}
         if "best" in (self.records.dtype.names or ()):
-            found["best_ever"] = self.records["best"]
-            found |= {name: mean_played(self.records[field][:, 0]) for name, field in VALUES.items()}
-        return found | {"score": self.score}
+            columns["best_ever"] = self.records["best"]
+            columns |= {name: mean_played(self.records[field][:, 0]) for name, field in VALUES.items()}
+        return columns | {"score": self.score}

@@ -169,7 +169,7 @@ class LevelQueue(Resumable):
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` returned. Raises ValueError if its level records have other fields."""
-        wanted, found = self.records.dtype.names or (), state["records"].dtype.names or ()
-        if wanted != found:
-            raise ValueError(f"level records have the fields {', '.join(wanted)}, these {', '.join(found)}")
+        expected, stored = self.records.dtype.names or (), state["records"].dtype.names or ()
+        if expected != stored:
+            raise ValueError(f"level records have the fields {', '.join(expected)}, these {', '.join(stored)}")
         super().load_state_dict(state)

@@ -84,12 +84,12 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
 
 def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
     """Return one match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
-    found: dict[str, Any] = {name: values[index] for name, values in observation.items()}
+    observed: dict[str, Any] = {name: values[index] for name, values in observation.items()}
     for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
-        found[name] = int(found[name])
-    found["score"] = found["score"].tolist()
-    found["sticky_actions"] = found["sticky_actions"].astype(np.uint8)
-    return found
+        observed[name] = int(observed[name])
+    observed["score"] = observed["score"].tolist()
+    observed["sticky_actions"] = observed["sticky_actions"].astype(np.uint8)
+    return observed
 
 
 def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) -> np.ndarray:

@@ -141,7 +141,7 @@ class Lineup:
             }
             roles = np.tile(np.asarray(self.roster.roles), (len(positions), 1))  # [k, P]
             for place, index in self._random_roles:
-                roles[:, place] = [self._role(each, index) for each in scenes.properties["role"][index][rows]]
+                roles[:, place] = [self._role(role, index) for role in scenes.properties["role"][index][rows]]
             matches = unplaced(replace(self.roster, roles=roles), replace(self.config, **drawn), len(positions))
         return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, self.config)
 
@@ -158,8 +158,8 @@ class Lineup:
         info = self.program.objects[index]
         team, role = (scene.properties.get(prop, {index: None})[index] for prop in ("team", "role"))
         if not isinstance(team, str) or team not in TEAMS:
-            found = "in a random team" if isinstance(team, np.ndarray) else "in no team"
-            raise refusal(self.program, f"{info.class_name} is {found}", info.place, "use a Left... or Right... class")
+            side = "in a random team" if isinstance(team, np.ndarray) else "in no team"
+            raise refusal(self.program, f"{info.class_name} is {side}", info.place, "use a Left... or Right... class")
         return TEAMS[team], self._role(role[0] if isinstance(role, np.ndarray) else role, index)
 
     def _role(self, role: Any, index: int) -> int:
@@ -206,12 +206,12 @@ def _settings(program: Program) -> MatchConfig:
         if name not in program.params:
             if name in FACTORS:
                 continue
-            found = "a random value: every match of a program is played under the same settings"
+            value = "a random value: every match of a program is played under the same settings"
         elif not _fits(program.params[name], kind, name):
-            found = repr(program.params[name])
+            value = repr(program.params[name])
         else:
             continue
-        raise refusal(program, f"param {name} must be {_wanted(kind, name)}, not {found}", place)
+        raise refusal(program, f"param {name} must be {_wanted(kind, name)}, not {value}", place)
     return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen if name in program.params})
 
 

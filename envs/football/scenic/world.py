@@ -42,9 +42,9 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
 
 def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
     """Return what `simulation()` gives: the state of the game under the names that Scenic4RL's programs use."""
-    players = [each for each in objects if not is_ball(each)]
-    left = [each for each in players if each.properties["team"] == "left"]
-    right = [each for each in players if each.properties["team"] == "right"]
+    players = [instance for instance in objects if not is_ball(instance)]
+    left = [instance for instance in players if instance.properties["team"] == "left"]
+    right = [instance for instance in players if instance.properties["team"] == "right"]
     game = {
         "frame": facts["time"],
         "steps_left": facts["steps_left"],
@@ -55,7 +55,7 @@ def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
     }
     seen = game | {"players": players, "left_players": left, "right_players": right}
     seen |= {"my_players": left, "op_players": right, "game_state": Namespace("game_state", game)}
-    seen["ball"] = next((each for each in objects if is_ball(each)), None)
+    seen["ball"] = next((instance for instance in objects if is_ball(instance)), None)
     return Namespace(
         "simulation()",
         {
@@ -86,7 +86,7 @@ def command(value: Value, instance: Instance) -> Value:
 
 def is_ball(instance: Instance) -> bool:
     """Return whether an object is the ball."""
-    return any(each.name == "Ball" for each in instance.cls.lineage())
+    return any(cls.name == "Ball" for cls in instance.cls.lineage())
 
 
 FOOTBALL_WORLD = World("football", FIELDS, FACTS, STEP, properties, simulation, command, NUM_COMMANDS)

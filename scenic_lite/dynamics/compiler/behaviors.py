@@ -61,13 +61,13 @@ def command(c: Compilation, actions: Value) -> Value:
         actions = by_length(actions)
     if isinstance(actions, RandomChoice):
         return over_options(c, actions, partial(command, c))
-    actions = tuple(checked(c, each) for each in (actions if isinstance(actions, list | tuple) else [actions]))
+    actions = tuple(checked(c, action) for action in (actions if isinstance(actions, list | tuple) else [actions]))
     remember(c, actions)
     if not actions:
         return -1
     if c.world.actions is not None:
         return packed(actions, c.world.actions)
-    c.output.commands.append(tuple(in_registers(c, store_in_register(c.code, each)) for each in actions))
+    c.output.commands.append(tuple(in_registers(c, store_in_register(c.code, action)) for action in actions))
     return len(c.output.commands) - 1
 
 
@@ -152,10 +152,10 @@ def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
 
 def renew(c: Compilation, agents: list[Instance]) -> None:
     """Note that nobody has done anything yet: as a step begins; in dialect 2 as it ends, and others see what was."""
-    for each in agents:
-        lately = ("object", each.label, LATELY[c.program.dialect])
+    for agent in agents:
+        lately = ("object", agent.label, LATELY[c.program.dialect])
         if c.program.dialect == 2:
-            c.keep(("object", each.label, "lastActions"), c.shared_variable(lately).load() or ())
+            c.keep(("object", agent.label, "lastActions"), c.shared_variable(lately).load() or ())
         c.keep(lately, ())
 
 

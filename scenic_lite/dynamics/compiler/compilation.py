@@ -284,7 +284,7 @@ class Compilation:
         """Inline a behavior or function inside. Raises ScenicError for recursion."""
         body = thing.node if isinstance(thing, Behavior) else thing.body
         site = self.site
-        if any(each is body for each in site.inside) or len(site.inside) >= DEEPEST:
+        if any(outer is body for outer in site.inside) or len(site.inside) >= DEEPEST:
             message = f"{thing.name} calls itself, which no match can do"
             raise ScenicError("unsupported", message, hint="write a loop")
         return self.at(path=(*site.path, id(node)), inside=(*site.inside, body))
@@ -317,7 +317,7 @@ class Compilation:
 
     def table_of(self, key: Key) -> dict[str, Value]:
         """Return where an attribute is looked up."""
-        owner = next(each for each in self.program.instances if each.label == key[1])
+        owner = next(instance for instance in self.program.instances if instance.label == key[1])
         return owner.properties if key[2] in owner.properties else owner.attributes
 
     def shared_variable(self, key: Key) -> Variable:

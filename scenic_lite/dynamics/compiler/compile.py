@@ -80,9 +80,9 @@ def compile_program(program: Program, world: World) -> Compiled:
 def live_objects(c: Compilation) -> Iterator[None]:
     """Give objects live properties inside; outside, they and all variables are as they were loaded."""
     instances = list(c.program.instances)
-    loaded = [(each.properties, each.attributes) for each in instances]
-    for each in instances:
-        each.properties, each.attributes = dict(each.properties), dict(each.attributes)
+    loaded = [(instance.properties, instance.attributes) for instance in instances]
+    for instance in instances:
+        instance.properties, instance.attributes = dict(instance.properties), dict(instance.attributes)
     variables = {} if c.program.main_frame is None else c.program.main_frame.locals
     loaded_variables = dict(variables)
     try:
@@ -90,8 +90,8 @@ def live_objects(c: Compilation) -> Iterator[None]:
     finally:
         variables.clear()
         variables.update(loaded_variables)
-        for each, (properties, attributes) in zip(instances, loaded, strict=True):
-            each.properties, each.attributes = properties, attributes
+        for instance, (properties, attributes) in zip(instances, loaded, strict=True):
+            instance.properties, instance.attributes = properties, attributes
 
 
 def compile_mode(c: Compilation) -> Mode:
@@ -150,7 +150,7 @@ def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
         hint = "make it before, or in the setup of a scenario"
         raise ScenicError("type", "no object can be made in a behavior", hint=hint)
     instance = Instance(cls, scope.place(node))
-    return make(scope, cls, [meaning(scope, instance, each) for each in node.specifiers], instance)
+    return make(scope, cls, [meaning(scope, instance, specifier) for specifier in node.specifiers], instance)
 
 
 def with_location(
@@ -173,7 +173,7 @@ def with_location(
             error = scope.placed(as_error(fault), node)
             if error.kind in REFUSALS:
                 raise
-            inner = [each for each in compilation.output.doubts[known:] if each.kind != "warning"]
+            inner = [doubt for doubt in compilation.output.doubts[known:] if doubt.kind != "warning"]
             if inner and not code.reachable:  # a function has failed before, and so this is not come to
                 error = inner[0]
             else:
@@ -201,7 +201,7 @@ def walk(c: Compilation) -> list[Thread]:
     for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that the program is known to set
         c.table_of(key)[key[2]] = c.shared_variable(key).load()
     main = main_part(c)
-    agents = [Thread(f"{each.title()}: its behavior", 0, agent=each) for each in c.program.instances]
+    agents = [Thread(f"{instance.title()}: its behavior", 0, agent=instance) for instance in c.program.instances]
     for thread in agents:
         assert thread.agent is not None
         thread.call = thread.agent.properties["behavior"]
@@ -240,7 +240,7 @@ def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
 def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> list[Thread]:
     """Return the threads of the objects, in their order."""
     threads: list[Thread] = []
-    movers = [each.agent for each in agents if each.agent and (each.call or each.agent.label in c.drivers)]
+    movers = [mover.agent for mover in agents if mover.agent and (mover.call or mover.agent.label in c.drivers)]
     if c.remembering and c.program.dialect == 3:
         every(c, threads, "lastActions", partial(renew, c, movers))
     for thread in agents:
@@ -271,11 +271,11 @@ def driven(c: Compilation, thread: Thread, drivers: list[Thread], main: Scenario
         drivers = [first, *drivers]
     thread.slot = code.fixed.take()
     begin(c, thread)
-    code.dispatch(register, {each.number: partial(code.row, op.RESUME, each.slot) for each in drivers})
+    code.dispatch(register, {driver.number: partial(code.row, op.RESUME, driver.slot) for driver in drivers})
     code.row(op.WAIT, 0, thread.slot, thread.entry)
-    for each in drivers:
-        c.output.titles[each.entry] = each.title
-        write_body(c, each, main)
+    for driver in drivers:
+        c.output.titles[driver.entry] = driver.title
+        write_body(c, driver, main)
 
 
 def end_all(c: Compilation, main: ScenarioInstance) -> None:

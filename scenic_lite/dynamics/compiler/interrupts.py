@@ -86,7 +86,7 @@ def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.
 
 def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> None:
     scope.pin(assigned_names(node))
-    handlers = [Handler(partial(interrupt_on, c, scope, each.condition), each.body) for each in node.interrupts]
+    handlers = [Handler(partial(interrupt_on, c, scope, clause.condition), clause.body) for clause in node.interrupts]
     interruptible(c, scope, handlers, partial(scope.run, node.body))
 
 
@@ -95,7 +95,7 @@ def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler],
     code, begun, before = c.code, c.scenarios_begun(), set(scope.unset)
     body = code.variables.take(1 + len(handlers))
     begin, scan, end = Label(), Label(), Label()
-    blocks = [(body + 1 + i, each, Label()) for i, each in enumerate(handlers)]
+    blocks = [(body + 1 + i, block, Label()) for i, block in enumerate(handlers)]
     for slot, handler, _ in blocks:
         if handler.block:
             register_of(code, 0, slot)

@@ -29,7 +29,7 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     )
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
-    relocate([*c.output.commands, tuple(each.value for each in c.output.records)], layout)
+    relocate([*c.output.commands, tuple(record.value for record in c.output.records)], layout)
     objects = len(program.objects)
     cells = objects * len(c.world.fields) + len(c.world.facts)
     return Compiled(
@@ -39,13 +39,13 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         tuple(c.output.commands),
         tuple(c.output.reasons),
         tuple(c.output.rejections),
-        tuple({(each.place, each.message): each for each in c.output.doubts}.values()),
+        tuple({(doubt.place, doubt.message): doubt for doubt in c.output.doubts}.values()),
         listing,
         start_of(c, layout),
         tuple(inputs),
         tape,
         code.texts,
-        tuple(each._replace(taken=layout(each.taken)) for each in c.output.records),
+        tuple(record._replace(taken=layout(record.taken)) for record in c.output.records),
         tuple((number, layout(register), at_first) for number, register, at_first in c.output.drivers),
         c.output.sets_reward,
     )
@@ -132,7 +132,7 @@ class Layout:
             return a, b, row.c.row
         if isinstance(row.c, Operands):
             lists.append(len(row.c.registers))
-            lists += [self(each) for each in row.c.registers]
+            lists += [self(register) for register in row.c.registers]
             return a, b, len(lists) - len(row.c.registers)
         return a, b, self(row.c) if form[2] in "abc" else row.c
 

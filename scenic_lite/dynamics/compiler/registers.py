@@ -68,9 +68,9 @@ def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterato
     yield tag, renumbered(value.index, places) if several else places[0]
     for i, option in enumerate(type.options):
         own = list(islice(registers, option.size))
-        held = [each for each, place in zip(options, places, strict=True) if place == i]
+        held = [part for part, place in zip(options, places, strict=True) if place == i]
         if held and own:
-            filled = [each if place == i else held[0] for each, place in zip(options, places, strict=True)]
+            filled = [part if place == i else held[0] for part, place in zip(options, places, strict=True)]
             yield from moves_to(option, iter(own), held[0] if len(held) == 1 else choose(value.index, filled))
 
 
@@ -103,7 +103,7 @@ def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
     places = range(max(map(len, lists)))
     there = [next(own[i] for own in lists if i < len(own)) for i in places]  # where a list is shorter nobody looks
     elements = [choose(value.index, [own[i] if i < len(own) else there[i] for own in lists]) for i in places]
-    return lengths[0] if all(each is lengths[0] for each in lengths) else choose(value.index, lengths), elements
+    return lengths[0] if all(length is lengths[0] for length in lengths) else choose(value.index, lengths), elements
 
 
 # ------------------------------------------------------------ moving

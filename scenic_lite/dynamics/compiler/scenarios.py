@@ -64,10 +64,10 @@ def main_part(c: Compilation) -> ScenarioInstance:
     for call in program.monitors:
         monitor = add_monitor(c, part, call)
         c.output.starting[monitor.slot] = monitor.entry
-    part.terminations = [WatchedItem(each) for each in program.terminations]
-    part.records = [WatchedItem(each) for each in program.records]
-    for each in program.temporal:
-        part.temporal.append(WatchedItem(each, code.fixed.take(), Automaton(formula_of(each.tree.condition))))
+    part.terminations = [WatchedItem(item) for item in program.terminations]
+    part.records = [WatchedItem(item) for item in program.records]
+    for item in program.temporal:
+        part.temporal.append(WatchedItem(item, code.fixed.take(), Automaton(formula_of(item.tree.condition))))
     c.output.starting[part.slot] = part.beginning
     return part
 
@@ -201,15 +201,15 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
 
 def watched_names(part: ScenarioInstance, node: nodes.Scenario) -> frozenset[str]:
     """Return the variables that a compose block assigns and what watches the scenario may read."""
-    loops = [each for tree in node.compose for each in ast.walk(tree) if isinstance(each, ast.For)]
-    changed = names_in(*(each.target for each in loops)) | assigned_names(*node.compose)
-    watching: list[ast.AST] = [each.watched.tree for each in (*part.terminations, *part.records)]
-    watching += [each for tree in node.setup for each in ast.walk(tree) if isinstance(each, DEFINING)]
+    loops = [part for tree in node.compose for part in ast.walk(tree) if isinstance(part, ast.For)]
+    changed = names_in(*(loop.target for loop in loops)) | assigned_names(*node.compose)
+    watching: list[ast.AST] = [item.watched.tree for item in (*part.terminations, *part.records)]
+    watching += [part for tree in node.setup for part in ast.walk(tree) if isinstance(part, DEFINING)]
     return changed & names_in(*watching)
 
 
 def names_in(*trees: ast.AST) -> frozenset[str]:
-    return frozenset(each.id for tree in trees for each in ast.walk(tree) if isinstance(each, ast.Name))
+    return frozenset(node.id for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Name))
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
@@ -217,8 +217,8 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
-    for each in part.parts:
-        each.call_stop(code)
+    for sub in part.parts:
+        sub.call_stop(code)
     for key, (flag, before) in part.overridden.items():
         with code.when(flag), code.statement():
             c.keep(key, before.load())
@@ -265,7 +265,7 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
     """Return a behavior or monitor whose arguments stay as they are now."""
-    return replace(call, arguments={name: store_in_register(c.code, each) for name, each in call.arguments.items()})
+    return replace(call, arguments={name: store_in_register(c.code, value) for name, value in call.arguments.items()})
 
 
 def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall) -> Thread:

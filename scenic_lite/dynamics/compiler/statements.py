@@ -66,9 +66,9 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
         scope.assign(target.id, value)
     elif isinstance(target, ast.Tuple | ast.List):
         parts = spread(scope, target, elements(c, scope, value, target))
-        parts = [store_in_register(c.code, each) for each in parts]  # `a, b = b, a`
-        for each, part in zip(target.elts, parts, strict=True):
-            bind(c, scope, each, part)
+        parts = [store_in_register(c.code, value) for value in parts]  # `a, b = b, a`
+        for element, part in zip(target.elts, parts, strict=True):
+            bind(c, scope, element, part)
     elif isinstance(target, ast.Attribute):
         set_attribute(c, scope, target, scope.value(target.value), value)
     elif isinstance(target, ast.Subscript):
@@ -206,12 +206,12 @@ def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
 
 def needs_one_object(node: ast.For) -> bool:
     """Return whether what a loop does to its element can be compiled for a known object only."""
-    names = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
+    names = {part.id for part in ast.walk(node.target) if isinstance(part, ast.Name)}
 
-    def of_one(each: ast.AST) -> bool:
-        if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store):
-            return isinstance(each.value, ast.Name) and each.value.id in names
-        return isinstance(each, nodes.Override | nodes.Do | nodes.RequireMonitor)
+    def of_one(part: ast.AST) -> bool:
+        if isinstance(part, ast.Attribute) and isinstance(part.ctx, ast.Store):
+            return isinstance(part.value, ast.Name) and part.value.id in names
+        return isinstance(part, nodes.Override | nodes.Do | nodes.RequireMonitor)
 
     return any(map(of_one, walk_own(*node.body)))
 
@@ -220,8 +220,8 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
     """Compile a loop over a fixed list: every round has rows of its own, in which the element is known."""
     code = c.code
     keep = store_in_register if suspends(node.body) else materialize
-    items = [keep(code, each) for each in items]
-    jumps = [each for each in walk_own(*node.body) if isinstance(each, ast.Break | ast.Continue)]
+    items = [keep(code, item) for item in items]
+    jumps = [part for part in walk_own(*node.body) if isinstance(part, ast.Break | ast.Continue)]
     if jumps:
         scope.pin(assigned_names(*node.body))
     exit_ = Label()
@@ -234,7 +234,7 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
     scope.run(node.orelse)
     code.put(exit_)
     if exit_.used:
-        targets = {each.id for each in ast.walk(node.target) if isinstance(each, ast.Name)}
+        targets = {part.id for part in ast.walk(node.target) if isinstance(part, ast.Name)}
         scope.unset |= targets - scope.variables.keys()
 
 
@@ -299,14 +299,14 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
     if isinstance(target, ast.Name):
         yield target
     elif isinstance(target, ast.Tuple | ast.List):
-        for each in target.elts:
-            yield from base_names(each)
+        for element in target.elts:
+            yield from base_names(element)
 
 
 def suspends(trees: Iterable[ast.AST]) -> bool:
     """Return whether time may pass in some statements."""
     kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
-    return any(isinstance(each, kinds) for each in walk_own(*trees))
+    return any(isinstance(node, kinds) for node in walk_own(*trees))
 
 
 STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {

@@ -56,7 +56,7 @@ def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
 
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
-    limits = [each.watched for each in part.terminations if isinstance(each.watched.tree, nodes.TerminateAfter)]
+    limits = [item.watched for item in part.terminations if isinstance(item.watched.tree, nodes.TerminateAfter)]
     if limits:
         taken, allowed = part.limit = c.code.fixed.take(), c.code.fixed.take()
         register_of(c.code, 0, taken)
@@ -65,12 +65,12 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
     """Compile `terminate [simulation] when`: end something with the label of the first that holds."""
-    for each in part.terminations:
-        tree = each.watched.tree
+    for item in part.terminations:
+        tree = item.watched.tree
         if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
-            scope = frame_for(c, each.watched)
+            scope = frame_for(c, item.watched)
             with c.code.statement(), branch(c, scope, tree.condition):
-                end(each.watched.label)
+                end(item.watched.label)
 
 
 def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
@@ -93,11 +93,11 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
     """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
     for part in main.family() if when != "final" else [main]:
-        items = [each for each in part.records if each.watched.tree.when == when]
+        items = [item for item in part.records if item.watched.tree.when == when]
         with while_running(c, part) if items else nullcontext():
-            for each in items:
+            for item in items:
                 with c.code.statement():
-                    take_record(c, each)
+                    take_record(c, item)
 
 
 def take_record(c: Compilation, item: WatchedItem) -> None:
@@ -149,10 +149,10 @@ class Automaton:
 
 def see_steps(c: Compilation, part: ScenarioInstance) -> None:
     """Write rows that let the temporal requirements of a scenario see a step."""
-    for each in part.temporal:
-        bindings = each.watched.bindings
+    for item in part.temporal:
+        bindings = item.watched.bindings
         with c.code.statement(), nullcontext() if bindings is None else bindings.restored(c.state):
-            progress(c, each, each.scope or frame_for(c, each.watched))
+            progress(c, item, item.scope or frame_for(c, item.watched))
 
 
 def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
@@ -172,7 +172,7 @@ def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
             code.row(op.ADD, index, index, index)
             with code.statement(), branch(c, scope, atom):
                 code.row(op.ADD, index, index, code.constant(1))
-        code.row(op.SELECT, state, index, Operands(tuple(code.constant(each) for each in following)))
+        code.row(op.SELECT, state, index, Operands(tuple(code.constant(number) for number in following)))
         code.row(op.JUMP, c=end)
         code.put(other)
     code.put(end)
@@ -181,9 +181,9 @@ def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
 
 def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
     """Reject the match at the end of a scenario for what was required and has not come."""
-    for each in part.temporal:
-        c.code.place = each.watched.place
-        refuse(c, each, lambda rest: not rest.at_end())
+    for item in part.temporal:
+        c.code.place = item.watched.place
+        refuse(c, item, lambda rest: not rest.at_end())
 
 
 def refuse(c: Compilation, item: WatchedItem, bad: Callable[[Formula], bool]) -> None:

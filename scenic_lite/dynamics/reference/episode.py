@@ -80,8 +80,8 @@ class Episode:
         self._table: list[dict[str, float]] = []
         self.suspending: dict[type, Callable[..., Any]] = {}
         self.scenario: Any = None  # the one whose statements run now
-        self._own = [(each, each.copy()) for each in changeable(program)]
-        self._own += [(each.properties, self._sampled(each.properties)) for each in program.instances]
+        self._own = [(container, container.copy()) for container in changeable(program)]
+        self._own += [(instance.properties, self._sampled(instance.properties)) for instance in program.instances]
         self.mode = self._mode()
         self.state = self.mode.state
 
@@ -196,11 +196,11 @@ def sampled(value: Value, row: dict[RandomExpr, Value]) -> Value:
     """Return a value as it is in one sample; a container without anything random stays the same."""
     value = in_row(value, row)
     if isinstance(value, list | tuple):
-        parts = [sampled(each, row) for each in value]
+        parts = [sampled(element, row) for element in value]
         return value if all(map(operator.is_, parts, value)) else type(value)(parts)
     if isinstance(value, dict):
-        pairs = {key: sampled(each, row) for key, each in value.items()}
-        return value if all(each is value[key] for key, each in pairs.items()) else pairs
+        pairs = {key: sampled(element, row) for key, element in value.items()}
+        return value if all(element is value[key] for key, element in pairs.items()) else pairs
     return value
 
 
@@ -220,13 +220,13 @@ def changeable(program: Program) -> list[Any]:
 
     So a list that behaviors add to begins every episode as the program wrote it.
     """
-    attributes = [each.attributes for each in program.instances]
-    return list({id(each): each for each in (*variables(program), *containers(program), *attributes)}.values())
+    attributes = [instance.attributes for instance in program.instances]
+    return list({id(own): own for own in (*variables(program), *containers(program), *attributes)}.values())
 
 
 def variables(program: Program) -> list[dict[str, Value]]:
     """Return the names that an episode may assign: those of the main scenario, and of modules by `global`."""
-    modules = [each.scope.module_names for each in program.behaviors.values()]
+    modules = [behavior.scope.module_names for behavior in program.behaviors.values()]
     return modules if program.main_frame is None else [*modules, program.main_frame.locals]
 
 

@@ -186,7 +186,7 @@ class Scenario:
         self._temporal.append((watched, Check(formula_of(watched.tree.condition))))
 
     def _time_limit(self) -> float | None:
-        limits = [each for each in self.kept["terminations"] if isinstance(each.tree, nodes.TerminateAfter)]
+        limits = [item for item in self.kept["terminations"] if isinstance(item.tree, nodes.TerminateAfter)]
         if not limits:
             return None
         tree, scope = limits[-1].tree, self._scope_of(limits[-1])
