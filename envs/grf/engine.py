@@ -158,7 +158,7 @@ def scenario_settings(config: MatchConfig) -> dict[str, Any]:
 def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
     """Return for both teams whether behaviors of the program move players of theirs that no agent has."""
     compiled = behaviors.compiled
-    objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.drivers}
+    objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.overridden}
     players = {int(lineup.object_to_player[number]) for number in objects}
     teams = {int(np.asarray(lineup.roster.teams)[player]) for player in players if player >= 0}
     if lineup.config.agents_only:

@@ -1,7 +1,7 @@
 """Faults of arithmetic that arrays pass over in silence: where a program may divide by zero, and in which scenes.
 
 The walk notes every random value whose operation can fail (`note`), with its place and the conditions under which the
-program gets there; `Faults` finds the scenes of a batch in which one does. Read next: `scene.program`.
+program gets there; `CheckResults` finds the scenes of a batch in which one does. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -165,7 +165,7 @@ def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> l
     return on_tape
 
 
-class Faults:
+class CheckResults:
     """What fails in one batch of scenes; a rule [R, N] whose condition does counts as failed there."""
 
     def __init__(self, checks: list[TapeCheck], tape: Tape, registers: list[Any], failed: np.ndarray) -> None:

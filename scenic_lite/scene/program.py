@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.core.checks import Faults, checks_on
+from scenic_lite.core.checks import CheckResults, checks_on
 from scenic_lite.core.per_sample import reached
 from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
@@ -178,7 +178,7 @@ class Program:
         """Return the tape of what a person would want to see of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
-    def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, Faults]:
+    def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, CheckResults]:
         """Return what scenes of theta [N, D] are read from, their `ok` [N] and `failed` [R, N], and their faults.
 
         That is all that sampling needs of a candidate: to make scenes of it takes as long again.
@@ -192,7 +192,7 @@ class Program:
             registers = self.tape.run(scaled)
             outlines = self._plan.arrangement.outlines(registers, count)
             failed = self._constraints.failed(registers, outlines, count)  # [R, N]
-            faults = Faults(self._checks, self.tape, registers, failed)
+            faults = CheckResults(self._checks, self.tape, registers, failed)
             violated = self._constraints.hard_of(failed).any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
             ok = np.isfinite(placed) & ~violated & ~faults.in_values & known  # [N]

@@ -111,7 +111,7 @@ class _Checker:
             end_line, end_column = line, len(self.source.line(line).split("#")[0].rstrip())
         self.errors.append(self.source.error(message, (line, column, end_line, end_column), hint, kind))
 
-    def doubt(self, node: ast.AST, message: str, hint: str = "") -> None:
+    def warn(self, node: ast.AST, message: str, hint: str = "") -> None:
         """Add a warning."""
         self.report(node, message, hint, "warning")
 
@@ -205,13 +205,13 @@ class _Checker:
             pending.extend((child, logical and logic) for child in ast.iter_child_nodes(part))
 
     def specifier(self, node: nodes.Specifier, context: Context) -> None:
-        """Doubt a heading without `deg`."""
+        """Warn of a heading without `deg`."""
         name, value = node.name, node.arguments[-1] if node.arguments else None
         if name == "with" and isinstance(node.arguments[0], ast.Constant):
             name = str(node.arguments[0].value)
         if name in ANGLES and (turns := _turns(value)):
             message = f"angles are in radians, and this one makes {turns:.0f} turns"
-            self.doubt(node, message, 'degrees are written "90 deg"')
+            self.warn(node, message, 'degrees are written "90 deg"')
 
     def instance(self, node: nodes.New, context: Context) -> None:
         """Note in which dialect an instance is written: with `new` before its class, or without."""
@@ -221,17 +221,17 @@ class _Checker:
             self.forms.setdefault(2, node)
 
     def whole(self) -> None:
-        """Doubt a program that mixes dialects, and monitors that nobody starts."""
+        """Warn of a program that mixes dialects, and monitors that nobody starts."""
         if len(self.forms) == 2:
             node, other = self.forms[5 - self.dialect], 5 - self.dialect
             hint = 'write "monitor M():" and "require monitor M()"'
             if isinstance(node, nodes.New):
                 hint = 'write "new" before the class' if other == 2 else 'leave out the "new"'
             message = f"this is written as in Scenic {other}, and the program is read as Scenic {self.dialect}"
-            self.doubt(node, message, hint)
+            self.warn(node, message, hint)
         for name, monitor in self.monitors.items():
             if not monitor.started and name not in self.names and "ego" in self.names:  # else a library
-                self.doubt(monitor, f'the monitor "{name}" is never required', f'write "require monitor {name}()"')
+                self.warn(monitor, f'the monitor "{name}" is never required', f'write "require monitor {name}()"')
 
 
 def _turns(value: ast.expr | None) -> float:

@@ -157,7 +157,7 @@ def test_the_owner_of_the_ball_is_an_index_of_his_team() -> None:
     )
     assert Scene(text).step()["ego"] == 9
     assert Scene(text).set("ball", owned_team=0, owned_player_idx=1).step()["ego"] == 5
-    assert not compile_program(load(text, FOOTBALL), FOOTBALL_WORLD).doubts
+    assert not compile_program(load(text, FOOTBALL), FOOTBALL_WORLD).diagnostics
 
 
 def test_a_direction_that_is_pressed_is_not_pressed_again() -> None:

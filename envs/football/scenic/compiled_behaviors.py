@@ -47,8 +47,8 @@ class CompiledBehaviors:
         compiled, kinds = self.compiled, dict[int, Kind]()
         kinds |= {int(slot): Place(len(self.code.rows)) for slot in slots(self.code)}
         kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # a match that fails begins anew at once
-        kinds |= {REJECTED: Place(1 + len(compiled.broken))}
-        kinds |= {TERMINATED: Place(1 + len(compiled.reasons)), COMPLETE: Place(1 + len(compiled.reasons))}
+        kinds |= {REJECTED: Place(1 + len(compiled.rejections))}
+        kinds |= {TERMINATED: Place(1 + len(compiled.end_reasons)), COMPLETE: Place(1 + len(compiled.end_reasons))}
         return Limits.of_array(self.num_registers, kinds)
 
     def registers(self, theta: np.ndarray) -> np.ndarray:

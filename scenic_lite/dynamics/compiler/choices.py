@@ -121,7 +121,7 @@ def jump_on(c: Compilation, scope: Scope, node: ast.expr, target: Label, when: b
         value = scope.value(node)
         if isinstance(value, BehaviorCall):
             error = no_condition(scope, node)
-            c.output.doubts.append(error)
+            c.output.diagnostics.append(error)
             c.stop_with(error)
         else:
             jump(c.code, truth(value), target, when)

@@ -93,7 +93,7 @@ class Assembler:
     inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # by the node's id
     initial: dict[int, float] = field(default_factory=dict)  # registers that a match starts with
     texts: dict[str, int] = field(default_factory=dict)
-    notes: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
+    register_names: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
     known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way to here, by id
 

@@ -172,7 +172,7 @@ class ScenarioInstance:
         first = code.fixed.take(4)
         self.running, self.back, self.slot, self.halted = range(first, first + 4)
         for i, word in enumerate(("running", "back", "compose", "halted")):
-            code.notes[first + i] = f"{self.name}.{word}"
+            code.register_names[first + i] = f"{self.name}.{word}"
         self.stop, self.over, self.kill, self.after, self.beginning, self.progress = (Label() for _ in range(6))
         self.site = Site(part=self)
         self.ego: Instance | None = None
@@ -225,12 +225,12 @@ class Site:
 class Output:
     """What a walk gives besides rows."""
 
-    doubts: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
+    diagnostics: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
     commands: list[tuple[Value, ...]] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)  # for the end of a match
+    end_reasons: list[str] = field(default_factory=list)  # for the end of a match
     rejections: list[str] = field(default_factory=list)  # requirements that reject a match
     records: list[Record] = field(default_factory=list)
-    drivers: list[tuple[int, int, bool]] = field(default_factory=list)  # as in `Compiled`
+    overridden: list[tuple[int, int, bool]] = field(default_factory=list)  # as in `Compiled`
     sets_reward: bool = False
     starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
     titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
@@ -260,7 +260,7 @@ class Compilation:
     site: Site = field(default_factory=Site)
     output: Output = field(default_factory=Output)
     shown: WorldRegisters = field(default_factory=WorldRegisters)
-    drivers: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors that scenarios give objects, by label
+    overrides: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors that scenarios give objects, by label
     shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     remembering: bool = False  # the program reads `lastActions`
 
@@ -367,6 +367,6 @@ class Compilation:
 
     def reason(self, message: str) -> int:
         """Return the register of the number of a reason to end."""
-        if message not in self.output.reasons:
-            self.output.reasons.append(message)
-        return self.code.constant(1 + self.output.reasons.index(message))
+        if message not in self.output.end_reasons:
+            self.output.end_reasons.append(message)
+        return self.code.constant(1 + self.output.end_reasons.index(message))

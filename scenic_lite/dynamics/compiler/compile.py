@@ -165,7 +165,7 @@ def with_location(
     def handle(scope: CompiledScope, node: ast.stmt) -> None:
         code = compilation.code
         before, code.place = code.place, scope.place(node)
-        start, known = len(code.rows), len(compilation.output.doubts)
+        start, known = len(code.rows), len(compilation.output.diagnostics)
         try:
             with code.statement():
                 handler(compilation, scope, node)
@@ -173,11 +173,11 @@ def with_location(
             error = scope.placed(as_error(fault), node)
             if error.kind in REFUSALS:
                 raise
-            inner = [doubt for doubt in compilation.output.doubts[known:] if doubt.kind != "warning"]
+            inner = [error for error in compilation.output.diagnostics[known:] if error.kind != "warning"]
             if inner and not code.reachable:  # a function has failed before, and so this is not come to
                 error = inner[0]
             else:
-                compilation.output.doubts.append(error)
+                compilation.output.diagnostics.append(error)
             del code.rows[start:]
             code.reachable = True
             compilation.stop_with(error)
@@ -240,13 +240,13 @@ def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
 def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> list[Thread]:
     """Return the threads of the objects, in their order."""
     threads: list[Thread] = []
-    movers = [mover.agent for mover in agents if mover.agent and (mover.call or mover.agent.label in c.drivers)]
+    movers = [mover.agent for mover in agents if mover.agent and (mover.call or mover.agent.label in c.overrides)]
     if c.remembering and c.program.dialect == 3:
         every(c, threads, "lastActions", partial(renew, c, movers))
     for thread in agents:
         assert thread.agent is not None
-        if thread.agent.label in c.drivers:
-            driven(c, thread, c.drivers[thread.agent.label], main)
+        if thread.agent.label in c.overrides:
+            write_overridden(c, thread, c.overrides[thread.agent.label], main)
         elif isinstance(thread.call, BehaviorCall):
             thread.title, thread.slot = f"{thread.agent.title()}: {thread.call.behavior.name}", c.code.fixed.take()
             write_body(c, thread, main)
@@ -259,23 +259,23 @@ def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread
     return threads
 
 
-def driven(c: Compilation, thread: Thread, drivers: list[Thread], main: ScenarioInstance) -> None:
+def write_overridden(c: Compilation, thread: Thread, overrides: list[Thread], main: ScenarioInstance) -> None:
     """Write the thread of an object whose behavior changes: it goes on where the one that it has now says."""
     code, agent, call = c.code, thread.agent, thread.call
     assert agent is not None
     register = register_of(code, c.shared_variable(("object", agent.label, BEHAVIOR)).load())
-    c.output.drivers.append((c.program.instances.index(agent), register, call is not None))
+    c.output.overridden.append((c.program.instances.index(agent), register, call is not None))
     if call is not None:
         first = Thread(f"{agent.title()}: {call.behavior.name}", code.fixed.take(), call, agent)
         c.output.starting[first.slot] = first.entry
-        drivers = [first, *drivers]
+        overrides = [first, *overrides]
     thread.slot = code.fixed.take()
     begin(c, thread)
-    code.dispatch(register, {driver.number: partial(code.row, op.RESUME, driver.slot) for driver in drivers})
+    code.dispatch(register, {override.number: partial(code.row, op.RESUME, override.slot) for override in overrides})
     code.row(op.WAIT, 0, thread.slot, thread.entry)
-    for driver in drivers:
-        c.output.titles[driver.entry] = driver.title
-        write_body(c, driver, main)
+    for override in overrides:
+        c.output.titles[override.entry] = override.title
+        write_body(c, override, main)
 
 
 def end_all(c: Compilation, main: ScenarioInstance) -> None:
@@ -323,14 +323,14 @@ def show_world(c: Compilation) -> None:
         fields: dict[str, Value] = {}
         for i, name in enumerate(world.fields):
             fields[name] = RegisterValue(first + i)
-            code.notes[first + i] = f"{instance.title()}.{name}"
+            code.register_names[first + i] = f"{instance.title()}.{name}"
         live = world.properties(instance, fields)
         names |= set(live)
         instance.properties.update(live)
         instance.properties["lastActions"] = ()
         instance.attributes[BEHAVIOR] = NOBODY if instance.properties["behavior"] is None else 0
     for i, name in enumerate(world.facts):
-        code.notes[c.shown.facts + i] = name
+        code.register_names[c.shown.facts + i] = name
     c.shown.names = frozenset(names)
     if not c.simulation.names:  # once: the world has the same registers in every walk, and variables hold parts of it
         c.simulation.names.update(world.simulation(list(program.instances), dict(facts)).names)

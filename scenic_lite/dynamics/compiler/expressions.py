@@ -234,7 +234,7 @@ def inlined(
     bound, before = function.bind(arguments, keywords), c.code.place
     try:
         with c.entered(function, node):
-            return settled(c, function, {name: materialize(c.code, value) for name, value in bound.items()})
+            return value_of_call(c, function, {name: materialize(c.code, value) for name, value in bound.items()})
     except ScenicError as error:
         raise seen_from(scope, function, node, error) from None
     finally:
@@ -242,16 +242,16 @@ def inlined(
         c.code.known.clear()
 
 
-def settled(c: Compilation, function: Function, names: dict[str, Value]) -> Value:
+def value_of_call(c: Compilation, function: Function, names: dict[str, Value]) -> Value:
     """Return the value of a call; written again while its rows rely on types that were not the last, at little cost."""
-    code, path, doubts = c.code, c.site.path, len(c.output.doubts)
+    code, path, diagnostics = c.code, c.site.path, len(c.output.diagnostics)
     rows, known, reachable = len(code.rows), dict(code.known), code.reachable
     used = code.variables.used, code.temporaries.used
     while True:
         value = result_of(scope_of(c, function, dict(names)), function)
         if not c.types.settle(path):
             return value
-        del code.rows[rows:], c.output.doubts[doubts:]
+        del code.rows[rows:], c.output.diagnostics[diagnostics:]
         code.known, code.reachable = dict(known), reachable
         code.variables.used, code.temporaries.used = used
 

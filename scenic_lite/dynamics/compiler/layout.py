@@ -37,16 +37,16 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
         program,
         tuple(number_of(program, thread) for thread in threads),
         tuple(c.output.commands),
-        tuple(c.output.reasons),
+        tuple(c.output.end_reasons),
         tuple(c.output.rejections),
-        tuple({(doubt.place, doubt.message): doubt for doubt in c.output.doubts}.values()),
+        tuple({(error.place, error.message): error for error in c.output.diagnostics}.values()),
         listing,
         start_of(c, layout),
         tuple(inputs),
         tape,
         code.texts,
         tuple(record._replace(taken=layout(record.taken)) for record in c.output.records),
-        tuple((number, layout(register), at_first) for number, register, at_first in c.output.drivers),
+        tuple((number, layout(register), at_first) for number, register, at_first in c.output.overridden),
         c.output.sets_reward,
     )
 
@@ -93,7 +93,7 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     """Return what a person reads beside the rows."""
     nowhere = SourceSpan(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
-    names = {layout(register): note for register, note in c.code.notes.items()}
+    names = {layout(register): note for register, note in c.code.register_names.items()}
     names |= {layout(register): f"{value:g}" for value, register in c.code.constants.items()}
     lines = {(place.file, place.line): c.program.line_of(place) for place in set(places)}
     notes = {i: row.note for i, row in enumerate(rows) if row.note}

@@ -272,7 +272,7 @@ def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall) -> T
     where = "" if part.parent is None else f" of {part.name}"
     title = f"monitor {call.behavior.name}{where}"
     part.monitors.append(Thread(title, part.register(c.code), call, number=len(part.monitors)))
-    c.code.notes[part.monitors[-1].slot] = f"{call.behavior.name}.slot"
+    c.code.register_names[part.monitors[-1].slot] = f"{call.behavior.name}.slot"
     return part.monitors[-1]
 
 
@@ -326,7 +326,7 @@ def set_until_end(c: Compilation, key: Key, value: Value) -> None:
 def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
     """Give an object another behavior, or one of several: a register says which one it has now."""
     numbers, cases = [], {}
-    known = c.drivers.setdefault(target.label, [])
+    known = c.overrides.setdefault(target.label, [])
     for i, call in enumerate(value.options if isinstance(value, RandomChoice) else (value,)):
         numbers.append(NOBODY)
         call = checked("behavior", call, c.program.dialect)

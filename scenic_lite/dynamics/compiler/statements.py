@@ -41,7 +41,7 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
     if isinstance(value, BehaviorCall):
         name = value.behavior.name
         message = f'the behavior "{name}" is named here, but not run'
-        c.output.doubts.append(scope.error("warning", message, node, f"write do {name}(...)"))
+        c.output.diagnostics.append(scope.error("warning", message, node, f"write do {name}(...)"))
 
 
 # ------------------------------------------------------------ assignments

@@ -237,10 +237,10 @@ def join(a: Type | None, b: Type | None) -> Type | None:
     """Return the least type for the values of both."""
     if a is None or b is None or a == b:
         return b if a is None else a
-    return merged(a, b) or one_of([a, b])
+    return merge(a, b) or one_of([a, b])
 
 
-def merged(a: Type, b: Type) -> Type | None:
+def merge(a: Type, b: Type) -> Type | None:
     """Return one type for both that is no choice between them, if there is one."""
     if a == b:
         return a
@@ -294,7 +294,7 @@ def one_of(types: list[Type]) -> Type:
 
 def add_option(options: list[Type], type: Type) -> None:
     for i, option in enumerate(options):
-        together = merged(option, type)
+        together = merge(option, type)
         if together is not None:
             options[i] = together
             return
@@ -305,7 +305,7 @@ def option_for(type: OneOf, value: Value) -> int:
     """Return which option of a type holds a value."""
     own = type_of(value)
     for i, option in enumerate(type.options):
-        if option == own or (not isinstance(option, Const) and merged(option, own) == option):
+        if option == own or (not isinstance(option, Const) and merge(option, own) == option):
             return i
     raise ScenicError("type", f"{describe_kind(value)} where something else was expected")
 

@@ -105,7 +105,7 @@ def take_record(c: Compilation, item: WatchedItem) -> None:
     value = in_registers(c, store_in_register(code, frame_for(c, item.watched).value(tree.value)))
     taken = code.fixed.take()
     code.begin_with(taken, -1)
-    code.notes[taken] = f"{label}.taken"
+    code.register_names[taken] = f"{label}.taken"
     register_of(code, c.time(), taken)
     c.output.records.append(Record(label, tree.when, taken, value))
 

@@ -52,26 +52,26 @@ class Compiled:
         program: what it was compiled from.
         threads: of each thread the object that it moves, or -1.
         commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
-        doubts: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
+        diagnostics: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
         records: what `record` statements put into registers.
         sets_reward: whether a statement assigns `simulation().scenic_reward`.
-        reasons, broken: why a match ends, which requirement is broken, by the numbers in the registers less 1.
+        end_reasons, rejections: why a match ends, which requirement it breaks, by the numbers in the registers less 1.
     """
 
     code: Code
     program: Program
     threads: tuple[int, ...]
     commands: tuple[tuple[Value, ...], ...]
-    reasons: tuple[str, ...]
-    broken: tuple[str, ...]
-    doubts: tuple[ScenicError, ...]
+    end_reasons: tuple[str, ...]
+    rejections: tuple[str, ...]
+    diagnostics: tuple[ScenicError, ...]
     listing: Listing
     start: np.ndarray  # [R]: constants, entries of the threads
     inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text
     tape: Tape
     texts: dict[str, int]
     records: tuple[Record, ...]
-    drivers: tuple[tuple[int, int, bool], ...]  # objects that are given behaviors: number, register, has one at first
+    overridden: tuple[tuple[int, int, bool], ...]  # objects with other behaviors: number, register, has one at first
     sets_reward: bool
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
@@ -92,9 +92,9 @@ class Compiled:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Return what `doubts` means to whoever wrote the program, with places."""
+        """Return what `diagnostics` means to whoever wrote the program, with places."""
         stops = "a match that comes to this line stops: "
-        return tuple(f"{'' if doubt.kind == 'warning' else stops}{doubt}" for doubt in self.doubts)
+        return tuple(f"{'' if error.kind == 'warning' else stops}{error}" for error in self.diagnostics)
 
     def disassembly(self) -> str:
         """Return the code in words, with the lines of the program."""

@@ -42,7 +42,7 @@ class CompiledController:
     def _agents(self) -> tuple[int, ...]:
         """Return the objects that have a behavior now."""
         having = {moved for moved in self.compiled.threads if moved >= 0}
-        for number, register, at_first in self.compiled.drivers:
+        for number, register, at_first in self.compiled.overridden:
             now = self.registers[register]
             if now < 0 or (now == 0 and not at_first):
                 having.remove(number)
@@ -99,8 +99,8 @@ class CompiledController:
 
     def _terminated(self) -> str | None:
         number = int(self.registers[TERMINATED])
-        return self.compiled.reasons[number - 1] if number and not self._rejected() else None
+        return self.compiled.end_reasons[number - 1] if number and not self._rejected() else None
 
     def _rejected(self) -> str | None:
         number = int(self.registers[REJECTED])
-        return self.compiled.broken[number - 1] if number else None
+        return self.compiled.rejections[number - 1] if number else None

@@ -394,7 +394,7 @@ def test_a_behavior_called_in_a_condition_stops_a_match_that_comes_to_it(name):
     text = "behavior B():\n    take 9\nbehavior Main():\n    " + body + feature_programs.OBJECTS
     differing, compiled = differences(text, range(2), steps=6)
     assert differing == []
-    assert [(each.kind, each.message) for each in compiled.doubts] == [
+    assert [(each.kind, each.message) for each in compiled.diagnostics] == [
         ("type", "a behavior cannot be called in a condition")
     ]
     controller = CompiledController(compiled, compiled.program.sample(1, np.random.default_rng(0))[0][0])
@@ -423,7 +423,7 @@ def test_what_cannot_be_executed_stops_only_a_match_that_comes_to_it(name):
     line = text.count("\n") - 1
     program = load(text + feature_programs.OBJECTS, dialect=3)
     compiled = compile_program(program, toy_world())
-    assert [each.place.line for each in compiled.doubts] == [line]
+    assert [each.place.line for each in compiled.diagnostics] == [line]
     theta = program.sample(1, np.random.default_rng(0))[0][0]
     table = np.zeros((3, 3))
     calm = CompiledController(compiled, theta)

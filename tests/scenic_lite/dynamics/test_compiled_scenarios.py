@@ -22,7 +22,7 @@ from tests.scenic_lite.dynamics.toy_world import first_table, run
 def test_the_machine_does_as_the_reference(name):
     found, compiled = differences(program(name), range(6), steps=20)
     assert found == []
-    assert not [each for each in compiled.doubts if each.kind != "warning"]
+    assert not [each for each in compiled.diagnostics if each.kind != "warning"]
 
 
 @pytest.mark.parametrize("name", sorted(BODIES))
