@@ -117,6 +117,7 @@ class Constantly:
         return np.full(len(observation), self.action)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
     [

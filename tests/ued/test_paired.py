@@ -20,6 +20,7 @@ def share_near_peak(theta):
     return float((np.linalg.norm(theta - Landscape.PEAK, axis=1) < Landscape.WIDTH).mean())
 
 
+@pytest.mark.slow
 def test_the_adversary_moves_to_where_regret_is():
     method = Paired(Landscape(64), PPO, PairedConfig(), seed=0)
     first = method.update()
@@ -103,6 +104,7 @@ def test_an_invalid_proposal_is_neither_played_nor_learned_from():
     assert own == pytest.approx(records["level"]["theta"][~replaced], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_penalty_teaches_the_adversary_what_is_valid():
     config = PairedConfig(invalid_penalty=0.5, dr_fraction=0.0)
     lessons, *_ = lessons_of(dataclasses.replace(config, adversary=BRIEF), HalfValid(64), updates=2)

@@ -97,6 +97,7 @@ def test_edits_stay_within_the_kind():
     assert len(np.unique(np.round(edited[changed[:, 3], 3], 6))) == 2  # of two grounds, the other
 
 
+@pytest.mark.slow
 def test_the_adversary_is_categorical_where_the_parameter_is():
     method = Paired(bandit(), SMALL, PairedConfig(dr_fraction=0.0), seed=0)
     teacher = method.curriculum
@@ -230,7 +231,7 @@ def mixed(dim):
 
 
 @pytest.mark.parametrize("name", METHODS)
-@pytest.mark.parametrize("dim", [1, 5, 10_000])
+@pytest.mark.parametrize("dim", [1, 5, pytest.param(10_000, marks=pytest.mark.slow)])
 def test_theta_of_any_size_and_mixture_through_every_method(name, dim):
     if name == "alp_gmm":
         pytest.importorskip("sklearn")
