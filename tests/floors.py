@@ -80,6 +80,7 @@ FLOORS = {
         "scenic3.names",  # Scenic 3 itself: what is random, by name and line
         "scenic3.columns",  # as columns of theta
         "scenic3.program",  # theta -> scenes
+        "scenic3.view",  # as pictures
         "scenic3.episode",  # a simulation, step by step
         "scenic3.vector_env",  # processes of them
     ),

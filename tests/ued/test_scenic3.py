@@ -79,6 +79,31 @@ other = new Thing at (0, Range(5, 10)), with velocity (0, speed), with behavior 
 terminate when other.position.y > 12
 """
 )
+MODULAR = """
+param render = False
+param weather = Uniform('sun', 'rain')
+model scenic.simulators.newtonian.model
+class Thing:
+    length: 2
+    requireVisible: False
+    allowCollisions: True
+behavior Go(pace):
+    while True:
+        wait
+        self.velocity = Vector(pace, 0)
+scenario Late(pace):
+    setup:
+        new Thing at (0, 60), with behavior Go(pace)
+scenario Main():
+    setup:
+        gap = Range(4, 5)
+        ego = new Thing at (0, 0)
+        other = new Thing ahead of ego by gap, with behavior Go(Range(1, 2))
+    compose:
+        wait
+        do Late(Range(3, 4)) for 1 seconds
+        do choose Late(1), Late(2)
+"""
 STILL = DRIVE.replace("terminate when other.position.y > 12", "")
 
 
@@ -199,7 +224,7 @@ if scenic3 is not None:
         mistaken = False
 
         def observe(self, simulation):
-            ego, other = simulation.objects
+            ego, other, *_ = simulation.objects
             return np.array([ego.position.y, other.position.x, other.position.y], np.float32)
 
         def act(self, action, simulation):
@@ -209,7 +234,7 @@ if scenic3 is not None:
             return ()
 
         def judge(self, simulation):
-            ego, other = simulation.objects
+            ego, other, *_ = simulation.objects
             return float(ego.position.y), bool(ego.position.y > other.position.y), None
 
 
@@ -271,6 +296,42 @@ def test_episodes_end_by_the_program_the_role_and_the_clock(make):
     assert terminated.tolist() == [False, True]
     assert info["final_obs"][1, 0] > info["final_obs"][1, 2] > seen[1, 0] == 0  # begun again
     assert reward[1] == pytest.approx(info["final_obs"][1, 0], rel=1e-6)
+
+
+@needed
+def test_a_requirement_that_is_broken_on_the_way_ends_an_episode(make):
+    upomdp = make(STILL + "require always other.position.y < 7.2", 1)
+    upomdp.reset(options={"theta": [[1.0, -1.0]]})
+    outcomes = [upomdp.step(np.zeros((1, 1))) for _ in range(6)]
+    assert [outcome[2].item() for outcome in outcomes] == [False] * 4 + [True, False]
+    assert outcomes[4][4]["ending"].tolist() == ["rejected"] and outcomes[4][4]["success"].tolist() == [0]
+
+
+@needed
+def test_scenarios_of_several_parts_are_played(make):
+    upomdp = make(MODULAR, 1)
+    assert [draw.name for draw in upomdp.draws] == ["param weather", "gap", "other.behavior.pace"]
+    upomdp.reset(options={"theta": [[0.0, 0.0, -1.0]]})
+    seen = [upomdp.step(np.zeros((1, 1)))[0][0] for _ in range(2)]
+    np.testing.assert_allclose(seen, [[0, 0, 6.5], [0, 0.1, 6.5]], atol=1e-6)  # 4.5 m between two of 2 m
+    assert len(played(upomdp, 40)) == 40
+
+
+@needed
+def test_without_an_ego_it_says_who_might_act(make):
+    upomdp = make("param render = False\nmodel scenic.simulators.newtonian.model\nnew Object at (Range(0, 1), 0)", 1)
+    with pytest.raises(LevelError, match=r"the program has no ego; name the object that acts by `Role.agent`"):
+        upomdp.reset(seed=0)
+
+
+@needed
+def test_it_is_seen_from_above(make):
+    upomdp = make(STILL)
+    upomdp.reset(seed=0, options={"theta": [[0, -1], [0, 1]]})
+    near, far = upomdp.render()
+    assert near.dtype == np.uint8 and near.shape == far.shape == (160, 320, 3)
+    heights = [np.argwhere((frame == scenic3.view.OTHER).all(-1))[:, 0].mean() for frame in (near, far)]
+    assert heights[0] - heights[1] == pytest.approx(5 * 4, abs=1)  # five metres, of four pixels
 
 
 @needed

@@ -23,6 +23,8 @@ from scenic.core.scenarios import Scene
 from scenic.core.sensors import GroundTruthSensor
 from scenic.core.simulators import Simulation, Simulator, TerminationType
 
+from ued.scenic3.view import top_view
+
 Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # as `gymnasium.Env.step` returns it
 
 
@@ -40,6 +42,10 @@ class Role(ABC):
     action_space: gymnasium.Space
     max_steps: int | None = 200
     timestep: float | None = None
+
+    def render(self, simulation: Simulation) -> np.ndarray:
+        """Return a picture of it for recordings: bytes `[height, width, 3]`, always of one size."""
+        return top_view(simulation, self.agent(simulation.scene))
 
     def agent(self, scene: Scene) -> Any:
         """Return the object that acts; whatever behavior it has in the program is replaced."""
@@ -93,8 +99,11 @@ class Episode:
         random_state, numpy_state = random.Random(seed), np.random.RandomState(seed % 2**32)
         self._chance = random_state.getstate(), numpy_state.get_state()
         self._seen: Any = None
+        self._simulation: Any = None
         self._judged: tuple[float, bool, bool | None] | None = None  # None: a step that nobody saw the end of
         agent = role.agent(scene)
+        if agent is None:
+            raise ValueError("the program has no ego; name the object that acts by `Role.agent`")
         agent.behavior = _Played()
         agent.behavior.episode = self
         agent.sensors = {**agent.sensors, "regista": GroundTruthSensor(self._look)}
@@ -120,6 +129,7 @@ class Episode:
             cut = result is not None and result.terminationType is TerminationType.timeLimit and not ended
             ended = not cut
             info["ending"] = "rejected" if result is None else result.terminationReason
+            success = False if result is None else success
         elif ended:
             self.close()
         if success is not None:
@@ -131,13 +141,18 @@ class Episode:
         if not self._inside.dead:
             self._inside.throw(GreenletExit)
 
+    def render(self) -> np.ndarray:
+        """Return a picture of this moment."""
+        return self.role.render(self._simulation)
+
     def _simulate(self) -> Simulation | None:
         return self.simulator.simulate(self.scene, maxSteps=self.role.max_steps, timestep=self.role.timestep)
 
     def _look(self) -> None:
         """See and judge: Scenic asks each object's sensors in each step, in the last one, too."""
-        self._seen = self.role.observe(veneer.currentSimulation)
-        self._judged = self.role.judge(veneer.currentSimulation)
+        self._simulation = veneer.currentSimulation
+        self._seen = self.role.observe(self._simulation)
+        self._judged = self.role.judge(self._simulation)
 
     def _go_on(self, *action: Any) -> Any:
         """Run until the agent's next turn, or the end, with the global streams that the simulation had left."""

@@ -254,7 +254,7 @@ class ScenicProgram:
 
     def _lay_out(self, nuisance: Sequence[str]) -> None:
         """Give the random primitives their columns, in the order in which the program makes them."""
-        names, nodes = primitive_names(self.scenario), list(self._nodes())
+        names, nodes = primitive_names(self.scenario) | object_names(self.scenario), list(self._nodes())
         labels = {id(node.index): node.options for node in nodes if isinstance(node, Options)}
         uses: Counter[str] = Counter()
         for node in self._places.order([node for node in nodes if type(node._conditioned) in PRIMITIVES]):

@@ -56,6 +56,11 @@ class Player:
         assert self.episode is not None
         return self.episode.step(action)
 
+    def render(self) -> np.ndarray:
+        """Show what is played."""
+        assert self.episode is not None
+        return self.episode.render()
+
     def serve(self, pipe: Connection) -> None:
         """Answer requests until the other end is closed."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
@@ -117,6 +122,20 @@ class Worker:
         self.kill()
         raise self._error(f"{MOST_DEATHS} processes in a row: {fate}")
 
+    def render(self) -> np.ndarray:
+        """Ask for a picture, and return it."""
+        self._ask("render")
+        try:
+            well, answer = self._receive()
+        except WorkerGoneError:
+            self.kill()
+            self.begin(self.theta, self.seed, self.actions)
+            self.answer()
+            return self.render()
+        if not well:
+            raise self._error(answer)
+        return answer
+
     def kill(self) -> None:
         """End the process."""
         if self._pipe is not None:
@@ -162,6 +181,9 @@ class ScenicUPOMDP(UPOMDP):
     Raises `LevelError` for what goes wrong in a simulation or in the role, with θ and seed.
     """
 
+    render_mode = "rgb_array"
+    metadata: dict[str, Any] = {**UPOMDP.metadata, "render_modes": ["rgb_array"]}  # noqa: RUF012
+
     def __init__(self, program: ScenicProgram, role: Role, num_envs: int = 1) -> None:
         super().__init__(check_count(num_envs), role.observation_space, role.action_space, program.draws)
         self.program, self.role = program, role
@@ -202,6 +224,10 @@ class ScenicUPOMDP(UPOMDP):
             if self.next_levels is None:  # who sets it begins other levels at once
                 self._start(self.levels[ended], np.flatnonzero(ended))
         return self._observations.copy(), np.array(rewards), np.array(terminated), np.array(truncated), info
+
+    def render(self) -> tuple[np.ndarray, ...]:
+        """Return what each environment looks like from above, or as the role draws it."""
+        return tuple(worker.render() for worker in self.workers)
 
     # ------------------------------------------------------------ state
 
