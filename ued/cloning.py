@@ -19,9 +19,10 @@ from typing import Any
 import numpy as np
 import torch
 from gymnasium.spaces import Discrete
-from torch import Tensor, nn
+from torch import Tensor
 
 from ued.config import CloningConfig
+from ued.learning.adam import Adam, clip_norm
 from ued.learning.student import Student
 from ued.resumable import Resumable
 
@@ -100,7 +101,7 @@ class Cloner(Resumable):
         if student.memory_width:
             raise ValueError("cloning teaches single steps: it needs a student that remembers nothing, memory = none")
         self.student, self.config, self.generator = student, config, generator
-        self.optimizer = torch.optim.Adam(student.parameters(), config.learning_rate, eps=1e-5)
+        self.optimizer = Adam(student.parameters(), config.learning_rate, 1e-5)
         self.weights = torch.ones(num_actions(student))
         self.epoch, self.best_epoch, self.best_loss = 0, 0, float("inf")
         self.best: dict[str, Any] = {}
@@ -125,7 +126,7 @@ class Cloner(Resumable):
             total = loss + self.config.value_coef * value_loss
             self.optimizer.zero_grad()
             total.backward()
-            norm = nn.utils.clip_grad_norm_(self.student.parameters(), self.config.max_grad_norm)
+            norm = clip_norm(self.optimizer.weights, self.config.max_grad_norm)
             if not torch.isfinite(norm):
                 raise FloatingPointError("the gradient of cloning is not finite: look for observations that are not")
             self.optimizer.step()

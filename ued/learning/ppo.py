@@ -15,9 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from ued.config import PPOConfig
+from ued.learning.adam import Adam, clip_norm
 from ued.learning.memory import Past
 from ued.learning.networks import Policy
 from ued.learning.rollout import Rollout, gae
@@ -32,7 +33,7 @@ class PPO(Resumable):
 
     def __init__(self, student: Student, config: PPOConfig, generator: torch.Generator) -> None:
         self.student, self.config, self.generator = student, config, generator
-        self.optimizer = torch.optim.Adam(student.parameters(), config.learning_rate, eps=config.adam_eps)
+        self.optimizer = Adam(student.parameters(), config.learning_rate, config.adam_eps)
         self.updates = 0
 
     def learn(
@@ -134,7 +135,7 @@ def clip_gradient(student: Student, max_norm: float) -> Tensor:
     multiplied by their number first. So each of them learns as if it were alone.
     """
     own, common = student.parameters_apart
-    norms = [nn.utils.clip_grad_norm_(common, max_norm).view(1)] if common else []
+    norms = [clip_norm(common, max_norm).view(1)] if common else []
     if own:
         count = student.policies
         shares = [weight.grad.reshape(count, -1) for weight in own if weight.grad is not None]

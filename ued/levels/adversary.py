@@ -19,6 +19,7 @@ from torch import Tensor, nn
 from torch.nn.functional import softplus
 
 from ued.config import AdversaryConfig
+from ued.learning.adam import Adam, clip_norm
 from ued.learning.networks import Gaussian, MultiCategorical, linear, mlp
 from ued.parameters import index_in, middle_of
 from ued.resumable import Resumable
@@ -245,7 +246,7 @@ class Adversary(Resumable):
         self.dim, self.config, self.generator = len(cells), config, generator
         self.context_size = context_size or config.context_size
         self.network = AdversaryNetwork(cells, config, generator, self.context_size, program_dims)
-        self.optimizer = torch.optim.Adam(self.network.parameters(), config.learning_rate, eps=config.adam_eps)
+        self.optimizer = Adam(self.network.parameters(), config.learning_rate, config.adam_eps)
         self.scale = RunningScale()
 
     @torch.inference_mode()
@@ -284,7 +285,7 @@ class Adversary(Resumable):
         loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
         self.optimizer.zero_grad()
         loss.backward()
-        grad_norm = nn.utils.clip_grad_norm_(self.network.parameters(), config.max_grad_norm)
+        grad_norm = clip_norm(self.optimizer.weights, config.max_grad_norm)
         self.optimizer.step()
         return {
             "policy_loss": policy_loss.item(),

@@ -1,0 +1,68 @@
+"""Adam over all weights as one vector is torch's Adam."""
+
+import copy
+
+import pytest
+import torch
+from torch import Tensor, nn
+
+from ued.learning.adam import Adam, clip_norm
+
+
+def network() -> nn.Module:
+    torch.manual_seed(0)
+    return nn.Sequential(nn.Linear(5, 33), nn.Tanh(), nn.Linear(33, 3))
+
+
+def trained(
+    ours: bool, steps: int, state: dict | None = None, net: nn.Module | None = None
+) -> tuple[nn.Module, dict, list[Tensor]]:
+    """Take so many steps, those after `state`; return the network, the optimiser's state, and the norms."""
+    net = net or network()
+    adam = Adam(net.parameters(), 0.01, 1e-5) if ours else torch.optim.Adam(net.parameters(), 0.01, eps=1e-5)
+    if state is not None:
+        adam.load_state_dict(copy.deepcopy(state))
+    clip, norms = clip_norm if ours else nn.utils.clip_grad_norm_, []
+    generator = torch.Generator().manual_seed(len(state["state"]) if state else 1)
+    for _ in range(steps):
+        x = torch.randn(16, 5, generator=generator)
+        adam.zero_grad()
+        ((net(x) - 3 * x[:, :3]) ** 2).mean().backward()
+        norms.append(clip(net.parameters(), 0.5))
+        adam.step()
+    return net, adam.state_dict(), norms
+
+
+def flat(net: nn.Module) -> Tensor:
+    return torch.cat([weight.detach().flatten() for weight in net.parameters()])
+
+
+def test_steps_are_those_of_torch() -> None:
+    (ours, state, norms), (theirs, other, wanted) = trained(True, 30), trained(False, 30)
+    assert torch.equal(flat(ours), flat(theirs))
+    assert torch.equal(torch.stack(norms), torch.stack(wanted))
+    assert state["param_groups"] == other["param_groups"]
+    for weight, known in other["state"].items():
+        assert all(torch.equal(state["state"][weight][name], value) for name, value in known.items())
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_either_goes_on_from_the_other(first: bool) -> None:
+    net, state, _ = trained(first, 7)
+    again, *_ = trained(not first, 7, state, net)
+    straight, state, _ = trained(False, 7)
+    wanted, *_ = trained(False, 7, state, straight)
+    assert torch.equal(flat(again), flat(wanted))
+
+
+def test_gradients_are_found_again_when_somebody_takes_them_away() -> None:
+    net = network()
+    adam = Adam(net.parameters(), 0.01, 1e-5)
+    before = flat(net)
+    for _ in range(2):
+        net.zero_grad()  # sets them to None
+        adam.zero_grad()
+        net(torch.ones(1, 5)).sum().backward()
+        adam.step()
+        assert not torch.equal(flat(net), before)
+        before = flat(net)
