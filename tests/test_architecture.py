@@ -31,7 +31,6 @@ EXCEPTIONS = {
     "ued/parameters.py": {"numpy"},
     "ued/upomdp.py": {"numpy", "gymnasium", "ued.parameters"},
     "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.parameters", "ued.upomdp"},
-    "ued/methods/alp_gmm.py": {"ued", "numpy", "sklearn", "threadpoolctl"},
     "ued/recorder/buffer_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},

@@ -145,8 +145,6 @@ def test_the_end_that_is_cut_off_is_valued_by_who_remembers():
 @pytest.mark.parametrize("make", [Landscape, Roles])
 def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tmp_path):
     row = METHODS[name]
-    if name == "alp_gmm":
-        pytest.importorskip("sklearn")
     config = dataclasses.replace(QUICK, num_steps=5, shared_torso=make is Roles)
     method, twin = (row.load()(make(8), config, row.settings(), seed=seed) for seed in (3, 4))
     for _ in range(2):

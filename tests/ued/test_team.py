@@ -189,8 +189,6 @@ def test_what_a_team_did_is_told_by_agent():
 @pytest.mark.parametrize("name", METHODS)
 def test_every_method_trains_teams_and_resumes_to_the_same_numbers(name):
     row = METHODS[name]
-    if name == "alp_gmm":
-        pytest.importorskip("sklearn")
     config = arranged("independent", "central", num_steps=8)
     method, twin = (row.load()(Roles(8), config, row.settings(), seed=3) for _ in range(2))
     for _ in range(2):

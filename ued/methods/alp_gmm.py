@@ -6,17 +6,16 @@
         play an episode; absolute learning progress ALP(θ) = |return - return of the nearest θ before|
         every 250 episodes: fit Gaussian mixtures to the last 250 (θ, ALP), keep the best by Akaike's criterion
 
-The mixtures are scikit-learn's: `pip install 'regista[gmm]'`. Read next: `methods.paired`.
+Read next: `levels.gaussian_mixture`, then `methods.paired`.
 """
 
 from __future__ import annotations
-
-import warnings
 
 import numpy as np
 
 from ued.config import ALPGMMConfig
 from ued.curriculum import LevelSpace, RandomLevelPool, need_vector
+from ued.levels.gaussian_mixture import fit
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
@@ -30,7 +29,7 @@ REMEMBERED = 10_000  # episodes among which the nearest is sought
 class ALPGMM(Method):
     """Trains one student on levels of high learning progress; see `Method` for the arguments.
 
-    Raises `ImportError` without scikit-learn, `ValueError` where the environment has no free parameters.
+    Raises `ValueError` where the environment has no free parameters.
     """
 
     curriculum: ALPLevels
@@ -57,17 +56,13 @@ class ALPLevels(Resumable):
         config: how often mixtures are fitted, how much is random.
         seed: of all draws.
 
-    Raises `ImportError` without scikit-learn, `ValueError` where the environment has no free parameters.
+    Raises `ValueError` where the environment has no free parameters.
     """
 
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")
 
     def __init__(self, space: LevelSpace, config: ALPGMMConfig, seed: int = 0) -> None:
         need_vector(space)
-        try:
-            import sklearn.mixture  # noqa: F401
-        except ImportError as error:
-            raise ImportError("alp_gmm needs scikit-learn: pip install 'regista[gmm]'") from error
         self.space, self.config = space, config
         self.dtype = level_record_dtype(level_dtype(space.theta_dim))
         self.pool = RandomLevelPool(space)
@@ -93,9 +88,14 @@ class ALPLevels(Resumable):
 
     def progress_of(self, records: np.ndarray) -> np.ndarray:
         """Return the absolute learning progress `[L]` of the episodes on these levels, which it remembers."""
-        for theta, value in zip(records["level"]["theta"], records["returns"][:, 0, 0], strict=True):
-            self._note(theta, value)
-        return self.progress[len(self.progress) - len(records) :]
+        theta = np.concatenate([self.theta, records["level"]["theta"]])  # [n + L, D]
+        returns = np.concatenate([self.returns, records["returns"][:, 0, 0]])  # [n + L]
+        columns = np.ascontiguousarray(theta.T)
+        progress = np.array([_progress(columns, returns, k) for k in range(len(self.theta), len(theta))])
+        self.theta, self.returns = theta[-REMEMBERED:], returns[-REMEMBERED:]
+        self.progress = np.concatenate([self.progress, progress])[-REMEMBERED:]
+        self.unfitted += len(records)
+        return progress
 
     def fit(self, records: np.ndarray, progress: np.ndarray) -> dict[str, float]:
         """Note the progress `[L]` of these levels; fit the mixture when enough episodes are new."""
@@ -112,32 +112,16 @@ class ALPLevels(Resumable):
         """Note the progress of each episode; fit the mixture when enough are new."""
         return self.fit(records, self.progress_of(records))
 
-    def _note(self, theta: np.ndarray, value: float) -> None:
-        nearest = np.argmin(((self.theta - theta) ** 2).sum(1)) if len(self.theta) else None
-        alp = 0.0 if nearest is None else abs(value - self.returns[nearest])
-        self.theta = np.concatenate([self.theta, theta[None]])[-REMEMBERED:]
-        self.returns = np.append(self.returns, value)[-REMEMBERED:]
-        self.progress = np.append(self.progress, alp)[-REMEMBERED:]
-        self.unfitted += 1
-
     def _fit(self) -> None:
         """Fit mixtures of 2 and more Gaussians to (θ, ALP) of the last episodes; keep the best."""
-        from sklearn.mixture import GaussianMixture
-        from threadpoolctl import threadpool_limits
-
-        last = slice(-self.config.fit_every, None)
+        last, most = slice(-self.config.fit_every, None), self.config.max_components
         reach = max(float(np.ptp(self.returns[last])), 1e-6)
         data = np.column_stack([self.theta[last], 2 * self.progress[last] / reach])
-        fits = []
-        with warnings.catch_warnings(), threadpool_limits(1):  # so little data: threads only get in each other's way
-            warnings.simplefilter("ignore")  # of fits that have not converged: Akaike's criterion judges them
-            for components in range(min(2, self.config.max_components), self.config.max_components + 1):
-                seed = int(self.rng.integers(2**31))
-                fits.append(GaussianMixture(components, random_state=seed, reg_covar=1e-5).fit(data))
-        best = min(fits, key=lambda fit: fit.aic(data))
-        weight = np.maximum(best.means_[:, -1], 0.0)
+        fits = [fit(data, components, self.rng) for components in range(min(2, most), most + 1)]
+        best = min(fits, key=lambda mixture: mixture.aic(data))
+        weight = np.maximum(best.means[:, -1], 0.0)
         weight = weight / weight.sum() if weight.sum() > 0 else np.full(len(weight), 1 / len(weight))
-        self.mixture = {"weights": weight, "means": best.means_[:, :-1], "covariances": best.covariances_[:, :-1, :-1]}
+        self.mixture = {"weights": weight, "means": best.means[:, :-1], "covariances": best.covariances[:, :-1, :-1]}
         self.unfitted = 0
 
     def _from_mixture(self, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -154,3 +138,12 @@ class ALPLevels(Resumable):
                 theta[mine] = np.clip(self.rng.multivariate_normal(*gaussian, len(mine), method="eigh"), -1.0, 1.0)
             valid[rows] = self.space.valid(theta[rows])
         return theta, valid
+
+
+def _progress(columns: np.ndarray, returns: np.ndarray, k: int) -> float:
+    """Return how far the return of episode k is from that of the nearest θ, `[D, n]` by column, before it."""
+    first = max(0, k - REMEMBERED)
+    if k == first:
+        return 0.0
+    distance = np.square(columns[:, first:k] - columns[:, k, None]).sum(0)
+    return float(abs(returns[k] - returns[first + distance.argmin()]))
