@@ -5,6 +5,7 @@ Read next: `run.replays`; `ued.recorder.recorder`.
 
 from __future__ import annotations
 
+import socket
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -36,6 +37,9 @@ class RunRecorder:
             env = upomdp.resized(1)
             env.reset(seed=config.seed)
         self.stage = Stage(env, build.make_painter(program, upomdp))
+        if connect is not None and not viewer_answers(connect):
+            print(f"regista: no viewer answers at {connect}: nothing is shown there; see rerun --port", file=sys.stderr)
+            connect = None
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect)
@@ -104,3 +108,13 @@ class RunRecorder:
                 text,
             )
             self.recorder.episodes(replay.student, update.number, update.env_steps, episodes)
+
+
+def viewer_answers(address: str) -> bool:
+    """Return whether somebody listens at HOST:PORT."""
+    host, _, port = address.rpartition(":")
+    try:
+        socket.create_connection((host or "127.0.0.1", int(port)), timeout=2.0).close()
+    except (OSError, ValueError, OverflowError):
+        return False
+    return True

@@ -1,13 +1,16 @@
 """Recordings are read back without a viewer."""
 
+import signal
+import socket
 import subprocess
 import sys
+import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from experiments.run.recording import RunRecorder
+from experiments.run.recording import RunRecorder, viewer_answers
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.config import BufferConfig
 from ued.levels.buffer import LevelBuffer
@@ -168,3 +171,36 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     recorder.flush()
     assert ended == [True] and recorder.recorder is None
     assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"
+
+
+def test_a_viewer_is_there_or_not():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+        assert viewer_answers(address)
+    assert not any(map(viewer_answers, (address, "nowhere", "127.0.0.1:99999")))
+
+
+@pytest.mark.slow
+def test_a_viewer_gets_what_the_file_gets(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+    shown, address = tmp_path / "shown.rrd", f"127.0.0.1:{port}"
+    flags = ["--bind", "127.0.0.1", "--port", str(port), "--save", shown]  # a viewer without a window
+    viewer = subprocess.Popen([sys.executable, "-m", "rerun_cli", *flags], stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 60
+        while not viewer_answers(address) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        recording = Recording(tmp_path / "curriculum.rrd", "regista-2", "probe 0", 3000, {"seed": "0"}, address)
+        recorder = CurriculumRecorder(recording, ProbePainter(), DRAWS)
+        for update in (1, 2, 3):
+            recorder.record(update, update * 1000, batch(update, np.random.default_rng(0)), {"regret": update / 4})
+        recorder.close()
+    finally:
+        viewer.send_signal(signal.SIGINT)
+        viewer.wait(60)
+    assert {update: value for update, (value,) in table(shown, "/metrics/regret", "Scalars:scalars").items()} == {
+        1: 0.25,
+        2: 0.5,
+        3: 0.75,
+    }
