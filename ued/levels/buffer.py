@@ -58,6 +58,7 @@ class LevelBuffer(Resumable):
         self._slots = np.zeros(config.capacity, slot_dtype(level))
         self._count = 0
         self._rows: dict[bytes, int] = {}  # which row holds a level, by its program and θ
+        self._rows_by_id: dict[int, int] = {}
         self._score_weights: np.ndarray | None = None  # until a score changes
         self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
@@ -75,6 +76,7 @@ class LevelBuffer(Resumable):
         self._count = len(slots)
         self._slots[: self._count] = slots
         self._rows = {_key(level): row for row, level in enumerate(slots["level"])}
+        self._rows_by_id = {number: row for row, number in enumerate(slots["id"].tolist())}
         self._score_weights = None
 
     @property
@@ -142,12 +144,7 @@ class LevelBuffer(Resumable):
 
     def find(self, ids: np.ndarray) -> np.ndarray:
         """Return the row `[k]` of each of these ids, NONE for a level that is no longer kept."""
-        if not self._count:
-            return np.full(len(ids), NONE)
-        order = np.argsort(self.slots["id"])
-        place = np.searchsorted(self.slots["id"], ids, sorter=order)
-        rows = order[np.minimum(place, self._count - 1)]
-        return np.where(self.slots["id"][rows] == ids, rows, NONE)
+        return np.array([self._rows_by_id.get(number, NONE) for number in ids.tolist()], np.int64)
 
     def best_returns(self, records: np.ndarray) -> np.ndarray:
         """Return the best return `[L]` that was ever made on the level of each of these records, by any student."""
@@ -221,7 +218,7 @@ class LevelBuffer(Resumable):
         if not len(rows):
             return 0
         rows = rows[np.argsort(-rows["score"], kind="stable")]
-        least = np.argsort(self.weights(), kind="stable")[: len(rows)]
+        least = smallest(self.weights(), len(rows))
         rows = rows[: len(least)]
         stronger = rows["score"] >= self.slots["score"][least]
         return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
@@ -231,7 +228,9 @@ class LevelBuffer(Resumable):
             return False  # the same level twice in one call
         if place < self._count:
             self._rows.pop(_key(self._slots["level"][place]), None)
+            self._rows_by_id.pop(int(self._slots["id"][place]), None)
         self._slots[place] = row
+        self._rows_by_id[int(row["id"])] = place
         self._rows[_key(row["level"])] = place
         self._count = max(self._count, place + 1)
         self._score_weights = None
@@ -240,3 +239,12 @@ class LevelBuffer(Resumable):
 
 def _key(level: np.void) -> bytes:
     return level["program"].tobytes() + level["theta"].tobytes()
+
+
+def smallest(values: np.ndarray, count: int) -> np.ndarray:
+    """Return the places of the `count` smallest of these values, or of all, the least first, equal ones in order."""
+    count = min(count, len(values))
+    if not count:
+        return np.zeros(0, np.int64)
+    places = np.flatnonzero(values <= np.partition(values, count - 1)[count - 1])
+    return places[np.argsort(values[places], kind="stable")][:count]
