@@ -71,7 +71,7 @@ class Adam(torch.optim.Adam):
         return Vectors(gradient, mean, square, step, deviation, gradients, means, deviations)
 
     @torch.no_grad()
-    def step(self, closure: Any = None) -> None:
+    def step(self, closure: Any = None) -> None:  # type: ignore[override]  # nobody gives it a loss
         """Take a step against the gradient."""
         assert self._vectors is not None, "zero_grad comes first"
         gradient, mean, square, step, deviation, _, means, deviations = self._vectors
