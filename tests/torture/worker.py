@@ -51,7 +51,8 @@ class Worker:
 
 def serve(connection: Connection, run: Round) -> None:
     """Do rounds until nobody asks."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the suite ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the suite ends it, whatever it listened to when it forked
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     while True:
         try:
             name, seed = connection.recv()
