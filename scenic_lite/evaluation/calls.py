@@ -217,15 +217,11 @@ def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
 def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
     """Return the names that a function makes its own by assigning them."""
     names: set[str] = set()
-    pending: list[ast.AST] = list(body)
-    while pending:
-        node = pending.pop()
+    for node in nodes.walk_own(*body, scopes=OWN_SCOPES):
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             names.add(node.id)
         elif isinstance(node, NAMING) and node.name:
             names.add(node.name)
-        if not isinstance(node, OWN_SCOPES):
-            pending.extend(ast.iter_child_nodes(node))
     return frozenset(names.difference(TRACKED_NAMES))
 
 

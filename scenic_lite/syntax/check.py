@@ -18,7 +18,6 @@ from scenic_lite.syntax import nodes
 from scenic_lite.syntax.lexer import Source
 
 DYNAMIC = ("behavior", "monitor", "compose")
-SUSPENDING = (nodes.Take, nodes.Wait, nodes.Do)
 BUILT_IN = frozenset(
     {
         *("position", "heading", "yaw", "width", "length", "speed", "velocity", "angularSpeed", "behavior"),
@@ -100,7 +99,7 @@ class _Checker:
             elif isinstance(node, nodes.Behavior):
                 if node.kind == "monitor":
                     self.monitors[node.name] = node
-                if not suspends(node.body):
+                if not nodes.suspends(*node.body):
                     self.idle[node.name] = node
 
     def report(self, node: ast.AST, message: str, hint: str = "", kind: str = "syntax") -> None:
@@ -160,7 +159,7 @@ class _Checker:
             self.never(node, node.name)
 
     def scenario(self, node: nodes.Scenario, context: Context) -> None:
-        if node.compose and not suspends(node.compose):
+        if node.compose and not nodes.suspends(*node.compose):
             hint = 'is a "do" or "wait" missing?'
             self.report(node, f'the compose block of the scenario "{node.name}" runs nothing', hint)
 
@@ -248,18 +247,13 @@ def has_new(node: nodes.New) -> bool:
     return (node.lineno, node.col_offset) != (node.cls.lineno, node.cls.col_offset)
 
 
-def suspends(statements: Iterable[ast.AST]) -> bool:
-    """Return whether there is a statement among these, at any depth, that lets time pass or ends the scenario."""
-    return any(isinstance(node, (*SUSPENDING, nodes.Terminate)) for node in nodes.walk_own(*statements))
-
-
 def endless_loop(loop: ast.While) -> bool:
     """Return whether a `while True` in a behavior lets no time pass and does not end: in a step the world stands still.
 
     One that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than the loop,
     but is usually one half of "look in each step", so it is no excuse.
     """
-    leaves = (*SUSPENDING, ast.Break, ast.Return)
+    leaves = (nodes.Take, nodes.Wait, nodes.Do, ast.Break, ast.Return)
     for_ever = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
     return for_ever and not any(isinstance(node, leaves) for node in nodes.walk_own(*loop.body))
 

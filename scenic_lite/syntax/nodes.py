@@ -155,6 +155,11 @@ class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks;
     compose: list[ast.stmt]
     docstring: str | None
 
+    @property
+    def acts(self) -> bool:
+        """Return whether it has a compose block, or guards to watch over instead."""
+        return bool(self.compose or self.preconditions or self.invariants)
+
 
 class TryInterrupt(Statement):  # try: ... interrupt when c: ...
     body: list[ast.stmt]
@@ -207,13 +212,19 @@ def is_temporal(node: ast.AST) -> bool:
 
 
 INNER_SCOPES = (ast.FunctionDef, ast.ClassDef, ast.Lambda)
+SUSPENDING = (Take, Wait, Do, Terminate)  # statements that let time pass
 
 
-def walk_own(*trees: ast.AST) -> Iterator[ast.AST]:
+def walk_own(*trees: ast.AST, scopes: tuple[type[ast.AST], ...] = INNER_SCOPES) -> Iterator[ast.AST]:
     """Yield all nodes of some trees but those inside functions and classes that are defined there."""
     pending = list(trees)
     while pending:
         node = pending.pop()
         yield node
-        if not isinstance(node, INNER_SCOPES):
+        if not isinstance(node, scopes):
             pending.extend(ast.iter_child_nodes(node))
+
+
+def suspends(*trees: ast.AST) -> bool:
+    """Return whether time may pass in some statements."""
+    return any(isinstance(node, SUSPENDING) for node in walk_own(*trees))

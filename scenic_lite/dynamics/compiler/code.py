@@ -50,6 +50,7 @@ class Row(NamedTuple):
     c: int | Label | Operands
     place: SourceSpan | None
     note: str = ""
+    called: SourceSpan | None = None  # where the program calls the function of a library in which this stands
 
 
 class DrawnNow(ThetaColumn):
@@ -87,6 +88,7 @@ class Assembler:
     rows: list[Row] = field(default_factory=list)
     reachable: bool = True  # whether the next row can be come to
     place: SourceSpan | None = None  # of the statement that is being compiled
+    called: SourceSpan | None = None  # as in `Row`
     variables: Area = field(default_factory=lambda: Area(VARIABLES))
     temporaries: Area = field(default_factory=lambda: Area(TEMPORARIES))
     constants: dict[float, int] = field(default_factory=dict)
@@ -112,7 +114,7 @@ class Assembler:
             return
         if isinstance(c, Label):
             c.used = True
-        self.rows.append(Row(opcode, a, b, c, place or self.place, note))
+        self.rows.append(Row(opcode, a, b, c, place or self.place, note, self.called))
         if len(self.rows) > MOST_ROWS:
             raise exceeded(f"the behaviors of the program become more than {MOST_ROWS:,} rows of code")
         if opcode in ENDS:

@@ -231,14 +231,16 @@ def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Write the rows of a function of the program in place."""
-    bound, before = function.bind(arguments, keywords), c.code.place
+    bound, before = function.bind(arguments, keywords), (c.code.place, c.code.called)
+    if function.scope.source.library and not scope.source.library:
+        c.code.called = scope.place(node)
     try:
         with c.entered(function, node):
             return value_of_call(c, function, {name: materialize(c.code, value) for name, value in bound.items()})
     except ScenicError as error:
         raise seen_from(scope, function, node, error) from None
     finally:
-        c.code.place = before
+        c.code.place, c.code.called = before
         c.code.known.clear()
 
 

@@ -9,14 +9,15 @@ import numpy as np
 
 from scenic_lite.dynamics.compiler.code import AREA, LABEL, Assembler, Label, Operands, Row
 from scenic_lite.dynamics.compiler.compilation import Compilation, Thread
-from scenic_lite.dynamics.machine.bytecode import SEEN, Code, Listing
+from scenic_lite.dynamics.machine.bytecode import SEEN, Code
 from scenic_lite.dynamics.machine.compiled import Compiled
+from scenic_lite.dynamics.machine.listing import Listing
 from scenic_lite.dynamics.machine.opcodes import OPCODES
 from scenic_lite.dynamics.machine.register_values import leaves
 from scenic_lite.dynamics.machine.verify import verify
 from scenic_lite.errors import SourceSpan
 from scenic_lite.scene.program import Program
-from scenic_lite.values.graph import Tape, Value
+from scenic_lite.values.graph import Tape
 
 
 def finished(c: Compilation, threads: list[Thread]) -> Compiled:
@@ -29,7 +30,8 @@ def finished(c: Compilation, threads: list[Thread]) -> Compiled:
     )
     inputs = [(layout(register), tape.slot(node), node.kind == "text") for register, node in code.inputs.values()]
     listing = listing_of(c, rows, threads, layout)
-    relocate([*c.output.commands, tuple(record.value for record in c.output.records)], layout)
+    for leaf in leaves([*c.output.commands, *(record.value for record in c.output.records)]):
+        leaf.register = layout(leaf.register)
     objects = len(program.objects)
     cells = objects * len(c.world.fields) + len(c.world.facts)
     return Compiled(
@@ -99,18 +101,8 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
     notes = {i: row.note for i, row in enumerate(rows) if row.note}
     titles = {label.row: title for label, title in c.output.titles.items()}
     titles |= {thread.entry.row: thread.title for thread in threads}
-    return Listing(places, names, lines, notes, titles)
-
-
-def relocate(commands: list[tuple[Value, ...]], layout: Layout) -> None:
-    """Give the registers in commands their final numbers."""
-    seen: set[int] = set()
-    for actions in commands:
-        for action in actions:
-            for leaf in leaves(action):
-                if id(leaf) not in seen:
-                    seen.add(id(leaf))
-                    leaf.register = layout(leaf.register)
+    calls = {i: row.called for i, row in enumerate(rows) if row.called is not None}
+    return Listing(places, names, lines, notes, titles, calls)
 
 
 class Layout:

@@ -115,7 +115,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
             while c.state.monitors:  # in Scenic 2 a definition starts its monitor
                 add_monitor(c, part, c.state.monitors.pop(0))
         register_of(code, 1, part.running)
-        if acts(part):
+        if call.behavior.scenario.acts:
             code.row(op.SET_SLOT, part.slot, c=part.beginning)
         with c.within(part):
             with code.statement():
@@ -135,12 +135,6 @@ def show_names(part: ScenarioInstance) -> None:
     part.call.names.update(part.scope.locals)
 
 
-def acts(part: ScenarioInstance) -> bool:
-    """Return whether a scenario has a compose block, or guards to watch over instead."""
-    node = None if part.call is None else part.call.behavior.scenario
-    return node is not None and bool(node.compose or node.preconditions or node.invariants)
-
-
 # ------------------------------------------------------------ a step, and the end
 
 
@@ -156,7 +150,7 @@ def step(c: Compilation, part: ScenarioInstance) -> None:
         ended(c, part, "reached time limit")
         code.put(going)
         code.row(op.ADD, taken, taken, code.constant(1))
-    if acts(part):
+    if part.call is not None and part.call.behavior.scenario.acts:
         with c.within(part, composing=True, slot=part.slot):
             compose(c, part)
     with c.within(part):

@@ -7,7 +7,7 @@ What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from copy import copy
 from functools import lru_cache
@@ -30,7 +30,7 @@ from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import combine
 from scenic_lite.language.classes import checked
 from scenic_lite.syntax import nodes
-from scenic_lite.syntax.nodes import walk_own
+from scenic_lite.syntax.nodes import suspends, walk_own
 from scenic_lite.values.graph import RandomExpr, Value
 
 
@@ -219,7 +219,7 @@ def needs_one_object(node: ast.For) -> bool:
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
     """Compile a loop over a fixed list: every round has rows of its own, in which the element is known."""
     code = c.code
-    keep = store_in_register if suspends(node.body) else materialize
+    keep = store_in_register if suspends(*node.body) else materialize
     items = [keep(code, item) for item in items]
     jumps = [part for part in walk_own(*node.body) if isinstance(part, ast.Break | ast.Continue)]
     if jumps:
@@ -301,12 +301,6 @@ def base_names(target: ast.expr) -> Iterator[ast.Name]:
     elif isinstance(target, ast.Tuple | ast.List):
         for element in target.elts:
             yield from base_names(element)
-
-
-def suspends(trees: Iterable[ast.AST]) -> bool:
-    """Return whether time may pass in some statements."""
-    kinds = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)
-    return any(isinstance(node, kinds) for node in walk_own(*trees))
 
 
 STATEMENTS: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {

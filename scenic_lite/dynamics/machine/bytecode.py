@@ -13,9 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenic_lite.dynamics.machine.opcodes import OPCODES
-from scenic_lite.errors import SourceSpan
-
 # What can go wrong while a match runs: numbers in the register FAULT, and what the user reads.
 INFINITE_LOOP, DIVISION_BY_ZERO, DOMAIN_ERROR, INDEX_ERROR, PROGRAM_ERROR = range(1, 6)
 FAULT_MESSAGES = {
@@ -58,52 +55,3 @@ class Code(NamedTuple):
     fact_base: int  # first register of the facts [G]
     clock: int  # register of the time, in steps
     register_count: int  # R
-
-
-class Listing(NamedTuple):
-    """What a person needs to read the code: a place for each row, a name for each register, the program's lines."""
-
-    places: tuple[SourceSpan, ...]  # [n]
-    names: dict[int, str]  # of registers
-    lines: dict[tuple[str, int], str]  # by file and line
-    notes: dict[int, str]  # of rows that are faults of the program
-    titles: dict[int, str]  # of threads, by their entry row
-
-
-def disassemble(code: Code, listing: Listing) -> str:
-    """Return the code as text: each line of the program above the rows that it became."""
-    targets = {int(row[3]) for row in code.rows if "t" in OPCODES[row[0]].operands}
-    lines: list[str] = []
-    shown = None
-    for at, row in enumerate(code.rows):
-        place = listing.places[at]
-        if at in listing.titles:
-            lines += ["", listing.titles[at]]
-            shown = None
-        if (place.file, place.line) != shown:
-            shown = place.file, place.line
-            lines.append(f"  {place.file}:{place.line}: {listing.lines.get(shown, '').strip()}")
-        mark = ">" if at in targets else " "
-        lines.append(f"  {mark}{at:5d}  {written(code, listing, row)}".rstrip())
-    return "\n".join(lines).strip("\n")
-
-
-def written(code: Code, listing: Listing, row: np.ndarray) -> str:
-    """Return one row in words."""
-    opcode = OPCODES[row[0]]
-    parts = []
-    for kind, operand in zip(opcode.operands, map(int, row[1:]), strict=True):
-        if kind == "t":
-            parts.append(f"-> {operand}")
-        elif kind == "l":
-            items = code.lists[operand : operand + code.lists[operand - 1]]
-            parts.append("[" + ", ".join(name_of(listing, int(register)) for register in items) + "]")
-        elif kind == "k":
-            parts.append(str(operand))
-        elif kind != ".":
-            parts.append(name_of(listing, operand))
-    return f"{opcode.name.lower():20}{', '.join(parts)}"
-
-
-def name_of(listing: Listing, register: int) -> str:
-    return listing.names.get(register, f"r{register}")

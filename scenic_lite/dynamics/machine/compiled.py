@@ -20,9 +20,8 @@ from scenic_lite.dynamics.machine.bytecode import (
     MAX_LOOP_ITERATIONS,
     MESSAGE_SLOT,
     Code,
-    Listing,
-    disassemble,
 )
+from scenic_lite.dynamics.machine.listing import Listing, disassemble
 from scenic_lite.dynamics.machine.register_values import RegisterValue, plain
 from scenic_lite.errors import ScenicError
 from scenic_lite.scene.program import Program
@@ -113,7 +112,11 @@ class Compiled:
         message = self.listing.notes.get(row, "") or FAULT_MESSAGES[fault]
         if self.code.rows[row, 0] == op.FAULT_UNLESS:
             message = message.replace(MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
-        return self.program.error("value", message, self.listing.places[row])
+        place, called = self.listing.places[row], self.listing.calls.get(row)
+        error = self.program.error("value", message, called or place)
+        if called is not None:
+            error.notes = (f"    in {place.file}:{place.line}: {self.program.line_of(place).strip()}",)
+        return error
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
         """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""

@@ -58,14 +58,15 @@ def plain(value: Value, registers: np.ndarray, row: dict[RandomExpr, Value], nam
 
 
 def leaves(value: Value) -> list[RegisterValue]:
-    """Return the registers in a value, and in what it is computed from."""
+    """Return the registers in a value, and in what it is computed from, each once."""
     registers: list[RegisterValue] = []
     pending, seen = [value], set()
     while pending:
         part = pending.pop()
+        if id(part) in seen or isinstance(part, Instance):
+            continue
+        seen.add(id(part))
         if isinstance(part, RegisterValue):
             registers.append(part)
-        elif id(part) not in seen and not isinstance(part, Instance):
-            seen.add(id(part))
-            pending.extend(part.inputs if isinstance(part, RandomExpr) else parts_of(part))
+        pending.extend(part.inputs if isinstance(part, RandomExpr) else parts_of(part))
     return registers

@@ -49,11 +49,6 @@ class ComposeThread(Thread):
     def _scope(self) -> Scope:
         return scenario_frame(self.episode.mode, self.call)
 
-    @property
-    def exists(self) -> bool:
-        node = self.call.behavior.scenario
-        return bool(node.compose or node.preconditions or node.invariants)
-
     def start(self) -> None:
         """Stand before the first statement; the guards were checked before the setup."""
         self._steps = self.run()
@@ -224,7 +219,7 @@ class Scenario:
             if self._limit is not None and self._elapsed >= self._limit:
                 return self.stop("reached time limit")
             self._elapsed += 1
-            if self.compose is not None and self.compose.exists:
+            if self.compose is not None and self.compose.call.behavior.scenario.acts:
                 step = self.compose.step()
                 if isinstance(step, End) or self.compose.ended:
                     return self.stop(step if isinstance(step, End) else "finished compose block")

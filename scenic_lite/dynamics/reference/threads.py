@@ -29,8 +29,7 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 DEEPEST = 40  # sub-behaviors inside each other
-STEPS = (nodes.Take, nodes.Wait, nodes.Do, nodes.Terminate)  # after which invariants are checked
-PASSING_TIME = (*STEPS, nodes.Abort, nodes.TryInterrupt)
+PASSING_TIME = (*nodes.SUSPENDING, nodes.Abort, nodes.TryInterrupt)
 
 
 class End(NamedTuple):
@@ -96,7 +95,7 @@ class Thread:
                     self.scope.run([node])
                 else:
                     yield from handler(self, node)
-                    if isinstance(node, STEPS):
+                    if isinstance(node, nodes.SUSPENDING):
                         self.check_invariants()
             except ScenicError as error:
                 raise self.scope.placed(error, node) from None
