@@ -250,14 +250,13 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
     name = str(first.value) if node.name == "with" and isinstance(first, ast.Constant) else ""
     scope = scope.owning(instance, name or ("heading" if "facing" in node.name else "position"))
     try:
-        operands = [None if operand is None else scope.value(operand) for operand in node.arguments]
         if name:
-            value = operands[1]
+            value = None if (written := node.arguments[1]) is None else scope.value(written)
             warn_of_unknown(scope, instance.cls, node, name, value)
             return with_property(scope, node, name, value)
         if node.name not in SPECIFIERS:
             raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
-        return SPECIFIERS[node.name](scope, node, *operands)
+        return SPECIFIERS[node.name](scope, node, *scope.operands(node.arguments))
     except ScenicError as error:
         raise scope.placed(error, node) from None
 

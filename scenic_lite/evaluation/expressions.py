@@ -372,7 +372,7 @@ def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
     operation = OPERATORS.get(node.name)
     if operation is None:
         raise ScenicError("unsupported", f"`{node.name}` is not yet supported")
-    operands = [None if operand is None else scope.value(operand) for operand in node.operands]
+    operands = scope.operands(node.operands)
     if any(isinstance(operand, LazyValue) for operand in operands) and node.name not in ("relative to", "offset by"):
         raise ScenicError("unsupported", f"`{node.name}` of a value that depends on the object being made")
     return operation(scope, *operands)

@@ -12,7 +12,9 @@ from envs.football.scenic.world import FOOTBALL_WORLD
 from envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
+from scenic_lite.dynamics.machine.bytecode import FAULT, FAULT_ROW, PROGRAM_ERROR
 from scenic_lite.dynamics.reference.interpreter import Reference
+from scenic_lite.errors import ScenicError
 
 HEAD = """
 from football.behaviors import *
@@ -273,3 +275,18 @@ def test_compass_directions_are_headings() -> None:
     program = load(text + "".join(f"param {name}_ = {name}\n" for name in names), FOOTBALL)
     for index, name in enumerate(names):
         assert program.params[f"{name}_"] == pytest.approx(index * math.pi / 4)
+
+
+def test_a_fault_inside_a_function_is_told_where_the_program_calls_it() -> None:
+    owner = "player_with_ball(simulation().game_ds, ball)"
+    text = HEAD.format(question=f"round(get_closest_player_info({owner}, [ego])[1])", scene=EAST)
+    compiled = compile_program(load(text, FOOTBALL), FOOTBALL_WORLD)
+    rows = [row for row, note in compiled.listing.notes.items() if note.startswith("None is no object")]
+    registers = compiled.start.copy()
+    registers[[FAULT, FAULT_ROW]] = PROGRAM_ERROR, rows[0]
+    told = compiled.fault(registers)
+    with pytest.raises(ScenicError) as error:
+        Scene(text).step()
+    assert told is not None and told.place == error.value.place
+    assert told.place.file == "<program>" and told.place.line == 6
+    assert "\n    in football/actions.scenic:" in str(told) and "distance from player to other" in str(told)

@@ -175,6 +175,22 @@ CASES = {
             ^^^^^^
         """,
     ),
+    "an operand that is None": (
+        "nobody = None\nego = LeftCM at 0 @ 0\nx = distance from nobody to ego",
+        """
+        <program>:3:5: None is no object, number or vector
+            x = distance from nobody to ego
+                ^^^^^^^^^^^^^^^^^^^^^^^^^^^
+        """,
+    ),
+    "an operand of a specifier that is None": (
+        "nobody = None\nego = LeftCM at 0 @ 0\nLeftCB left of ego by nobody",
+        """
+        <program>:3:8: None is no object, number or vector
+            LeftCB left of ego by nobody
+                   ^^^^^^^^^^^^^^^^^^^^^
+        """,
+    ),
     "ego that is no object": (
         "ego = 5",
         """

@@ -115,7 +115,7 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
     operation = OPERATORS.get(node.name)
     if operation is None:
         raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
-    operands = [None if operand is None else whole_choice(scope.value(operand), c) for operand in node.operands]
+    operands = [whole_choice(operand, c) for operand in scope.operands(node.operands)]
     try:
         return operation(scope, *operands)
     except ScenicError:
