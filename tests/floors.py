@@ -31,8 +31,9 @@ FLOORS = {
         "toy_world",  # the smallest, for programs of nothing that is known
         "football.constants",
         "football.config",
-        "football.limits",  # what fields may hold
+        "football.field_kinds",  # what fields may hold
         "football.state",  # the record of a match
+        "football.limits",  # whether a record keeps to that
         "football.physics",  # bodies and ball
         "football.rules",  # the laws of the game: restarts, fouls, offside
         "football.skills",  # what players do to the ball and to each other

@@ -119,6 +119,7 @@ LIGHT = {
     "ued": {"torch"},
     "minigames": {"numba", "torch"},
     "scenic_lite": {"numba", "torch"},
+    "envs.football.scenic.domain": {"numba", "torch"},
     "experiments.__main__": {"torch", "numba", "matplotlib"},
 }
 

@@ -1,68 +1,26 @@
 """What the fields of a record may hold, and the one check that a record which came from outside keeps to it.
 
-Kernels look nothing up twice and check no bounds: an index that is out of range writes into the next match. So every
-table of fields says, in place of a bare type, which numbers a field may hold, and whatever takes a state from outside
-(`set_state`, and through it checkpoints and records of matches) checks all of it at once, as words of 64 bits.
-Read next: `state`, the tables.
+Kernels look nothing up twice and check no bounds: an index that is out of range writes into the next match. So whatever
+takes a state from outside (`set_state`, and through it checkpoints and records of matches) checks all of it at once, as
+words of 64 bits, by what the tables of `state` say of each field. Read next: `field_kinds`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from envs.football.field_kinds import Kind, Place, Real, Table, Whole, stored
 from scenic_lite.kernels.jit import kernel
 
-LARGEST = 1e9  # magnitude of a real number in a record: far beyond any pitch, and yet a fine integer
 MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; of two, the greater number has the greater
 WORD = 8  # bytes
 
 
 class StateError(ValueError):
     """A state that is none of these matches; the message says what was found where, and what would do."""
-
-
-class Whole(NamedTuple):
-    """A whole number from `low` to `high`; below the number of things that `high` names, where it is a name.
-
-    `given`: a match has what the line-up of its program gives it, and nothing else.
-    """
-
-    low: int
-    high: int | str
-    given: bool = False
-
-    def __str__(self) -> str:
-        return f"a whole number from {self.low:,} to {self.high:,}"
-
-
-class Real(NamedTuple):
-    """A number of this magnitude at most: NaN never is."""
-
-    largest: float = LARGEST
-
-    def __str__(self) -> str:
-        return f"a number from {-self.largest:g} to {self.largest:g}"
-
-
-class Place(NamedTuple):
-    """A number that the machine takes for a place among so many, whole or not: not negative, and less than that."""
-
-    places: int
-
-    def __str__(self) -> str:
-        return f"a number from 0 to {self.places - 1:,}"
-
-
-Kind = Whole | Real | Place | str  # or what NumPy calls it: "?" for truth values, "u8" where any 64 bits will do
-Table = tuple[tuple[str, Kind, tuple[int, ...], str, str], ...]  # name, kind, shape, unit, meaning
-
-
-def stored(kind: Kind) -> str:
-    """Return how NumPy stores such a field."""
-    return kind if isinstance(kind, str) else "i8" if isinstance(kind, Whole) else "f8"
 
 
 def bits(number: float) -> int:

@@ -44,7 +44,7 @@ from envs.football.constants import (
     SHOT,
     STAND,
 )
-from envs.football.limits import Real, Table, Whole, stored
+from envs.football.field_kinds import Real, Table, Whole, stored
 
 BALL_MEMORY = 41  # steps of the ring in which the ball's places are summed up: averages over 4 s at most
 

@@ -10,7 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from envs.football.constants import PROGRAM_FAULT
-from envs.football.limits import Kind, Limits, Place
+from envs.football.field_kinds import Kind, Place
+from envs.football.limits import Limits
 from envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
