@@ -85,14 +85,15 @@ class Scope(Environment):
         except FAULTS as fault:
             raise self.placed(as_error(fault), node) from None
 
-    def operands(self, operands: Iterable[ast.expr | None]) -> list[Value]:
-        """Return the values of operands in words, None for one left out. Raises ScenicError for one that is None."""
-        values: list[Value] = []
-        for node in operands:
-            values.append(None if node is None else self.value(node))
-            if node is not None and values[-1] is None:
-                raise ScenicError("type", "None is no object, number or vector")
-        return values
+    def operands(self, nodes: Iterable[ast.expr | None]) -> list[Value]:
+        """Return the values of operands in words, None for one left out."""
+        return [None if node is None else self.value(node) for node in nodes]
+
+    @staticmethod
+    def refuse_none(nodes: Iterable[ast.expr | None], values: Iterable[Value]) -> None:
+        """Raise ScenicError if an operand that is written is None, which would pass for one left out."""
+        if any(value is None and node is not None for node, value in zip(nodes, values, strict=True)):
+            raise ScenicError("type", "None is no object, number or vector")
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Execute statements in order."""

@@ -13,7 +13,7 @@ from inspect import Parameter, Signature
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LOAD, Mode, Requirement
+from scenic_lite.core.state import COMPILE, LOAD, Mode, Requirement
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -233,7 +233,7 @@ def new(scope: Scope, node: nodes.New) -> Value:
             return cls if node.operator is None else scope.value(node.operator)
         hint = near(node.cls.id, classes_in(scope)) if isinstance(node.cls, ast.Name) else ""
         raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
-    if scope.mode.symbolic:
+    if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
     instance = Instance(cls, scope.place(node), scope.mode.owner)
     meanings = [meaning(scope, instance, specifier) for specifier in node.specifiers]
@@ -256,7 +256,10 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
             return with_property(scope, node, name, value)
         if node.name not in SPECIFIERS:
             raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
-        return SPECIFIERS[node.name](scope, node, *scope.operands(node.arguments))
+        operands = scope.operands(node.arguments)
+        resolved = SPECIFIERS[node.name](scope, node, *operands)  # which says of most what it needs
+        scope.refuse_none(node.arguments, operands)
+        return resolved
     except ScenicError as error:
         raise scope.placed(error, node) from None
 

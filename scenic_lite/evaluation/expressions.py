@@ -375,7 +375,9 @@ def scenic_operator(scope: Scope, node: nodes.Operator) -> Value:
     operands = scope.operands(node.operands)
     if any(isinstance(operand, LazyValue) for operand in operands) and node.name not in ("relative to", "offset by"):
         raise ScenicError("unsupported", f"`{node.name}` of a value that depends on the object being made")
-    return operation(scope, *operands)
+    result = operation(scope, *operands)
+    scope.refuse_none(node.operands, operands)
+    return result
 
 
 EXPRESSIONS: dict[type, Callable[[Scope, Any], Value]] = {

@@ -33,7 +33,7 @@ from scenic_lite.core.budget import Budget
 from scenic_lite.core.checks import FAULTS, as_error
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import COMPILE, Mode
-from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Instance, Namespace, ScenicClass, describe_kind
+from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Namespace, ScenicClass
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, renew, run_behavior
 from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow
@@ -51,9 +51,8 @@ from scenic_lite.dynamics.machine.bytecode import REWARD
 from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.evaluation.calls import meaning
+from scenic_lite.evaluation import calls
 from scenic_lite.language.classes import OBJECT
-from scenic_lite.language.specifiers import make
 from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import ThetaColumn, Value
@@ -139,18 +138,13 @@ def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: floa
 def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
     """Return a point that a behavior speaks of; objects are made before the match."""
     cls = scope.value(node.cls)
-    if not isinstance(cls, ScenicClass):
-        if not node.certain:
-            return cls if node.operator is None else scope.value(node.operator)
-        raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls)
-    if cls.derives_from(OBJECT):
+    if isinstance(cls, ScenicClass) and cls.derives_from(OBJECT):
         if c.site.setting_up:
             message = "objects that a scenario makes while a match runs are played by the reference only"
             raise ScenicError("unsupported", message, hint="make them in the main scenario")
         hint = "make it before, or in the setup of a scenario"
         raise ScenicError("type", "no object can be made in a behavior", hint=hint)
-    instance = Instance(cls, scope.place(node))
-    return make(scope, cls, [meaning(scope, instance, specifier) for specifier in node.specifiers], instance)
+    return calls.new(scope, node)
 
 
 def with_location(

@@ -117,14 +117,15 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
         raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
     operands = [whole_choice(operand, c) for operand in scope.operands(node.operands)]
     try:
-        return operation(scope, *operands)
+        result = operation(scope, *operands)
     except ScenicError:
         at = next((i for i, operand in enumerate(operands) if isinstance(operand, RandomChoice)), None)
         if at is None:
             raise
-    choice, before, after = operands[at], operands[:at], operands[at + 1 :]
-    assert isinstance(choice, RandomChoice)
-    return over_options(c, choice, lambda option: operation(scope, *before, option, *after))
+        choice, before, after = operands[at], operands[:at], operands[at + 1 :]
+        result = over_options(c, choice, lambda option: operation(scope, *before, option, *after))
+    scope.refuse_none(node.operands, operands)
+    return result
 
 
 def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
