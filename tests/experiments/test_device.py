@@ -55,6 +55,8 @@ def test_a_run_may_change_its_device_and_older_runs_have_the_host(tmp_path):
     run = RunFolder.create(tmp_path / "run", TrainConfig(device="cuda:3"))
     (run.path / "metrics.csv").touch()  # it has begun
     run.extend(TrainConfig(device="cpu"))
+    with run.locked():
+        run.keep_config()
     assert RunFolder.open(run.path).config.device == "cpu"
     kept = json.loads((run.path / "config.json").read_text())
     del kept["device"]

@@ -99,6 +99,8 @@ def test_config_json_says_where_a_run_comes_from(trained):
     assert len({each.recording_id for each in trained.values()}) == len(trained)
     again = RunFolder.open(run.path)
     again.extend(again.config.__class__(**{**vars(again.config), "total_env_steps": 13_000}))
+    with again.locked():
+        again.keep_config()
     assert RunFolder.open(run.path).about == about
 
 

@@ -273,6 +273,7 @@ class Contrary(Roles):
         return seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)
 def test_a_team_learns_several_programs_in_one_batch(team, critic):
     env = Mixture([Roles(64), Contrary(64)], ["roles", "contrary"])
@@ -309,6 +310,7 @@ class Opponents(Roles):
         return observation, own[:, 0], *over, info | {"agent_rewards": own}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("team", ["independent", "shared"])
 def test_opponents_learn_each_from_what_it_is_paid(team):
     method = DR(Opponents(64), dataclasses.replace(QUICK, team=team), seed=0)
