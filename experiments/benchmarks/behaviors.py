@@ -8,10 +8,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-import numpy as np
-
-from envs.football.constants import NUM_ACTIONS
-from experiments.benchmarks.timing import Measurement, rate
+from experiments.benchmarks.timing import Measurement, random_steps, rate
 from experiments.run.config import TrainConfig
 
 PROGRAMS = Path(__file__).parents[1] / "programs"
@@ -29,18 +26,11 @@ def behaviors_suite(seconds: float) -> list[Measurement]:
 
 
 def measure(name: str, seconds: float) -> Measurement:
-    """Step with random actions, drawn beforehand; episodes restart as they end."""
+    """Step with random actions; episodes restart as they end."""
     from experiments.run.build import load_program, make_upomdp
 
     env = make_upomdp(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
-    actions = np.random.default_rng(0).integers(0, NUM_ACTIONS, (64, NUM_ENVS))
-
-    def step(count: int) -> None:
-        for t in range(count):
-            env.step(actions[t % 64])
-
-    step(8)
-    speed = NUM_ENVS * rate(step, seconds, clock=time.process_time)
+    speed = NUM_ENVS * rate(random_steps(env), seconds, clock=time.process_time)
     note = f"code: {len(env.behaviors.code.rows)} rows, compiled in {compile_ms(env, seconds):.0f} ms"
     return Measurement(CASES[name], speed, note)
 

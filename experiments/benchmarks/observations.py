@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.benchmarks.timing import Measurement, rate
+from experiments.benchmarks.timing import Measurement, random_steps, rate
 from experiments.run import build
 
 PROGRAMS = Path(__file__).parents[1] / "programs"
@@ -35,16 +35,8 @@ def observation_rows(seconds: float) -> list[Measurement]:
 
 
 def _speed(program: Path, representation: str, threads: int, seconds: float) -> float:
-    """Return env steps per second with random actions, drawn beforehand."""
-    env = _make_env(program, representation, threads)
-    actions = np.random.default_rng(0).integers(0, 19, (64, MATCHES))
-
-    def step(count: int) -> None:
-        for t in range(count):
-            env.step(actions[t % 64])
-
-    step(2)
-    return MATCHES * rate(step, seconds)
+    """Return env steps per second with random actions."""
+    return MATCHES * rate(random_steps(_make_env(program, representation, threads)), seconds)
 
 
 def _frames(program: Path, seconds: float) -> float:

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 STRETCHES = 3  # of each measurement; the best counts
 
@@ -18,6 +20,18 @@ class Measurement(NamedTuple):
     what: str
     steps_per_second: float
     note: str = ""
+
+
+def random_steps(env: Any) -> Callable[[int], None]:
+    """Return what steps an environment so many times with random actions, drawn beforehand; it has stepped 8 times."""
+    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, env.num_envs))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 64])
+
+    step(8)
+    return step
 
 
 def rate(

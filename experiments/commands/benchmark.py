@@ -27,7 +27,7 @@ import numpy as np
 from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from experiments.benchmarks.language import language_suite, render_language
 from experiments.benchmarks.observations import observation_rows
-from experiments.benchmarks.timing import Measurement, rate
+from experiments.benchmarks.timing import Measurement, random_steps, rate
 from experiments.benchmarks.training import training_suite
 from experiments.grf.measure import MEASURES, MeasureConfig
 from experiments.grf.report import FAMILIES, compare, draw, render_family
@@ -183,16 +183,8 @@ def first_step(config: BenchmarkConfig) -> Measurement:
 
 
 def _steps_per_second(config: BenchmarkConfig, num_envs: int, threads: int) -> float:
-    """Step with random actions, drawn beforehand; episodes restart as they end."""
-    env = _make_env(config, num_envs, threads)
-    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, num_envs))
-
-    def step(count: int) -> None:
-        for t in range(count):
-            env.step(actions[t % 64])
-
-    step(8)
-    return num_envs * rate(step, config.seconds)
+    """Step with random actions; episodes restart as they end."""
+    return num_envs * rate(random_steps(_make_env(config, num_envs, threads)), config.seconds)
 
 
 def _levels_per_second(config: BenchmarkConfig) -> float:

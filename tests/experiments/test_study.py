@@ -27,14 +27,8 @@ SPREAD = ["--engine-spread", "0.15"]  # of our simulator alone
 
 
 @pytest.fixture
-def words(monkeypatch, tmp_path):
+def words(monkeypatch, tmp_path, trained_here):
     """Return what is typed; runs train in this process, and a stand-in plays the real engine's part."""
-
-    def train_all(runs, most, stop, launcher):
-        for run in runs:
-            train(RunFolder.open(run.path), stop)
-
-    monkeypatch.setattr(workers, "train_all", train_all)
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     few = ["--seeds", "1", "--representations", "features"]
     return ["study", "transfer", "--games", *GAMES, *few, *SHORT, *SPREAD, "--out", str(tmp_path / "out")]
