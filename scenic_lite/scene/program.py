@@ -8,8 +8,8 @@
 `Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. What the walk leaves
 is the graph of all values that scenes are made of. A Program lays it out as a flat tape: N rows of θ are N scenes by
 one array operation for each node. The language is Scenic's (Fremont et al. 2019), θ the free parameters of a UPOMDP
-(Dennis et al. 2020). Constraints are nodes too, or tests of all objects at once: a row that violates
-one is no scene, and `sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
+(Dennis et al. 2020). Constraints are nodes too, or tests of all objects at once: a row that violates one is no scene,
+and `sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
 """
 
 from __future__ import annotations
