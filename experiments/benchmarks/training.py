@@ -22,7 +22,8 @@ TEAMS = ("closest1", "2", "4", "all")
 def training_suite(minigame: str, seconds: float) -> list[Measurement]:
     """Measure every method on one thread, domain randomisation on all cores, too, and teams.
 
-    What a curriculum costs beside simulation and networks is the share of `levels`: choosing them and keeping book.
+    What a curriculum costs beside simulation and networks is `levels`, choosing them and keeping book, and `teaching`:
+    scoring them and letting the teacher learn. Speeds are of the clock on the wall, shares of all time that was taken.
     """
     runs = [(method, 1) for method in build.METHODS] + [("dr", cores) for cores in [os.cpu_count() or 1] if cores > 1]
     rows = []
@@ -66,8 +67,7 @@ def _measured(label: str, method: Any, seconds: float) -> Measurement:
         for name in shares:
             shares[name] += metrics.get(f"time/{name}", 0.0)
     elapsed = time.perf_counter() - began
-    shares["levels"] += shares.pop("curriculum")
-    words = {"sim": "simulation", "forward": "network forward", "learn": "network update", "levels": "levels"}
-    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
+    words = ("simulation", "network forward", "network update", "levels", "teaching")
+    parts = [f"{word} {share / elapsed:.0%}" for word, share in zip(words, shares.values(), strict=True)]
     parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
     return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))

@@ -66,3 +66,15 @@ def test_gradients_are_found_again_when_somebody_takes_them_away() -> None:
         adam.step()
         assert not torch.equal(flat(net), before)
         before = flat(net)
+
+
+def test_a_copy_goes_on_alone() -> None:
+    net = network()
+    adam = Adam(net.parameters(), 0.01, 1e-5)
+    for _ in range(2):
+        adam.zero_grad()
+        net(torch.ones(1, 5)).sum().backward()
+        adam.step()
+        before = flat(net)
+        net, adam = copy.deepcopy((net, adam))
+        assert adam.weights[0] is net[0].weight and torch.equal(flat(net), before)

@@ -35,9 +35,10 @@ class Adam(torch.optim.Adam):
         learning_rate, eps: the step size, and what keeps it finite.
     """
 
+    _vectors: Vectors | None = None  # until the first gradient; no copy takes them along
+
     def __init__(self, weights: Iterable[Tensor], learning_rate: float, eps: float) -> None:
         super().__init__(weights, learning_rate, eps=eps)
-        self._vectors: Vectors | None = None  # until the first gradient
 
     @property
     def weights(self) -> list[Tensor]:
@@ -59,14 +60,14 @@ class Adam(torch.optim.Adam):
         """Return vectors that hold what is known of each weight, and let each know its parts of them."""
         vectors = torch.zeros(4, sum(map(torch.numel, weights)), device=weights[0].device)
         gradients, means, squares, deviations = (_parts(each, weights) for each in vectors)
-        step = torch.tensor(0.0)
+        step = torch.tensor(max((float(self.state[weight].get("step", 0.0)) for weight in weights), default=0.0))
         for weight, *parts in zip(weights, means, squares, strict=True):
             known = self.state[weight]
             for name, part in zip(("exp_avg", "exp_avg_sq"), parts, strict=True):
                 if name in known:
                     part.copy_(known[name])
                 known[name] = part
-            step = known["step"] = step + known["step"] if step == 0 and "step" in known else step
+            known["step"] = step
         gradient, mean, square, deviation = vectors
         return Vectors(gradient, mean, square, step, deviation, gradients, means, deviations)
 
@@ -87,10 +88,10 @@ class Adam(torch.optim.Adam):
             weight.addcdiv_(*parts, value=-size)
 
     def state_dict(self) -> dict[str, Any]:
-        """Return what torch's would: each weight counts its own steps there."""
+        """Return what torch's would: each weight has its own tensors there, and no parts of vectors."""
         state = super().state_dict()
-        own = {weight: known | {"step": known["step"].clone()} for weight, known in state["state"].items()}
-        return state | {"state": own}
+        apart = {k: {name: part.clone() for name, part in known.items()} for k, known in state["state"].items()}
+        return state | {"state": apart}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Take back what `state_dict` returned."""
