@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ued.config import BufferConfig, PLRConfig, RepairedConfig
+from ued.levels.ranking import Ranking
 from ued.levels.record import NONE, Origin, make_records, number
 from ued.resumable import Resumable
 
@@ -60,6 +61,8 @@ class LevelBuffer(Resumable):
         self._rows: dict[bytes, int] = {}  # which row holds a level, by its program and θ
         self._rows_by_id: dict[int, int] = {}
         self._score_weights: np.ndarray | None = None  # until a score changes
+        self._by_rank = np.arange(1.0, config.capacity + 1) ** (-1 / config.temperature)
+        self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores have changed since it was asked
         self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
 
@@ -77,7 +80,7 @@ class LevelBuffer(Resumable):
         self._slots[: self._count] = slots
         self._rows = {_key(level): row for row, level in enumerate(slots["level"])}
         self._rows_by_id = {number: row for row, number in enumerate(slots["id"].tolist())}
-        self._score_weights = None
+        self._score_weights, self._ranking = None, Ranking()
 
     @property
     def fill_ratio(self) -> float:
@@ -97,14 +100,14 @@ class LevelBuffer(Resumable):
         return (1 - share) * self._score_weights + share * stale
 
     def _by_score(self) -> np.ndarray:
-        score, exponent = self.slots["score"], 1 / self.config.temperature
+        score = self.slots["score"]
         if self.config.priority == "rank":
-            rank = np.empty(len(score))
-            rank[np.argsort(-score, kind="stable")] = np.arange(1, len(score) + 1)
-            weight = rank**-exponent
+            weight = np.empty(len(score))
+            weight[self._ranking.update(score, self._rescored)] = self._by_rank[: len(score)]
+            self._rescored.clear()
         else:  # relative to the largest, so that a small temperature does not overflow
             positive = np.maximum(score, 0.0) + EPSILON
-            weight = (positive / positive.max(initial=EPSILON)) ** exponent
+            weight = (positive / positive.max(initial=EPSILON)) ** (1 / self.config.temperature)
         return weight / weight.sum() if len(weight) else weight
 
     def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
@@ -178,6 +181,7 @@ class LevelBuffer(Resumable):
         self.slots["score"][rows] = score
         np.fmax.at(self.slots["best"], rows, best)
         self._score_weights = None
+        self._rescored.update(rows.tolist())
 
     def insert(self, records: np.ndarray, best: np.ndarray) -> int:
         """Offer scored records `[k]` of new levels, with the best returns `[k]` on them; return how many are kept.
@@ -234,6 +238,7 @@ class LevelBuffer(Resumable):
         self._rows[_key(row["level"])] = place
         self._count = max(self._count, place + 1)
         self._score_weights = None
+        self._rescored.add(place)
         return True
 
 

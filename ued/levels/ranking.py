@@ -1,0 +1,45 @@
+"""The ranks of scores of which a few change at a time: in a large buffer sorting them all would cost most of the time.
+
+Read next: `levels.buffer`, whose priorities follow ranks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+FEW = 64  # times as many scores stay as change: then the order is mended, else made anew
+
+
+class Ranking:
+    """Rows in the order of falling scores, equal ones in their own order."""
+
+    def __init__(self) -> None:
+        self.order = np.zeros(0, np.int64)  # [n] rows, the highest score first
+        self._keys = np.zeros(0)  # [n] their scores, negated: rising
+
+    def update(self, scores: np.ndarray, changed: Collection[int]) -> np.ndarray:
+        """Return the order `[n]` of these scores `[n]`; only those of the rows `changed`, new ones among them, differ
+        from what they were at the last call.
+        """
+        if len(scores) < FEW * len(changed) or not len(self.order):
+            self.order = np.argsort(-scores, kind="stable")
+            self._keys = -scores[self.order]
+        elif changed:
+            self._mend(scores, np.sort(np.fromiter(changed, np.int64, len(changed))))
+        return self.order
+
+    def _mend(self, scores: np.ndarray, rows: np.ndarray) -> None:
+        """Take these rows `[k]`, which are sorted, out of the order, and put them where their scores are now."""
+        keys = -scores[rows]
+        by_key = np.argsort(keys, kind="stable")
+        rows, keys = rows[by_key], keys[by_key]
+        stays = np.ones(len(scores), bool)
+        stays[rows] = False
+        kept = stays[self.order]
+        order, others = self.order[kept], self._keys[kept]
+        first, last = (np.searchsorted(others, keys, side) for side in ("left", "right"))
+        spans = zip(first, last, rows, strict=True)  # those of the same score; among them its row says where
+        places = [low + np.searchsorted(order[low:high], row) for low, high, row in spans]
+        self.order, self._keys = np.insert(order, places, rows), np.insert(others, places, keys)
