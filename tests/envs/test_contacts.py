@@ -43,6 +43,18 @@ def test_a_trapped_ball_moves_with_the_player() -> None:
     assert np.hypot(ball["vx"], ball["vy"]) < 0.5
 
 
+def test_who_runs_to_a_resting_ball_with_no_direction_held_stops_with_it() -> None:
+    """Measured: he is at most 1.4 m on from the step before his touch (median of 60); without the law 2.4 m."""
+    matches = position([(0.0, 0.0, LEFT, CM), (50.0, 20.0, RIGHT, GK)], (6.0, 0.0), OPEN)
+    while matches["last_touch"][0] != 0:
+        before = matches["players"]["x"][0, 0]
+        play(matches, [0], 0)
+    play(matches, [0] * 8, 0)
+    assert before < 5.6
+    assert matches["players"]["x"][0, 0] - before < 1.8
+    assert matches["carrier"][0] == 0
+
+
 def tackled(carrier_keys: list[int], defender: tuple[float, float], steps: int = 45) -> float:
     """Share of matches in which a built-in right defender has won the ball off a carrier at (35, 0)."""
     players = [(35.0, 0.0, LEFT, CM), (*defender, RIGHT, CB), (-50.0, 0.0, RIGHT, GK)]
