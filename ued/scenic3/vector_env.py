@@ -7,8 +7,10 @@ Read next: `episode`, what a process plays; `ued.upomdp`, the seam.
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import signal
+import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
@@ -24,6 +26,7 @@ from ued.upomdp import UPOMDP, check_count, check_theta, set_stream
 
 BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
 STEP_SECONDS = 30.0  # for each step
+PR_SET_PDEATHSIG = 1  # of prctl(2): the signal that a process gets when the one that made it dies
 MOST_DEATHS = 3  # of processes over one request
 
 
@@ -61,8 +64,11 @@ class Player:
         assert self.episode is not None
         return self.episode.render()
 
-    def serve(self, pipe: Connection) -> None:
-        """Answer requests until the other end is closed."""
+    def serve(self, pipe: Connection, other_end: Connection) -> None:
+        """Answer requests until the other end is closed, which a process that was forked has, too."""
+        other_end.close()
+        if sys.platform == "linux":
+            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # at once: it holds the lock of a run folder, too
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
         signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever he does at one himself
         with suppress(EOFError, BrokenPipeError):
@@ -152,7 +158,7 @@ class Worker:
     def _ask(self, *request: Any) -> None:
         if self._pipe is None:
             self._pipe, theirs = multiprocessing.Pipe()
-            self._process = multiprocessing.Process(target=self.player.serve, args=(theirs,), daemon=True)
+            self._process = multiprocessing.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
             self._process.start()
             theirs.close()
         with suppress(OSError):  # it has died: `answer` sees to it
