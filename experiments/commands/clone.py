@@ -26,7 +26,7 @@ from experiments.run import arguments, build
 from experiments.run import config as configs
 from experiments.run.arguments import group, positional
 from experiments.run.config import TrainConfig, football_ppo
-from experiments.run.errors import CommandError, UsageError
+from experiments.run.errors import CommandError, UsageError, read_from
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress
 from experiments.run.signals import StopRequest
@@ -106,7 +106,7 @@ def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder
     """Make the run folder, or go on with one that was begun with the same settings."""
     file, text = path / "clone.json", json.dumps(asked, indent=2) + "\n"
     if file.exists():
-        if file.read_text() != text:
+        if file.read_text(errors="replace") != text:
             raise CommandError(f"{path} holds a clone of other settings, those of {file}; choose another --out")
         return RunFolder.open(path)
     run = RunFolder.create(path, training)
@@ -143,7 +143,8 @@ def clone(run: RunFolder, config: CloneConfig, data: CloningData, method: Any, s
     method.student.load_state_dict(cloner.best)
     agreement = cloner.judge(data.chunks(held_out=True))
     write_accuracies(run.path / "accuracy.csv", agreement)
-    draw_cloning(run.path / "cloning.csv", agreement, run.path / "cloning.png")
+    with read_from(f"{table.path} is"):
+        draw_cloning(table.path, agreement, run.path / "cloning.png")
     run.save({"update": 0, "env_steps": 0, "elapsed": 0.0, "method": method.state_dict()})
     progress.finish(
         f"{run.path}: {cloner.epoch} epochs, the best was {cloner.best_epoch}; of held-out steps "
@@ -173,8 +174,9 @@ def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
     if not path.exists():
         return True, 0.0
     state = checkpoint.load(path)
-    cloner.load_state_dict(state["cloner"])
-    return state["goes_on"], state["elapsed"]
+    with read_from(f"{path} is"):
+        cloner.load_state_dict(state["cloner"])
+        return bool(state["goes_on"]), float(state["elapsed"])
 
 
 def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None:

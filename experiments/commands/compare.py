@@ -20,6 +20,7 @@ from experiments.pictures.overview import Comparison, overview
 from experiments.run import arguments, build
 from experiments.run.arguments import group, positional
 from experiments.run.config import TrainConfig
+from experiments.run.errors import read_from
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
@@ -99,7 +100,8 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, 
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     name = build.short_name(runs[0].config.minigame)
-    draw(Comparison(name, by_method, report.results, painter, report.word), folder)
+    with read_from(f"the tables of a run in {folder} are"):
+        draw(Comparison(name, by_method, report.results, painter, report.word), folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from experiments.run import arguments, build
 from experiments.run.arguments import positional
-from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
+from experiments.run.errors import CommandError, UsageError, read_from
 from experiments.run.folder import RunFolder
 from ued.config import Checked, setting
 
@@ -45,11 +45,8 @@ def main(argv: Sequence[str]) -> int:
 
     path = config.out or run.path / "gallery.html"
     program = build.load_scenes(run.config)[build.TRAINING_SCENE]
-    try:
+    with read_from(f"the tables of {run.path} are of other environments than it has now, or"):
         made = make_page(run, program, path, config.levels, config.replays)
-    except DAMAGE as error:
-        what = f"the tables of {run.path} are damaged, or of other environments than it has now"
-        raise CommandError(f"{what}: {refused(error)}") from error
     print(f"{path}: {made.levels} of {made.played} levels, {made.replays} with replays")
     if made.otherwise:
         print(f"{made.otherwise} came out otherwise than they were recorded: the environment has changed since")

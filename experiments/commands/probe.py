@@ -126,7 +126,10 @@ class ProbeJob:
         """Return the finished run, None if it is not there or has other settings."""
         try:
             kept = json.loads((self.path / "run.json").read_text())
-            return Run(**kept["run"]) if kept["settings"] == self.settings() else None
+            run = Run(**kept["run"])
+            numbers = np.array([run.env_steps, run.scores], float)  # not of what is damaged
+            whole = kept["settings"] == self.settings() and np.isfinite([*numbers.flat, run.updates, run.seed]).all()
+            return run if whole and run.method == self.config.method else None
         except (OSError, *DAMAGE):
             return None
 

@@ -22,7 +22,7 @@ from experiments.pictures import plots
 from experiments.run import arguments, build, origin
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
-from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
+from experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
 from experiments.run.folder import RunFolder
 from experiments.run.progress import Progress, count
 from experiments.run.reporting import Console, Reporters
@@ -51,7 +51,8 @@ def main(argv: Sequence[str]) -> int:
     stop = StopRequest()
     with run.locked():
         done = train(run, stop, connect)
-    plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
+    with read_from(f"{run.metrics.path} is"):
+        plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code

@@ -20,6 +20,7 @@ from experiments.run.errors import CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.replays import Replay, Stage, came_out_alike
 from experiments.run.table import cannot_write, read_columns, read_rows
+from ued.files import write_whole
 from ued.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
 
@@ -69,7 +70,7 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
     }
     text = PAGE.read_text().replace(PLACE, json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
     try:
-        path.write_text(text)
+        write_whole(path, text)
     except OSError as error:
         raise cannot_write(path, error) from error
     return Made(len(chosen), played, len(replays), otherwise)

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import torch
 
-from experiments.run.demonstrations import Demonstrations, Summary, damaged
+from envs.football.constants import NUM_ACTIONS
+from experiments.run.demonstrations import Demonstrations, Summary
 from experiments.run.errors import CommandError
 from ued.cloning import Demonstrated, discounted
 
@@ -72,10 +73,10 @@ class CloningData:
     def _grouped(self, summaries: Sequence[Summary]) -> list[list[int]]:
         """Return the parts in groups of at most CHUNK_BYTES of observations, as they are in memory."""
         first = next(part for part, episodes in enumerate(self._parts) if episodes)
-        with self.demos.opened(first) as file:
-            seen = file[f"episode_{self._parts[first][0]}/observations"]
+        with self.demos.reading(first) as file:
+            seen, actions = (file[f"episode_{self._parts[first][0]}/{name}"] for name in ("observations", "actions"))
             size = seen.dtype.itemsize * int(np.prod(seen.shape[1:]))
-            self._shapes = tuple(seen.shape[1:]), tuple(file[f"episode_{self._parts[first][0]}/actions"].shape[1:])
+            self._shapes = tuple(seen.shape[1:]), tuple(actions.shape[1:])
         groups: list[list[int]] = [[]]
         room = CHUNK_BYTES
         for part, summary in enumerate(summaries):
@@ -90,10 +91,10 @@ class CloningData:
     def _read(self, parts: Sequence[int], held_out: bool) -> Demonstrated:
         columns: list[list[np.ndarray]] = [[], [], [], []]
         for part in parts:
-            with self.demos.opened(part) as file:
+            with self.demos.reading(part) as file:
                 for episode in self._parts[part]:
                     if self.is_held_out[episode] == held_out:
-                        for column, array in zip(columns, self._steps(file, part, episode), strict=True):
+                        for column, array in zip(columns, self._steps(file, episode), strict=True):
                             column.append(array)
         if not columns[0]:
             nothing = torch.zeros(0)
@@ -101,14 +102,18 @@ class CloningData:
         seen, actions, told, returns = (torch.from_numpy(np.concatenate(column)) for column in columns)
         return Demonstrated(seen, actions.long(), told, returns.float())
 
-    def _steps(self, file: Any, part: int, episode: int) -> tuple[np.ndarray, ...]:
-        try:
-            group = file[f"episode_{episode}"]
-            actions = group["actions"][()]
-            seen = group["observations"][: len(actions)]
-            return seen, actions, group["infos/told"][()], discounted(group["rewards"][()], self.gamma)
-        except (OSError, KeyError) as error:
-            raise damaged(self.demos.part_path(part)) from error
+    def _steps(self, file: Any, episode: int) -> tuple[np.ndarray, ...]:
+        """Return what was seen, done, known to be done, and the returns of an episode; raise for what cannot be."""
+        group = file[f"episode_{episode}"]
+        actions, told, rewards = (group[name][()] for name in ("actions", "infos/told", "rewards"))
+        seen = group["observations"][: len(actions)]
+        shapes = seen.shape == (len(actions), *self._shapes[0]) and rewards.shape == (len(actions),)
+        if not shapes or actions.shape[1:] != self._shapes[1] or told.shape != actions.shape:
+            raise ValueError("its arrays do not go together")
+        whole = told.dtype == bool and actions.dtype.kind == "i" and ((actions >= 0) & (actions < NUM_ACTIONS)).all()
+        if not whole or not (np.isfinite(rewards).all() and np.isfinite(seen).all()):
+            raise ValueError("it holds what nobody has seen or done")
+        return seen, actions, told, discounted(rewards, self.gamma)
 
 
 def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:

@@ -16,6 +16,7 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -24,7 +25,7 @@ import numpy as np
 
 from envs.football.config import FootballConfig
 from experiments.run import config as configs
-from experiments.run.errors import CommandError
+from experiments.run.errors import DAMAGE, CommandError
 from experiments.run.table import cannot_write, spell
 from ued.config import Checked, setting
 from ued.files import is_partial, write_whole
@@ -87,7 +88,7 @@ class Demonstrations:
             there = cls.open(path)
             for name, (old, new) in configs.differences(there.config, config).items():
                 raise CommandError(f"{path} was made with {name} = {old}; it cannot go on with {new}")
-            if (path / "program.scenic").read_text() != program:
+            if (path / "program.scenic").read_text(errors="replace") != program:
                 raise CommandError(f"the program has changed since {path} began with what is now in its program.scenic")
             return there
         if path.exists() and not (path.is_dir() and all(map(_begun_with, path.iterdir()))):
@@ -110,7 +111,7 @@ class Demonstrations:
             raise CommandError(
                 f"{self.path} is not finished; give regista demonstrate the same command again, and it goes on"
             ) from error
-        except (ValueError, KeyError) as error:
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
             raise CommandError(f"{path} is damaged; regista demonstrate, given the same command, writes it") from error
 
     # ------------------------------------------------------------ parts
@@ -129,19 +130,26 @@ class Demonstrations:
     def summaries(self) -> Iterator[Summary]:
         """Yield the numbers of every part. Raises `CommandError` for one that is damaged."""
         for number in range(self.num_parts()):
-            try:
-                with self.opened(number) as file:
-                    yield Summary(*(file["summary"][name][()] for name in Summary._fields))
-            except (OSError, KeyError) as error:
-                raise damaged(self.part_path(number)) from error
+            with self.reading(number) as file:
+                summary = Summary(*(file["summary"][name][()] for name in Summary._fields))
+                size = summary.kept.shape
+                whole = summary.kept.dtype == bool and summary.lengths.dtype.kind == "i" and summary.lengths.min() >= 0
+                if not whole or any(each.shape[:1] != size or len(size) != 1 for each in summary):
+                    raise ValueError("its numbers do not go together")
+            yield summary
 
-    def opened(self, number: int) -> Any:
-        """Open the data of a part for reading. Raises `CommandError` for a file that is damaged or cut short."""
+    @contextmanager
+    def reading(self, number: int) -> Iterator[Any]:
+        """Open the data of a part. Raises `CommandError` for a file that is damaged, whenever it turns out to be."""
         path = self.part_path(number)
         try:
-            return _h5py().File(path, "r")
-        except OSError as error:
-            raise damaged(path) from error
+            with _h5py().File(path, "r") as file:
+                yield file
+        except (OSError, *DAMAGE) as error:
+            raise CommandError(
+                f"{path} is damaged or cut short; delete it and give regista demonstrate the same command again: it is "
+                "played anew as it was"
+            ) from error
 
     def add(self, number: int, part: Part, first: int) -> Summary:
         """Write a part, what is kept of its episodes numbered from `first` on; return its numbers.
@@ -214,14 +222,6 @@ def _begun_with(path: Path) -> bool:
     """Return whether a folder of demonstrations may hold this before its demonstrations.json is there."""
     empty = path.name in ("records", "data") and path.is_dir() and not any(path.iterdir())
     return empty or path.name == "program.scenic" or is_partial(path.name)
-
-
-def damaged(path: Path) -> CommandError:
-    """Return the error of a part that cannot be read."""
-    return CommandError(
-        f"{path} is damaged or cut short; delete it and give regista demonstrate the same command again: it is played "
-        "anew as it was"
-    )
 
 
 # ---------------------------------------------------------------- HDF5 as Minari has it

@@ -8,7 +8,8 @@ from __future__ import annotations
 import errno
 import signal
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 
 from experiments.run.signals import WORDS, forget_terminal, interruptible
@@ -52,6 +53,15 @@ EXTRAS = {
 def refused(error: Exception) -> str:
     """Return what an error says, for a sentence of ours: of a missing key that it is missing."""
     return f"{error} is missing" if isinstance(error, KeyError) else str(error).partition("\n")[0]
+
+
+@contextmanager
+def read_from(what: str) -> Iterator[None]:
+    """Raise `CommandError` for what the readers of damaged files stumble over; `what` is damaged then, and named."""
+    try:
+        yield
+    except DAMAGE as error:
+        raise CommandError(f"{what} damaged: {refused(error)}") from error
 
 
 def nearest(word: str, words: Iterable[str], most: int = 1) -> str:

@@ -204,7 +204,10 @@ class RunFolder:
     def env_steps(self) -> int:
         """Return the env_steps of the last row of metrics.csv, 0 if there is none."""
         steps = read_columns(self.metrics.path).get("env_steps")
-        return 0 if steps is None or not len(steps) else int(steps[-1])
+        done = 0.0 if steps is None or not len(steps) else float(steps[-1])
+        if not 0 <= done < LARGEST:
+            raise CommandError(f"{self.metrics.path} is damaged: its last env_steps is {done}")
+        return int(done)
 
     def recordings(self) -> list[Path]:
         """Return the parts of the recording that are there."""

@@ -98,7 +98,7 @@ def _owner(folder: Path) -> dict | None:
     """Return what the owner says of itself, None if there is none."""
     try:
         said = json.loads((folder / OWNER).read_text())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
     return said if isinstance(said, dict) else None
 

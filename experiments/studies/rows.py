@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple, get_type_hints
 
+from experiments.run.errors import CommandError, refused
 from experiments.run.report import save_rows
 from experiments.run.results import Result
 from experiments.run.table import read_rows
@@ -55,9 +56,12 @@ class Row(NamedTuple):
 
 
 def load(path: Path) -> list[Row]:
-    """Return the rows of a file, none if it is not there."""
+    """Return the rows of a file, none if it is not there. Raises `CommandError` for one that is damaged."""
     read = get_type_hints(Row)
-    return [Row(**{name: read[name](text) for name, text in row.items()}) for row in read_rows(path)]
+    try:
+        return [Row(**{name: read[name](text) for name, text in row.items()}) for row in read_rows(path)]
+    except (ValueError, KeyError, TypeError) as error:
+        raise CommandError(f"{path} is damaged: {refused(error)}") from error
 
 
 def add(path: Path, rows: Iterable[Row]) -> list[Row]:

@@ -177,14 +177,22 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
 def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
     import shutil
 
-    for number, damage in enumerate(("cut", "part", "unfinished")):
+    import h5py
+
+    for number, damage in enumerate(("cut", "part", "unfinished", "actions", "summary")):
         copy = tmp_path / damage
         shutil.copytree(demos / "one", copy)
         part = copy / "data" / "part-0000.hdf5"
         if damage == "cut":
             part.write_bytes(part.read_bytes()[:3000])
+        elif damage in ("actions", "summary"):
+            with h5py.File(part, "r+") as file:
+                if damage == "actions":
+                    file["episode_0/actions"][0] = 99
+                else:
+                    file["summary/kept"][0], file["summary/lengths"][0] = True, -3
         else:
             (part if damage == "part" else copy / "data" / "metadata.json").unlink()
         words = ("is damaged or cut short; delete it", "is cut short: of its 100 episodes there are", "is not finished")
-        assert words[number] in refused(capsys, "clone", copy, "--out", tmp_path / "clone")
+        assert (*words, words[0], words[0])[number] in refused(capsys, "clone", copy, "--out", tmp_path / "clone")
     assert not (tmp_path / "clone").exists()

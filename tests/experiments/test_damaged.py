@@ -7,7 +7,13 @@ from pathlib import Path
 import pytest
 import torch
 
+from experiments.commands.probe import ProbeJob
+from experiments.run.config import TrainConfig
+from experiments.run.errors import CommandError
+from experiments.run.folder import RunFolder
+from experiments.run.owner import owned
 from experiments.run.table import Table
+from experiments.studies import rows
 from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
 from ued import checkpoint
 from ued.checkpoint import CheckpointError
@@ -128,6 +134,48 @@ def test_a_gallery_of_damaged_levels_is_refused(begun, tmp_path, damage):
     (copy / "levels.csv").write_text(text.replace(*damage))
     code, said = quietly(["gallery", str(copy)])
     assert code == 1 and said.startswith("regista: ") and said.count("\n") == 1 and str(copy) in said
+
+
+@pytest.mark.parametrize("damage", [("env_steps", "steps"), (",128,", ",,"), (",128,", ",inf,")])
+def test_a_table_that_does_not_say_how_far_a_run_is(begun, tmp_path, damage):
+    copy = shutil.copytree(begun, tmp_path / "run")
+    text = (copy / "metrics.csv").read_text()
+    assert damage[0] in text
+    (copy / "metrics.csv").write_text(text.replace(*damage))
+    code, said = quietly(["train", "--resume", str(copy)])
+    assert code in (0, 1) and code == (said.count("regista: ") > 0)
+    if damage[0] == "env_steps":
+        assert f"{copy / 'metrics.csv'} is damaged: 'env_steps' is missing" in said
+    else:
+        (copy / "metrics.csv").write_text(f"update,env_steps\n1,{damage[1].strip(',')}\n")
+        with pytest.raises(CommandError, match="is damaged: its last env_steps is"):
+            RunFolder.open(copy).env_steps()
+
+
+def test_an_owner_that_is_none_keeps_nobody_out(tmp_path):
+    (tmp_path / "owner.json").write_text("[" * 100_000)
+    with owned(tmp_path):
+        pass
+
+
+def test_rows_of_a_study_that_are_none(tmp_path):
+    for text in ("game,agent\n1v1,ppo\n", "colour\nblue\n"):
+        (tmp_path / "rows.csv").write_text(text)
+        with pytest.raises(CommandError, match="is damaged"):
+            rows.load(tmp_path / "rows.csv")
+
+
+def test_a_probe_that_was_kept_half_is_trained_again(tmp_path):
+    job = ProbeJob(tmp_path, TrainConfig(method="dr"), 3, 2, ())
+    run = {"method": "dr", "seed": 0, "env_steps": [1, 2], "scores": [0.0, 1.0], "updates": 2}
+    for changed, known in (
+        ({}, True),
+        ({"scores": [0.0]}, False),
+        ({"scores": "ab"}, False),
+        ({"updates": None}, False),
+    ):
+        (tmp_path / "run.json").write_text(json.dumps({"settings": job.settings(), "run": run | changed}))
+        assert (job.known() is not None) == known
 
 
 @pytest.mark.slow

@@ -49,6 +49,7 @@ COMPARE = ["compare", TASK, "--methods", "dr", "plr", "--seeds", "1", *QUIET, "-
 MADE = {
     "run": ["train", TASK, "--method", "dr", *QUIET, "--out", "{made}/run"],
     "demos": ["demonstrate", "1v1Restricted", "--episodes", "2", "--keep", "all", "--out", "{made}/demos"],
+    "recorded": ["train", TASK, "--method", "plr", *SAVING, "--out", "{made}/recorded"],
     "match.npz": ["play", "1v1Restricted", "--record", "{made}/match.npz"],
 }
 WRITERS = {  # which write, one of each kind
@@ -57,6 +58,8 @@ WRITERS = {  # which write, one of each kind
     "train paired": train("paired", *QUIET),
     "train plr, recorded": train("plr", *SAVING),
     "train football": Scenario(["train", *FOOTBALL, "--out", "{out}"], ["train", "--resume", "{out}"]),
+    "train from": train("dr", *QUIET, "--from", "{made}/run", "--kl-to-clone", "0.5"),
+    "gallery": Scenario(["gallery", "{made}/recorded", "--out", "{out}/page.html"]),
     "compare": Scenario([*COMPARE, "--processes", "1", "--out", "{out}"]),
     "demonstrate": Scenario(["demonstrate", "1v1Restricted", "--episodes", "2", "--keep", "all", "--out", "{out}"]),
     "clone": Scenario(["clone", "{made}/demos", "--epochs", "2", "--ppo.hidden-size", "8", "--out", "{out}"]),
@@ -144,7 +147,7 @@ def check(end: End, what: str) -> None:
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """Return the tables and records in a folder, without wall-clock columns.
+    """Return the tables, records and pages in a folder, without wall-clock columns.
 
     What a recording shows is none of them: episodes that were open at a checkpoint are in no replays.csv after it.
     """
@@ -152,6 +155,8 @@ def contents(folder: Path) -> dict[str, object]:
     for path in sorted(folder.rglob("*")):
         if path.suffix == ".csv" and path.name != "replays.csv":
             found[str(path.relative_to(folder))] = list(rows(path))
+        elif path.suffix == ".html":
+            found[path.name] = path.read_text()
         elif path.suffix == ".npz":
             with np.load(path) as arrays:  # not bytes: what lies between the fields of a match is nobody's
                 found[str(path.relative_to(folder))] = {key: repr(arrays[key].tolist()) for key in arrays.files}

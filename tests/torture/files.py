@@ -7,11 +7,13 @@ next: `tests.torture.__main__`.
 from __future__ import annotations
 
 import io
+import re
 import shutil
 import sys
 import time
 import traceback
 import warnings
+from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
 from pathlib import Path
@@ -45,6 +47,25 @@ RUNS = {  # of each kind that keeps something else
     "recorded": [TASK, "--method", "plr", "--record"],
     "begun": [TASK, "--method", "dr", "--from", "{remembering}", "--kl-to-clone", "0.5"],
 }
+QUIET = ["--no-record", "--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "0"]
+MADE = {  # what other commands leave behind, and what reads it
+    "demos": ["demonstrate", "1v1Restricted", "--episodes", "4", "--keep", "all", "--out", "{out}"],
+    "clone": ["clone", "{demos}", "--epochs", "2", "--ppo.hidden-size", "8", "--out", "{out}"],
+    "compared": [
+        *("compare", TASK, "--methods", "dr", "plr", "--seeds", "1", "--episodes", "4", "--levels", "0"),
+        *(*QUIET, "--total-env-steps", "128", "--processes", "1", "--out", "{out}"),
+    ],
+}
+READERS = {
+    "demos": (["clone", "{run}", "--epochs", "1", "--ppo.hidden-size", "8", "--out", "{run}-child"], MADE["demos"]),
+    "clone": (MADE["clone"], ["evaluate", "{run}", "--episodes", "2", "--levels", "0"]),
+    "compared": (MADE["compared"],),
+}
+KINDS = [*RUNS, *MADE]
+SLOWER = 20  # times, to give a folder to a command
+TEXTS = (".json", ".csv", ".scenic")
+WORD = re.compile(r"[\w.+-]+")
+WORDS = ("nan", "inf", "-1", "0", "1e999", "9" * 30, "x", '"', "[", "null", "0.5", "é", "\\ud800", "''")
 COMMANDS = (
     ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
     ["gallery", "{run}", "--out", "{run}.html", "--replays", "3"],
@@ -66,6 +87,17 @@ def make_run(folder: Path, steps: int = 1_000, kind: str = "run") -> Path:
     return path
 
 
+def make(folder: Path, kind: str) -> Path:
+    """Have a command make what another one reads."""
+    path = folder / kind
+    if not path.exists():
+        if any("{demos}" in word for word in MADE[kind]):
+            make(folder, "demos")
+        code, said = quietly([word.format(out=path, demos=folder / "demos") for word in MADE[kind]])
+        assert code == 0, said
+    return path
+
+
 def quietly(words: list[str]) -> tuple[int, str]:
     """Run a command in this process; return its exit code and what it wrote on stderr."""
     said = io.StringIO()
@@ -74,40 +106,36 @@ def quietly(words: list[str]) -> tuple[int, str]:
         return main(words), said.getvalue()
 
 
-class Target:
-    """A run, a copy to be damaged, and a method of its kind that can take its checkpoint again and again."""
+class Folder:
+    """What a command has left behind, and a copy of it to be damaged that commands read."""
 
-    def __init__(self, folder: Path, kind: str = "run") -> None:
-        self.run, self.copy = make_run(folder, kind=kind), folder / f"{kind}-copy"
-        self.whole = contents(self.run)
-        config = RunFolder.open(self.run).config
-        program = build.load_scenes(config)[build.TRAINING_SCENE]
-        env = config.env if build.is_football(config) else None
-        self.upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, 1)
-        self.method = build.make_method(config, self.upomdp)
-        self.quick = env is None
+    def __init__(self, folder: Path, kind: str, made: Path | None = None) -> None:
+        self.run, self.copy, self.folder = made or make(folder, kind), folder / f"{kind}-copy", folder
+        self.whole, self.commands = contents(self.run), READERS.get(kind, COMMANDS)
+        self.names = sorted(name for name in self.whole if not name.endswith((".rrd", ".png", ".log")))
         self.restore()
 
     def restore(self) -> None:
         """Make the copy whole again."""
-        self.copy.mkdir(exist_ok=True)
-        for name in contents(self.copy).keys() - self.whole.keys():
+        left = contents(self.copy) if self.copy.exists() else {}
+        for name in left.keys() - self.whole.keys():
             (self.copy / name).unlink()
         for name, content in self.whole.items():
             file = self.copy / name
+            file.parent.mkdir(parents=True, exist_ok=True)
             if not file.exists() or file.read_bytes() != content:
                 file.write_bytes(content)
 
     def attempt(self, rng: np.random.Generator) -> str:
         """Damage one file of the copy and go on from it. Raises AssertionError for any harm."""
-        names = [name for name in (*FILES, *MORE) if name in self.whole]
-        file, kind = self.copy / str(rng.choice(names)), rng.random()
+        file = self.copy / str(rng.choice(self.names))
         if file.suffix == ".pt" and rng.random() < 0.7:
             self.save_altered(file, rng)
+        elif file.suffix in TEXTS and rng.random() < 0.5:
+            file.write_text(with_word(file.read_text(), rng))
         else:
             file.write_bytes(damaged(file.read_bytes(), rng))
-        before, began = contents(self.copy), time.process_time()
-        read = self.go_on if kind < 0.85 else self.load if kind < 0.95 else self.command
+        before, began, read = contents(self.copy), time.process_time(), self.reader(rng)
         try:
             outcome = read(rng)
         except (CommandError, CheckpointError, OSError) as error:
@@ -125,6 +153,66 @@ class Target:
         assert spent < (LONGER if read == self.command else SECONDS), f"{file.name}: {read.__name__} took {spent:.1f} s"
         self.restore()
         return outcome
+
+    def reader(self, rng: np.random.Generator) -> Callable[[np.random.Generator], str]:
+        """Return who reads it."""
+        return self.command
+
+    def command(self, rng: np.random.Generator) -> str:
+        """Give the folder to a command."""
+        typed = self.commands[rng.integers(len(self.commands))]
+        words = [word.format(run=self.copy, out=self.copy, demos=self.folder / "demos") for word in typed]
+        shutil.rmtree(f"{self.copy}-child", ignore_errors=True)
+        code, said = quietly(words)
+        told = [line for line in said.splitlines() if line.startswith("regista: ")]
+        assert code in (0, 1, 2) and (code == 0 or told), f"{' '.join(words[:2])}: exit code {code}: {said[-1_000:]}"
+        return WENT_ON if code == 0 else REFUSED
+
+    def save_altered(self, file: Path, rng: np.random.Generator) -> None:
+        """Write a whole checkpoint of which one entry, however deep, is another one."""
+        content = torch.load(self.run / file.relative_to(self.copy), weights_only=True)
+        holder: Any = content
+        while True:
+            keys = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
+            key = keys[rng.integers(len(keys))]
+            inside = holder[key]
+            if not isinstance(inside, dict | list) or not inside or rng.random() < 0.08:
+                break
+            holder = inside
+        kind = rng.integers(4)
+        if isinstance(inside, torch.Tensor) and kind < 3:
+            changed = inside.clone()
+            if changed.numel() and kind == 0:
+                changed.view(-1)[int(rng.integers(changed.numel()))] = int(rng.integers(0, 255))
+            elif changed.is_floating_point() and kind == 1:
+                changed.view(-1)[:1] = float("nan")
+            else:
+                changed = changed[: len(changed) // 2] if changed.ndim else changed
+            holder[key] = changed
+        elif isinstance(holder, dict) and kind == 3:
+            del holder[key]
+        else:
+            holder[key] = STRANGE[rng.integers(len(STRANGE))]
+        torch.save(content, file)
+
+
+class Target(Folder):
+    """A run, and a method of its kind that can take its checkpoint again and again."""
+
+    def __init__(self, folder: Path, kind: str = "run") -> None:
+        super().__init__(folder, kind, make_run(folder, kind=kind))
+        self.names = [name for name in (*FILES, *MORE) if name in self.whole]
+        config = RunFolder.open(self.run).config
+        program = build.load_scenes(config)[build.TRAINING_SCENE]
+        env = config.env if build.is_football(config) else None
+        self.upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, 1)
+        self.method = build.make_method(config, self.upomdp)
+        self.quick = env is None
+
+    def reader(self, rng: np.random.Generator) -> Callable[[np.random.Generator], str]:
+        """Return who reads it: mostly what takes no processes and no pictures."""
+        kind = rng.random()
+        return self.go_on if kind < 0.85 else self.load if kind < 0.95 else self.command
 
     def go_on(self, rng: np.random.Generator) -> str:
         """Do what `train --resume` does before its first update; where that takes milliseconds, now and then it too."""
@@ -153,59 +241,33 @@ class Target:
             return REFUSED
         return WENT_ON
 
-    def command(self, rng: np.random.Generator) -> str:
-        """Give the folder to a command."""
-        words = [word.format(run=self.copy) for word in COMMANDS[rng.integers(len(COMMANDS))]]
-        shutil.rmtree(f"{self.copy}-child", ignore_errors=True)
-        code, said = quietly(words)
-        told = [line for line in said.splitlines() if line.startswith("regista: ")]
-        assert code in (0, 1, 2) and (code == 0 or told), f"{' '.join(words[:2])}: exit code {code}: {said[-1_000:]}"
-        return WENT_ON if code == 0 else REFUSED
 
-    def save_altered(self, file: Path, rng: np.random.Generator) -> None:
-        """Write a whole checkpoint of which one entry, however deep, is another one."""
-        content = torch.load(self.run / file.name, weights_only=True)
-        holder: Any = content
-        while True:
-            keys = list(holder) if isinstance(holder, dict) else list(range(len(holder)))
-            key = keys[rng.integers(len(keys))]
-            inside = holder[key]
-            if not isinstance(inside, dict | list) or not inside or rng.random() < 0.08:
-                break
-            holder = inside
-        kind = rng.integers(4)
-        if isinstance(inside, torch.Tensor) and kind < 3:
-            changed = inside.clone()
-            if changed.numel() and kind == 0:
-                changed.view(-1)[int(rng.integers(changed.numel()))] = int(rng.integers(0, 255))
-            elif changed.is_floating_point() and kind == 1:
-                changed.view(-1)[:1] = float("nan")
-            else:
-                changed = changed[: len(changed) // 2] if changed.ndim else changed
-            holder[key] = changed
-        elif isinstance(holder, dict) and kind == 3:
-            del holder[key]
-        else:
-            holder[key] = STRANGE[rng.integers(len(STRANGE))]
-        torch.save(content, file)
+def with_word(text: str, rng: np.random.Generator) -> str:
+    """Return a text in which a word or number is another one."""
+    found = list(WORD.finditer(text))
+    if not found:
+        return "x"
+    place = found[rng.integers(len(found))]
+    return text[: place.start()] + str(rng.choice(WORDS)) + text[place.end() :]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {each.name: each.read_bytes() for each in folder.iterdir() if each.is_file()}
+    return {str(each.relative_to(folder)): each.read_bytes() for each in folder.rglob("*") if each.is_file()}
 
 
 @cache
-def target(folder: Path, kind: str) -> Target:
-    """Return a run of this suite, made once."""
-    return Target(folder, kind)
+def target(folder: Path, kind: str) -> Folder:
+    """Return what is damaged in this suite, made once."""
+    return Folder(folder, kind) if kind in MADE else Target(folder, kind)
 
 
 def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
     """Damage so many run folders of one kind; return how many went on and how many were refused."""
     rng, counts = np.random.default_rng(seed), {WENT_ON: 0, REFUSED: 0, FAULTED: 0}
-    attacked = target(folder, list(RUNS)[seed % len(RUNS)])
+    kind = KINDS[seed % len(KINDS)]
+    attacked = target(folder, kind)
     attacked.restore()
-    for _ in range(count):
+    for _ in range(count // SLOWER if kind in MADE else count):
         counts[attacked.attempt(rng)] += 1
     return counts
 
