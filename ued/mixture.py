@@ -156,6 +156,7 @@ class Mixture(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        check_theta(state["levels"]["theta"], self.theta_dim)
         for member, saved, idle in zip(self.members, state["members"], state["idle"], strict=True):
             member.set_state(saved)
             member.idle[:] = idle
