@@ -64,6 +64,7 @@ def drawn(scene):
 
 
 @needed
+@pytest.mark.slow
 def test_uniform_theta_are_distributed_as_the_scenes_of_scenic(load):
     from scipy.stats import ks_2samp
 
@@ -107,6 +108,7 @@ def test_excluded_columns_are_drawn_from_the_seed(load):
 
 
 @needed
+@pytest.mark.slow
 def test_points_move_continuously_with_theta(load):
     program = load(MANY)
     columns = [
@@ -119,6 +121,7 @@ def test_points_move_continuously_with_theta(load):
 
 
 @needed
+@pytest.mark.slow
 def test_theta_that_break_a_requirement_are_refused(load):
     program = load(MANY)
     column = [draw.name for draw in program.draws].index("low")

@@ -170,6 +170,7 @@ def test_a_process_that_dies_is_replaced_and_its_episode_repeated(make):
 
 
 @needed
+@pytest.mark.slow
 def test_no_process_outlives_the_one_that_began_it(load, tmp_path):
     path = load(STILL).file
     code = f"""
@@ -199,6 +200,7 @@ def running(pid):
 
 
 @needed
+@pytest.mark.slow
 def test_a_process_that_hangs_is_replaced(make, monkeypatch):
     monkeypatch.setattr(scenic3.vector_env, "STEP_SECONDS", 0.0)
     monkeypatch.setattr(scenic3.vector_env, "BEGIN_SECONDS", 5.0)
@@ -266,6 +268,7 @@ def test_inspect_shows_what_scenic_reads(load, capsys):
 
 
 @needed
+@pytest.mark.slow
 def test_plr_and_paired_train_on_it(make):
     import ued
 
