@@ -98,6 +98,12 @@ MINIGAMES: dict[str, Minigame] = {
     )
 }
 
+
+def _scenes(stem: str, *names: str) -> tuple[tuple[str, Path], ...]:
+    """Return the pages `<stem>_<name>` by name."""
+    return tuple((name, HERE / f"{stem}_{name}.scenic") for name in names)
+
+
 # Games of sparse reward: broad programs, paid for goals alone, which hardly ever come on a random level at first.
 SPARSE_REWARD: dict[str, Minigame] = {
     game.name: game
@@ -105,32 +111,30 @@ SPARSE_REWARD: dict[str, Minigame] = {
         Minigame(
             "Gauntlet",
             HERE / "gauntlet" / "train.scenic",
-            tuple((name, HERE / "gauntlet" / f"test_{name}.scenic") for name in ("near", "middle", "far", "awake")),
+            _scenes("gauntlet/test", "near", "middle", "far", "awake"),
             "three guards on the way to the goal, each with a reach of his own",
             difficulty="all guards and the keeper must be passed: a goal in three hundred random levels at first",
-            held_out=tuple((name, HERE / "gauntlet" / f"held_out_{name}.scenic") for name in ("near", "middle", "far")),
+            held_out=_scenes("gauntlet/held_out", "near", "middle", "far"),
         ),
         Minigame(
             "ThreeLines",
             HERE / "gauntlet" / "lines.scenic",
-            tuple((name, HERE / "gauntlet" / f"test_lines_{name}.scenic") for name in ("near", "middle", "far")),
+            _scenes("gauntlet/test_lines", "near", "middle", "far"),
             "a guard in each of three lines across the pitch, the striker behind any of them or before",
             difficulty="one random level in six begins beyond the last line; the others want a guard passed",
         ),
         Minigame(
             "Pursuit",
             HERE / "gauntlet" / "pursuit.scenic",
-            tuple((name, HERE / "gauntlet" / f"test_pursuit_{name}.scenic") for name in ("near", "middle", "far")),
+            _scenes("gauntlet/test_pursuit", "near", "middle", "far"),
             "three defenders on the way to the goal who run at the ball, each at a pace of his own",
-            difficulty="from posts to runners in small steps: a goal in sixty random levels at first",
-            held_out=tuple(
-                (name, HERE / "gauntlet" / f"held_out_pursuit_{name}.scenic") for name in ("near", "middle", "far")
-            ),
+            difficulty="from posts to runners in small steps: a goal in a hundred random levels at first",
+            held_out=_scenes("gauntlet/held_out_pursuit", "near", "middle", "far"),
         ),
         Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
-            tuple((name, HERE / "buildup" / f"test_{name}.scenic") for name in ("two", "three", "four")),
+            _scenes("buildup/test", "two", "three", "four"),
             "three attackers anywhere against up to four defenders and a keeper",
             difficulty="far from the goal there is nothing to learn from until what is near it is known",
             held_out=(("middle", HERE / "buildup" / "held_out.scenic"),),
