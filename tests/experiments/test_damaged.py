@@ -118,6 +118,15 @@ def test_what_a_run_began_with_is_refused_if_damaged(begun, tmp_path, name, valu
     assert code == 0 or (said.startswith("regista: ") and said.count("\n") == 1)
 
 
+def with_text(run, folder, name, old, new):
+    """Return a copy of a run, of which one file says something else."""
+    copy = shutil.copytree(run, folder / "run")
+    text = (copy / name).read_text()
+    assert old in text
+    (copy / name).write_text(text.replace(old, new))
+    return copy
+
+
 def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path):
     copy = shutil.copytree(begun, tmp_path / "run")
     (copy / "checkpoint.pt").write_bytes(b"PK")
@@ -128,20 +137,14 @@ def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path):
 
 @pytest.mark.parametrize("damage", [("best/student", "x"), ("source,", "sauce,"), ("theta/length1", "theta/length0")])
 def test_a_gallery_of_damaged_levels_is_refused(begun, tmp_path, damage):
-    copy = shutil.copytree(begun, tmp_path / "run")
-    text = (copy / "levels.csv").read_text()
-    assert damage[0] in text
-    (copy / "levels.csv").write_text(text.replace(*damage))
+    copy = with_text(begun, tmp_path, "levels.csv", *damage)
     code, said = quietly(["gallery", str(copy)])
     assert code == 1 and said.startswith("regista: ") and said.count("\n") == 1 and str(copy) in said
 
 
 @pytest.mark.parametrize("damage", [("env_steps", "steps"), (",128,", ",,"), (",128,", ",inf,")])
 def test_a_table_that_does_not_say_how_far_a_run_is(begun, tmp_path, damage):
-    copy = shutil.copytree(begun, tmp_path / "run")
-    text = (copy / "metrics.csv").read_text()
-    assert damage[0] in text
-    (copy / "metrics.csv").write_text(text.replace(*damage))
+    copy = with_text(begun, tmp_path, "metrics.csv", *damage)
     code, said = quietly(["train", "--resume", str(copy)])
     assert code in (0, 1) and code == (said.count("regista: ") > 0)
     if damage[0] == "env_steps":
