@@ -25,7 +25,7 @@ from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.starts import INVALID, Starts
 from envs.football.state import WHO
 from scenic_lite import Program, load
-from ued.upomdp import UPOMDP, check_count, check_theta, set_stream
+from ued.upomdp import UPOMDP, check_count, check_theta, set_stream, whole
 
 
 class FootballVectorEnv(UPOMDP):
@@ -136,7 +136,8 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
-        batch.starts[where], batch.start_registers[where] = self._starts.matches[rows], self._starts.registers[rows]
+        whole(batch.starts)[where] = whole(self._starts.matches)[rows]
+        batch.start_registers[where] = self._starts.registers[rows]
         self._engine.begin(batch, where, self._settings)
         self._started = True
         return self.observe()

@@ -118,7 +118,7 @@ def test_looking_back_it_thinks_what_it_thought(agents, team, critic, shared_tor
     rollout.train[:, 1], rollout.train[:9, 2] = False, False
     sequences = student.actor_memory.sequences(rollout.train)
     assert len(sequences) == 3  # one has nothing to be learned from
-    batch = Batch.of(rollout, rollout.value, rollout.value).rows(sequences)
+    batch = next(Batch.of(rollout, rollout.value, rollout.value).minibatches(sequences, len(sequences)))
     policy, value = student(batch.observation, batch.past)
     torch.testing.assert_close(policy.log_prob(batch.action), batch.log_prob, atol=1e-5, rtol=1e-4)
     torch.testing.assert_close(value, batch.value, atol=1e-5, rtol=1e-4)
@@ -160,7 +160,8 @@ def test_a_student_is_kept_close_to_another_that_remembers_in_its_own_way():
     method = DR(Corridor(8), QUICK, seed=0)
     method.roll_out()  # begins with episodes, so that there is nothing that another could not know
     rollout, student = method.learner.rollout, method.student
-    batch = Batch.of(rollout, rollout.value, rollout.value).rows(student.actor_memory.sequences(rollout.train))
+    sequences = student.actor_memory.sequences(rollout.train)
+    batch = next(Batch.of(rollout, rollout.value, rollout.value).minibatches(sequences, len(sequences)))
     policy, _ = student(batch.observation, batch.past)
     assert KLRegularizer(copy.deepcopy(student), 1.0).divergence(batch, policy).item() == pytest.approx(0, abs=1e-6)
     forgetful = Student(Box(-1, 1, (2,)), Discrete(2), dataclasses.replace(QUICK, memory="none"), torch_generator(1))

@@ -12,6 +12,7 @@ whole sequences of those of one environment, where it remembers (see `learning.m
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 
 import torch
@@ -62,18 +63,17 @@ class PPO(Resumable):
         logs: list[dict[str, float]] = []
         for _ in range(config.update_epochs):
             order = torch.randperm(len(sequences), generator=self.generator)
-            for chosen in order.split(minibatch_size):
-                logs.append(self._minibatch(old.rows(sequences[chosen]), regularizer))
+            for minibatch in old.minibatches(sequences[order], minibatch_size):
+                logs.append(self._minibatch(minibatch, regularizer))
             if config.target_kl and logs[-1]["approx_kl"] > config.target_kl:
                 break
         # After learning: a rollout is learned from as it was seen. And of these steps alone: levels that are only
         # looked at would shift what the policy sees while its weights do not follow.
-        if not rollout.train.all():
-            old = old.rows(rollout.train.flatten().nonzero().to(self.student.device))
-        self.student.normaliser.track(old.observation)
+        learned = rollout.train.flatten().to(self.student.device)
+        self.student.normaliser.track(old.observation if learned.all() else old.observation[learned])
         self.updates += 1
         metrics = {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
-        metrics["explained_variance"] = explained_variance(old.value, old.target)
+        metrics["explained_variance"] = explained_variance(old.value[learned], old.target[learned])
         metrics["learning_rate"] = self.optimizer.param_groups[0]["lr"]
         return metrics
 
@@ -216,16 +216,25 @@ class Batch:
         past, rest = ([part.pin_memory().to(device, non_blocking=True) for part in columns] for columns in (past, rest))
         return Batch(Past(*past), *rest)
 
-    def rows(self, sequences: Tensor) -> Batch:
-        """Return these B sequences of L rows each, `[B, L]`, step by step; row r is of environment r modulo N."""
+    def minibatches(self, sequences: Tensor, size: int) -> Iterator[Batch]:
+        """Yield S sequences of L rows each, `[S, L]`, so many at a time, each minibatch step by step.
+
+        Row r is of environment r modulo N. Rows are gathered once for all: small gathers take as long as large ones.
+        """
         memory, begins, told = self.past
         assert begins is not None and told is not None
-        rows = sequences.T  # [L, B]
-        past = Past(memory[rows[0] % len(memory)], begins[rows], told[rows].flatten())
-        rows = rows.flatten()
-        learned = rows[past.told]
+        parts = [part.T for part in sequences.split(size)]  # [L, B] each
+        sizes = [part.numel() for part in parts]
+        rows = torch.cat([part.flatten() for part in parts])  # [S * L]
+        memories = memory.index_select(0, sequences[:, 0] % len(memory)).split(size)
+        begun, answered = (column.index_select(0, rows).split(sizes) for column in (begins, told))
         observation, *rest = (getattr(self, field.name) for field in fields(self)[1:])
-        return Batch(past, observation[rows], *(column[learned] for column in rest))
+        seen = observation.index_select(0, rows).split(sizes)
+        learned, counts = rows[told[rows]], [int(part.sum()) for part in answered]
+        columns = zip(*(column.index_select(0, learned).split(counts) for column in rest), strict=True)
+        pieces = zip(parts, memories, begun, answered, seen, columns, strict=True)
+        for part, memory, begins, told, observation, others in pieces:
+            yield Batch(Past(memory, begins.view(part.shape), told), observation, *others)
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:

@@ -131,7 +131,7 @@ class RolloutWorker(Resumable):
         self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
-        self.memory[torch.as_tensor(ended)] = 0.0
+        self.memory.numpy()[ended] = 0.0
         began = perf_counter()
         envs, records = self.on_episode_end(ended, returns, successes(info, ended, returns))
         self.seconds["levels"] += perf_counter() - began

@@ -17,7 +17,9 @@ from ued.curriculum import Curriculum
 from ued.levels.record import NONE, number
 from ued.resumable import Resumable
 
-PROPOSAL_BATCH = 8  # levels that are proposed ahead where all of them are to be played
+# Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
+# of their number, for one request of many levels costs hardly more than one of one.
+PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
 
 
 class LevelQueue(Resumable):
@@ -50,15 +52,14 @@ class LevelQueue(Resumable):
             raise ValueError(f"max_lead must be at least the number of environments ({num_envs}), got {max_lead}")
         self.curriculum, self.num_envs = curriculum, num_envs
         self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
-        # one request of many levels costs hardly more than one of one
-        self.proposal_batch = num_envs if drop_stale_proposals else PROPOSAL_BATCH
+        self.proposal_batch = num_envs if drop_stale_proposals else max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
         self.students = curriculum.dtype["returns"].shape[0]
         self.records = np.zeros(0, curriculum.dtype)  # in the order of play; finished ones leave in `pop_finished`
         self.taken = np.zeros(self.students, np.int64)  # [S] records that each student has begun: a prefix
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
         self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
-        self._ended: list[list[np.ndarray]] = [[] for _ in range(self.students)]  # [k, 2] record, episode of each
+        self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
         """Return the records `[N]` that a student starts with."""
@@ -78,33 +79,34 @@ class LevelQueue(Resumable):
         if self.once_per_rollout:  # what the others play is not counted
             first = self.needs_new_level[student, ended]
             ended, returns, success = ended[first], returns[first], success[first]
-        counted = self._note(student, ended, {"returns": returns, "success": success})
-        record = self.playing[student, ended[counted]]
-        through = self.records["num_played"][record, student] == self.records["num_episodes"][record]
-        waiting = np.concatenate([ended[~counted], ended[counted][through]])
-        waiting = waiting[: max(0, self.max_lead - self._lead(student))]
+        counted, through = self._note(student, ended, {"returns": returns, "success": success})
+        waiting = np.concatenate([ended[~counted], ended[through]])
+        waiting = waiting[: max(0, self.max_lead - int(self.taken[student] - self._slowest(student)))]
         self.needs_new_level[student, waiting] = False
         return waiting, self._take(student, waiting)
 
-    def _note(self, student: int, ended: np.ndarray, results: dict[str, np.ndarray]) -> np.ndarray:
-        """Write results `[k]` into their records, by field; return which of them count: bool `[k]`."""
-        record = self.playing[student, ended]  # [k]
-        counted = record != NONE
+    def _note(self, student: int, ended: np.ndarray, results: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Write results `[k]` into their records, by field; return which of them count, and which of these were the
+        last ones due on their levels: bool `[k]` both.
+        """
+        rows = self.playing[student, ended]  # [k]
+        counted = rows != NONE
+        left = np.zeros(len(ended), np.int64)  # [k] episodes due, this one included
         played, due = self.records["num_played"][:, student], self.records["num_episodes"]
-        counted[counted] = played[record[counted]] < due[record[counted]]
-        rows = record[counted]
+        left[counted] = (due - played)[rows[counted]]
+        counted = left > 0
+        rows = rows[counted]
         episode = played[rows]
         for name, values in results.items():
             self.records[name][rows, student, episode] = values[counted]
-        self.records["num_played"][rows, student] += 1
-        place = np.full((len(ended), 2), NONE)
-        place[counted] = np.stack([rows, episode], 1)
-        self._ended[student].append(place)
-        return counted
+        played[rows] += 1
+        self._ended[student].append((counted, rows, episode))
+        return counted, left == 1
 
-    def _lead(self, student: int) -> int:
-        others = np.delete(self.taken, student)
-        return int(self.taken[student] - others.min()) if len(others) else 0
+    def _slowest(self, student: int) -> int:
+        """Return how many levels the slowest of the others has begun; of a single student, himself."""
+        others = [int(taken) for index, taken in enumerate(self.taken) if index != student]
+        return min(others, default=int(self.taken[student]))
 
     def _take(self, student: int, envs: np.ndarray) -> np.ndarray:
         start = int(self.taken[student])
@@ -118,7 +120,7 @@ class LevelQueue(Resumable):
         rows = np.arange(start, start + len(envs))
         self.playing[student, envs] = rows
         self.taken[student] += len(envs)
-        return self.records[rows]
+        return self.records.take(rows)
 
     def turns(self, student: int) -> np.ndarray:
         """Return which turn each of a student's environments plays `[N]`; NONE for one that waits."""
@@ -133,14 +135,16 @@ class LevelQueue(Resumable):
 
         Does nothing where levels last for a rollout: episodes that do not count are not told apart there.
         """
-        places, self._ended[student] = self._ended[student], []
-        if not places or self.once_per_rollout:
+        ended, self._ended[student] = self._ended[student], []
+        if not ended or self.once_per_rollout:
             return
-        place = np.concatenate(places)  # [E, 2]
-        counted = place[:, 0] != NONE
-        rows, episode = place[counted].T
+        counted, rows, episode = map(np.concatenate, zip(*ended, strict=True))
         for name, column in stats.items():
             self.records[name][rows, student, episode] = column[counted]
+
+    def _forget_ended(self) -> None:
+        # of the episodes that ended in each step: which count [k], and record and number of these
+        self._ended: list[list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
         """Return for each record whether every student has played it often enough: bool `[R]`."""
@@ -157,7 +161,7 @@ class LevelQueue(Resumable):
         self.records = self.records[~finished]
         if self.drop_stale_proposals:
             self.records = self.records[: int(self.taken.max())]
-        self._ended = [[] for _ in range(self.students)]
+        self._forget_ended()
         return popped
 
     def clear(self) -> None:
@@ -165,7 +169,7 @@ class LevelQueue(Resumable):
         self.records = self.records[:0]
         self.taken[:] = 0
         self.playing[:] = NONE
-        self._ended = [[] for _ in range(self.students)]
+        self._forget_ended()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` returned. Raises ValueError if its level records have other fields."""
