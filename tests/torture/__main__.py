@@ -25,13 +25,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tests.envs.hostile import attack_records, attack_states
-from tests.envs.torture import torture
 from tests.scenic_lite.dynamics.hostile import attack as attack_code
 from tests.torture import moments
 from tests.torture.faults import attack as inject_faults
 from tests.torture.files import attack as attack_folders
 from tests.torture.interrupts import attack as interrupt_commands
 from tests.torture.language import attack as attack_language
+from tests.torture.matches import attack as play_matches
 from tests.torture.worker import Worker
 from ued.files import write_whole
 
@@ -59,7 +59,7 @@ PARTS = {
     "kills": Part("commands killed", 10, moments.kill),
     "ctrl-c": Part("commands interrupted in their work", 10, moments.interrupt),
     "interrupts": Part("commands interrupted", 9, interrupt_commands),
-    "matches": Part("player-steps", 64, lambda count, seed, _: {"sane": torture(count, 1_000, seed)}),
+    "matches": Part("player-steps", 256, lambda count, seed, _: play_matches(count, seed)),
 }
 
 
