@@ -132,6 +132,13 @@ SPARSE_REWARD: dict[str, Minigame] = {
             held_out=_scenes("gauntlet/held_out_pursuit", "near", "middle", "far"),
         ),
         Minigame(
+            "Alone",
+            HERE / "gauntlet" / "alone.scenic",
+            (),
+            "a striker and a keeper, three defenders far behind the ball: a start for Gauntlet, ThreeLines and Pursuit",
+            difficulty="learned in half a million steps",
+        ),
+        Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
             _scenes("buildup/test", "two", "three", "four"),

@@ -9,7 +9,7 @@ from envs.football.vector_env import FootballVectorEnv
 from minigames.suites import SPARSE_REWARD
 from scenic_lite import load
 
-DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Pursuit": 11, "Buildup": 15, "CrossingWide": 12}
+DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Pursuit": 11, "Alone": 8, "Buildup": 15, "CrossingWide": 12}
 HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Buildup": 15}  # columns of held-out scenes, parts of the game
 
 

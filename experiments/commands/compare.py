@@ -17,17 +17,17 @@ from typing import Any, Literal
 from experiments.commands.evaluate import check_levels
 from experiments.pictures import level_plots, plots, results_page, theta_plots
 from experiments.pictures.overview import Comparison, overview
-from experiments.run import arguments, build
+from experiments.run import arguments, build, origin
 from experiments.run.arguments import group, positional
 from experiments.run.config import TrainConfig
-from experiments.run.errors import read_from
+from experiments.run.errors import UsageError, read_from
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
 from experiments.run.results import unique
 from experiments.run.signals import StopRequest
 from experiments.run.workers import LaunchConfig, train_unfinished
-from ued.config import Checked, setting
+from ued.config import Checked, FineTuningConfig, setting
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -50,11 +50,15 @@ class CompareConfig(Checked):
     episodes: int = setting(500, "whole episodes on each test scene after training", ">=1")
     levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    from_: Path | None = setting(
+        None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
+    )
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
+    fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,7 +80,7 @@ def main(argv: Sequence[str]) -> int:
     if not trained:
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    report = Evaluator(scenes, config.levels, config.level_episodes).report(runs)
+    report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
     football = build.is_football(runs[0].config)
     show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]) if football else None, folder, config.rrd)
     page(report, runs, ["compare", *argv], folder)
@@ -90,6 +94,7 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
         for method in config.methods:
             settings = replace(config.train, minigame=minigame, method=method, seed=seed)
             runs.append(RunFolder.create_or_extend(folder / f"{method}-{seed}", settings))
+    origin.begin_all(runs, config.from_, config.fine_tuning)
     return runs
 
 
@@ -118,12 +123,7 @@ def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], fold
     """Write what a page of results shows of the comparison."""
     name = build.short_name(runs[0].config.minigame)
     trained = unique([run.config.method for run in runs])
-    pictures = {
-        f"Learning curves on {name}": "learning_curves.png",
-        f"{report.word.capitalize()} and levels on {name}": "overview.png",
-    }
-    if not build.is_football(runs[0].config):
-        pictures = {f"Learning curves on {name}": "learning_curves.png"}
+    pictures = {f"Learning curves on {name}": "learning_curves.png"}
     if build.is_football(runs[0].config):
         pictures[f"{report.word.capitalize()} and levels on {name}"] = "overview.png"
     else:
@@ -145,8 +145,13 @@ def _read(argv: Sequence[str]) -> CompareConfig:
     known = CompareConfig(train=build.settings_for(argv))
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION)
     minigame = typed.get("minigame", CompareConfig().minigame)
-    base = CompareConfig(train=build.starting_point(typed.get("preset", "fast"), minigame))
-    config = arguments.replace_paths(base, typed)
+    start = build.starting_point(typed.get("preset", "fast"), minigame)
+    if "from_" in typed:
+        seed = typed.get("first_seed", CompareConfig().first_seed)
+        start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)
+    config = arguments.replace_paths(CompareConfig(train=start), typed)
+    if config.from_ is None and config.fine_tuning != FineTuningConfig():
+        raise UsageError("--kl-to-clone and --kl-share need --from PATH, the policy to stay close to")
     for method in config.methods:
         build.find_method(method)
     build.find_device(config.train.device)

@@ -93,11 +93,15 @@ class EvalScenes:
 
 @dataclass(frozen=True)
 class Evaluator:
-    """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each."""
+    """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each.
+
+    `alike`: all runs began with the same sort of student, so that their methods tell them apart.
+    """
 
     scenes: EvalScenes
     levels: int
     episodes: int
+    alike: bool = False
 
     def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
         """Play the students of all runs, and policies that need no training.
@@ -108,7 +112,8 @@ class Evaluator:
         levels: list[LevelResult] = []
         for run in runs:
             student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
-            self._play(student, run.label, run.config.seed, trained, results, levels)
+            label = run.config.method if self.alike else run.label
+            self._play(student, label, run.config.seed, trained, results, levels)
         program, upomdp = (table[build.TRAINING_SCENE] for table in (self.scenes.programs, self.scenes.scenes))
         for name, policy in make_baselines(upomdp, program).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)

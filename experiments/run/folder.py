@@ -177,10 +177,10 @@ class RunFolder:
 
     @property
     def label(self) -> str:
-        """What a table calls the run: its method, and whether it is a clone or began with a student."""
+        """What a table calls the run: its method, and whether it is a clone or began with another run's student."""
         if (self.path / "clone.json").exists():
             return "clone"
-        return f"{self.config.method} from clone" if (self.path / "origin.pt").exists() else self.config.method
+        return f"{self.config.method} fine-tuned" if (self.path / "origin.pt").exists() else self.config.method
 
     def checkpoint_due(self) -> bool:
         """Return whether the last checkpoint is older than `checkpoint_seconds`."""

@@ -6,6 +6,7 @@ A run keeps what it began with, so that it goes on after a kill whatever has bec
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,44 @@ def load(path: Path) -> Origin:
     return Origin(path, config, student)
 
 
+def of_seed(path: Path, seed: int) -> Path:
+    """Return the run of this seed beneath a comparison's folder, of the one method that it has; else `path` itself.
+
+    Raises `CommandError` for a comparison of several methods, or without that seed.
+    """
+    runs = [file.parent for file in path.glob("*/checkpoint.pt")] if path.is_dir() else []
+    if not runs or (path / "checkpoint.pt").exists():
+        return path
+    of = [run for run in runs if run.name.endswith(f"-{seed}")]
+    if len(of) != 1:
+        raise CommandError(
+            f"{path} holds {len(of) or 'no'} runs of seed {seed}: give --from a run, or a comparison of one method "
+            f"with a run of every seed"
+        )
+    return of[0]
+
+
+def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuningConfig) -> None:
+    """Let runs that have not begun begin with a student, each with that of its seed; None: with none.
+
+    Raises `CommandError` where a run has begun otherwise.
+    """
+    from ued import checkpoint
+
+    for run in runs:
+        source, kept = of_seed(path, run.config.seed) if path else None, run.path / "origin.pt"
+        if not run.begun():
+            origin = load(source) if source else None
+            if origin is not None:
+                check(origin, run.config)
+            keep(run, origin, settings)
+            continue
+        began = checkpoint.load_entry(kept, "source") if kept.exists() else None
+        if began != (str(source.absolute()) if source else None):
+            wanted = source or "a new student"
+            raise CommandError(f"{run.path} began with {began or 'a new student'}; it cannot go on as if with {wanted}")
+
+
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:
     """Return settings with the network of the student, and what it sees."""
     network = {name: getattr(origin.config.ppo, name) for name in NETWORK}
@@ -80,7 +119,7 @@ def keep(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> N
         return
     fades = int(settings.kl_share * run.config.total_env_steps)
     kept = {"student": origin.student, "kl_coef": settings.kl_to_clone, "kl_env_steps": fades}
-    checkpoint.save(path, kept | {"source": str(origin.path), "minigame": origin.config.minigame})
+    checkpoint.save(path, kept | {"source": str(origin.path.absolute()), "minigame": origin.config.minigame})
 
 
 def begin_with(run: RunFolder, method: Any) -> None:

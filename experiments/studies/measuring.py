@@ -39,7 +39,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
 def agent_of(run: RunFolder) -> str:
     """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
     single = run.config.env.control == build.find_minigame(run.config.minigame).control
-    return ("" if single else TEAM) + {"clone": "cloned", "dr from clone": "pretrained"}.get(run.label, "ppo")
+    return ("" if single else TEAM) + {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label, "ppo")
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:

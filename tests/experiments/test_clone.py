@@ -60,7 +60,7 @@ def test_a_clone_is_a_run_that_can_be_evaluated_and_trained_on(demos, tmp_path, 
     )
     settings = RunFolder.open(run).config
     assert settings.ppo.hidden_size == 16 and settings.env.control == RunFolder.open(clone).config.env.control
-    assert RunFolder.open(run).label == "dr from clone"
+    assert RunFolder.open(run).label == "dr fine-tuned"
     seen = student_of(run)["normaliser.count"] - student_of(clone)["normaliser.count"]
     assert int(np.max(np.asarray(seen))) == 2048  # it goes on counting
 

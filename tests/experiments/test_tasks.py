@@ -9,7 +9,9 @@ import pytest
 
 import regista
 from experiments.__main__ import main
+from experiments.commands import compare
 from experiments.run.folder import RunFolder
+from ued import checkpoint
 
 ROOT = Path(__file__).parent.parent.parent
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "128", "--eval-episodes", "4"]
@@ -113,6 +115,32 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     capsys.readouterr()
     assert main(["evaluate", str(out / "dr-0"), "--episodes", "4", "--levels", "0"]) == 0
     assert "three" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(compare, "draw", lambda comparison, folder: None)
+    start, out = tmp_path / "start", tmp_path / "tuned"
+    short = [*SHORT, "--seeds", "2", "--levels", "0", "--episodes", "2", "--no-record", "--total-env-steps", "128"]
+    assert main(["compare", task, "--methods", "dr", *short, "--hidden-size", "12", "--out", str(start)]) == 0
+    short[short.index("--hidden-size") : short.index("--hidden-size") + 2] = []  # the student's, whatever the default
+    command = ["compare", task, "--methods", "dr", "sfl", *short, "--out", str(out)]
+    assert main([*command, "--from", str(start)]) == 0
+    for seed in (0, 1):
+        students = [checkpoint.load(out / f"{name}-{seed}" / "origin.pt")["student"] for name in ("dr", "sfl")]
+        trained = checkpoint.load(start / f"dr-{seed}" / "checkpoint.pt")["method"]["learners"][0]["ppo"]["student"]
+        tensors = {name: value for name, value in trained.items() if hasattr(value, "shape")}
+        assert tensors
+        for name, weights in tensors.items():
+            assert all(np.array_equal(student[name], weights) for student in students)
+    assert RunFolder.open(out / "sfl-1").config.ppo.hidden_size == 12
+    assert {row["method"] for row in rows(out / "results.csv")} == {"dr", "sfl", "random"}
+    capsys.readouterr()
+    assert main([*command, "--hidden-size", "12"]) == 1
+    assert "cannot go on as if with a new student" in capsys.readouterr().err
+    assert main([*command, "--from", str(out)]) == 1
+    assert "holds 2 runs of seed 0: give --from a run, or a comparison of one method" in capsys.readouterr().err
+    assert main([*command, "--kl-to-clone", "1"]) == 2
 
 
 @pytest.mark.drawn
