@@ -215,8 +215,9 @@ def guarding_place(match, player, x, y):
     way = min(max(to_goal - (GUARD.shot_from if on_ball else GUARD.danger_from), GUARD.nearest), HALF_LENGTH)
     ahead, line = forward(player.team), match.trap[player.team]
     if ahead * (from_x + way / to_goal * (goal_x - from_x)) < line:
-        way = to_goal * abs((ahead * line - from_x) / (goal_x - from_x + math.copysign(1e-9, goal_x)))
+        way = to_goal * (ahead * line - from_x) / (goal_x - from_x + math.copysign(1e-9, goal_x))
     spot_x, spot_y = from_x + way / to_goal * (goal_x - from_x), from_y * (1.0 - way / to_goal)
+    way = abs(way)  # who is past the line is met where he would have crossed it, behind his back
     off = length(spot_x - x, spot_y - y) + 1e-9
     share = min(max(off - way + GUARD.buffer, 0.0) / off, 1.0)
     x, y = x + share * (spot_x - x), y + share * (spot_y - y)
