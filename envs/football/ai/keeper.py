@@ -48,7 +48,7 @@ class ComeOut(NamedTuple):
     mate_lead: float = 0.24  # s, mates',
     ball_lead: float = 0.6  # s, and the ball at least; further the longer he needs to it:
     ball_lead_more: float = 0.2  # s per s
-    committed: float = 5.0  # m to a led ball, from where on he goes through with it
+    committed: float = 5.0  # m to a led ball, from where on no mate spares him going through with it
     too_late: float = 1.0  # m by which a mate is further from there: too late
     second_share: float = 0.7  # of the way out that another free attacker as near takes away
     on_ball: float = 0.6  # weight of the ball against the opponent who has it,
@@ -280,10 +280,9 @@ def boldness(match, i):
     first = man_on_ball(match, 1 - team)
     if match.ball.x * goal_x <= 0.0 or match.team_in_possession == team or first == NOBODY:
         return 0.0
-    if match.carrier != NOBODY and apart(match.ball, match.players[i]) < OUT.committed:
-        return 1.0
     way, mate_way = ways_to_shot(match, i, first, OUT.shot_from)
-    if mate_way <= way + OUT.too_late:
+    committed = match.carrier != NOBODY and apart(match.ball, match.players[i]) < OUT.committed
+    if mate_way <= way + OUT.too_late and not committed:
         return 0.0
     second = nearest_to_goal(match, 1 - team, first)
     if second == NOBODY:
