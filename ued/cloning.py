@@ -22,7 +22,7 @@ from gymnasium.spaces import Discrete
 from torch import Tensor
 
 from ued.config import CloningConfig
-from ued.learning.adam import Adam, clip_norm
+from ued.learning.adam import Adam
 from ued.learning.student import Student
 from ued.resumable import Resumable
 
@@ -126,7 +126,7 @@ class Cloner(Resumable):
             total = loss + self.config.value_coef * value_loss
             self.optimizer.zero_grad()
             total.backward()
-            norm = clip_norm(self.optimizer.weights, self.config.max_grad_norm)
+            norm = self.optimizer.clip_norm(self.config.max_grad_norm)
             if not torch.isfinite(norm):
                 raise FloatingPointError("the gradient of cloning is not finite: look for observations that are not")
             self.optimizer.step()

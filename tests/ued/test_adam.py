@@ -68,6 +68,20 @@ def test_gradients_are_found_again_when_somebody_takes_them_away() -> None:
         before = flat(net)
 
 
+def test_the_gradient_is_cut_down_as_a_whole() -> None:
+    ours, theirs = network(), network()
+    adam = Adam(ours.parameters(), 0.01, 1e-5)
+    for factor, max_norm in ((1.0, 0.5), (100.0, 0.5), (1.0, 1e6)):
+        adam.zero_grad()
+        theirs.zero_grad()
+        for net in (ours, theirs):
+            (factor * net(torch.ones(1, 5))).sum().backward()
+        wanted = nn.utils.clip_grad_norm_(theirs.parameters(), max_norm)
+        torch.testing.assert_close(adam.clip_norm(max_norm), wanted)
+        for one, other in zip(ours.parameters(), theirs.parameters(), strict=True):
+            torch.testing.assert_close(one.grad, other.grad)
+
+
 def test_a_copy_goes_on_alone() -> None:
     net = network()
     adam = Adam(net.parameters(), 0.01, 1e-5)

@@ -1,5 +1,6 @@
 """The adversary on a landscape of regret that stands still: it finds the peak, and it keeps its spread."""
 
+import copy
 import dataclasses
 import math
 
@@ -122,6 +123,32 @@ def test_entropy_is_measured_in_the_space_of_theta():
     beta = Beta(torch.full((200_000, 2), 1.0), torch.full((200_000, 2), 1.5))
     estimate = -beta.log_prob(beta.sample(torch_generator(2))).mean()
     assert float(beta.theta_entropy(torch_generator(0)).mean()) == pytest.approx(float(estimate), abs=0.01)
+
+
+@pytest.mark.parametrize("distribution", ["squashed", "beta"])
+@pytest.mark.parametrize(("columns", "program_dims"), [(6, ()), (np.array([0, 3, 0, 5]), ()), (4, (0, 3, 1))])
+def test_gradients_are_those_of_the_loss(distribution, columns, program_dims):
+    """Against autograd, for a policy that has moved, so that ratios are clipped, and whose deviations are."""
+    config = AdversaryConfig(distribution=distribution, update_epochs=1, max_grad_norm=math.inf, ent_coef=0.3)
+    adversary = Adversary(columns, config, torch_generator(0), program_dims=program_dims)
+    proposals = adversary.propose(64)
+    for weight in adversary.network.parameters():
+        weight.data += 0.3 * torch.randn(weight.shape, generator=torch_generator(1))
+    reference, generator = copy.deepcopy((adversary.network, adversary.generator))
+    regret = np.random.default_rng(0).normal(size=64)
+    losses = adversary.learn(proposals, regret)
+    z, raw, log_prob = map(torch.as_tensor, proposals)
+    policy, value = reference(z)
+    target = torch.as_tensor(adversary.scale(regret), dtype=torch.float32)
+    ratio, advantage = (policy.log_prob(raw) - log_prob).clamp(-20, 20).exp(), (target - value).detach()
+    gain = torch.min(ratio * advantage, ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef) * advantage).mean()
+    error, entropy = 0.5 * (target - value).square().mean(), policy.theta_entropy(generator).mean()
+    (-gain - config.ent_coef * entropy + config.vf_coef * error).backward()
+    for ours, theirs in zip(adversary.network.parameters(), reference.parameters(), strict=True):
+        torch.testing.assert_close(ours.grad, theirs.grad, rtol=1e-3, atol=1e-5)
+    wanted = [-gain, error, entropy, torch.cat([weight.grad.flatten() for weight in reference.parameters()]).norm()]
+    assert list(losses.values()) == pytest.approx([value.item() for value in wanted], rel=1e-4, abs=1e-5)
+    assert ((ratio - 1).abs() > config.clip_coef).float().mean() > 0.05
 
 
 @pytest.mark.slow

@@ -102,7 +102,7 @@ def test_the_adversary_is_categorical_where_the_parameter_is():
     method = Paired(bandit(), SMALL, PairedConfig(dr_fraction=0.0), seed=0)
     teacher = method.curriculum
     network = teacher.adversary.network
-    assert network.choice.out_features == 5 + 2 and network.heads[0].out_features == 2
+    assert network.heads == [2, 2, 1, 5 + 2]  # mean and deviation of the real numbers, the value, logits
     records = teacher.propose(200)
     theta = records["level"]["theta"]
     assert (theta[:, 2:] == snap(theta, method.upomdp.draws)[:, 2:]).all()

@@ -84,8 +84,17 @@ class Adam(torch.optim.Adam):
         square.mul_(beta2).addcmul_(gradient, gradient, value=1 - beta2)
         torch.sqrt(square, out=deviation).div_((1 - beta2**count) ** 0.5).add_(group["eps"])
         size = group["lr"] / (1 - beta1**count)
-        for weight, *parts in zip(self.weights, means, deviations, strict=True):
-            weight.addcdiv_(*parts, value=-size)
+        torch._foreach_addcdiv_(self.weights, means, deviations, -size)
+
+    def clip_norm(self, max_norm: float) -> Tensor:
+        """Scale the gradient down to this norm; return its norm `[]` as it was."""
+        assert self._vectors is not None, "zero_grad comes first"
+        gradient = self._vectors.gradient
+        norm = vector_norm(gradient)
+        factor = max_norm / (norm.item() + 1e-6)
+        if factor < 1:
+            gradient.mul_(factor)
+        return norm
 
     def state_dict(self) -> dict[str, Any]:
         """Return what torch's would: each weight has its own tensors there, and no parts of vectors."""

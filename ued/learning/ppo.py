@@ -100,7 +100,10 @@ class PPO(Resumable):
             loss = loss + regularizer.coef * regularizer.divergence(old, policy)
         self.optimizer.zero_grad()
         loss.backward()
-        grad_norm = clip_gradient(self.student, config.max_grad_norm)
+        if self.student.policies > 1:
+            grad_norm = clip_gradient(self.student, config.max_grad_norm)
+        else:
+            grad_norm = self.optimizer.clip_norm(config.max_grad_norm)
         if not torch.isfinite(grad_norm):
             raise FloatingPointError(
                 f"the gradient is not finite (loss {loss.item():g}): look for rewards or observations that are not, or "
@@ -129,23 +132,21 @@ class PPO(Resumable):
 
 
 def clip_gradient(student: Student, max_norm: float) -> Tensor:
-    """Scale the gradient of each policy, and that of a critic in common, down to this norm; return their mean norm.
+    """Scale the gradient of each of several policies, and that of a critic in common, down to this norm; return their
+    mean norm.
 
     Losses are means over agents, so a policy that is one agent's alone finds his share of them in its gradient: it is
     multiplied by their number first. So each of them learns as if it were alone.
     """
     own, common = student.parameters_apart
-    norms = [clip_norm(common, max_norm).view(1)] if common else []
-    if own:
-        count = student.policies
-        shares = [weight.grad.reshape(count, -1) for weight in own if weight.grad is not None]
-        norm = count * torch.stack([share.norm(dim=1) for share in shares]).norm(dim=0)  # [A]
-        factor = count * (max_norm / (norm + 1e-6)).clamp(max=1.0)
-        for weight in own:
-            if weight.grad is not None:
-                weight.grad.view(count, -1).mul_(factor[:, None])
-        norms.append(norm)
-    return torch.cat(norms).mean()
+    norms, count = [clip_norm(common, max_norm).view(1)] if common else [], student.policies
+    shares = [weight.grad.reshape(count, -1) for weight in own if weight.grad is not None]
+    norm = count * torch.stack([share.norm(dim=1) for share in shares]).norm(dim=0)  # [A]
+    factor = count * (max_norm / (norm + 1e-6)).clamp(max=1.0)
+    for weight in own:
+        if weight.grad is not None:
+            weight.grad.view(count, -1).mul_(factor[:, None])
+    return torch.cat([*norms, norm]).mean()
 
 
 def by_agent(name: str, values: Tensor) -> dict[str, float]:

@@ -4,7 +4,11 @@ A Gaussian squashed by tanh draws θ in [-1, 1]^D (thesis, section 4.3), or a Be
 vector z lets the same weights propose many different levels; the entropy bonus is measured in θ's own space, because
 the entropy of the Gaussian before squashing is largest where tanh saturates, and would drive all levels into the
 corners. Columns of finitely many values are chosen by a categorical each (`Mixed`). On a mixture of programs it first
-chooses one, and has a distribution over θ for each (`Composed`). Read next: `levels.teacher`.
+chooses one, and has a distribution over θ for each (`Composed`).
+
+It is small and learns in many steps, so what a step costs are the calls into torch, not the arithmetic. Its gradient is
+therefore written out where that is short: of PPO's loss by what it is made of, of `Squashed`, of the network; other
+distributions leave theirs to autograd. Read next: `levels.teacher`.
 """
 
 from __future__ import annotations
@@ -19,8 +23,8 @@ from torch import Tensor, nn
 from torch.nn.functional import softplus
 
 from ued.config import AdversaryConfig
-from ued.learning.adam import Adam, clip_norm
-from ued.learning.networks import Gaussian, MultiCategorical, linear, mlp
+from ued.learning.adam import Adam
+from ued.learning.networks import LOG_2_PI, MultiCategorical, linear
 from ued.parameters import index_in, middle_of
 from ued.resumable import Resumable
 
@@ -30,6 +34,8 @@ LOG_STD_RANGE = (-5.0, 1.0)
 BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
 MOST_LOG_RATIO = 20.0  # of thousands of columns together: the exponential stays finite
 MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+LOSSES = ("policy_loss", "value_loss", "entropy", "grad_norm")
+VALUE = 2  # which of the network's heads expects regret
 
 
 class Proposals(NamedTuple):
@@ -44,21 +50,44 @@ class Proposals(NamedTuple):
     log_prob: np.ndarray
 
 
-class Squashed(Gaussian):
+class Squashed:
     """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
 
     def __init__(self, one: Tensor, other: Tensor) -> None:
-        mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
-        super().__init__(mean, (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE))
-        self.dim = mean.shape[-1]
+        self.bent, self.free = torch.tanh(one / MEAN_RANGE), UNIFORM_LOG_STD + other
+        self.mean, self.log_std = MEAN_RANGE * self.bent, self.free.clamp(*LOG_STD_RANGE)
+        self.std, self.dim = self.log_std.exp(), one.shape[-1]
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        self.deviation = self.std * torch.empty_like(self.mean).normal_(generator=generator)
+        return self.mean + self.deviation
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        self.standard = (raw - self.mean) / self.std
+        self.square = self.standard.square()
+        return -0.5 * LOG_2_PI * self.dim - torch.add(self.log_std, self.square, alpha=0.5).sum(-1)
 
     def theta_entropy(self, generator: torch.Generator) -> Tensor:
         """Estimate the entropy `[B]` of θ from one sample each that gradients flow through.
 
         H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution.
         """
-        raw = self.sample(generator)
-        return self.entropy() + (2 * (math.log(2) - raw - softplus(-2 * raw))).sum(-1)
+        self.drawn = self.sample(generator)
+        log_cosh = torch.logaddexp(self.drawn, -self.drawn)  # + log 2
+        return torch.sub(self.log_std, log_cosh, alpha=2).sum(-1) + (0.5 * (1 + LOG_2_PI) + 2 * math.log(2)) * self.dim
+
+    def gradient(self, by_log_prob: Tensor, by_entropy: float) -> tuple[Tensor, Tensor]:
+        """Return the derivatives `[B, D]` of a loss by both parameters, from those by the `log_prob` `[B]` and the
+        `theta_entropy` that were asked for last.
+
+        Those of log N by mean and log σ are s / σ and s² - 1, s = (raw - mean) / σ. That of log(1 - tanh² x) is -2 tanh
+        x, and those of x = mean + σ noise are 1 and σ noise.
+        """
+        theta, by_log_prob = torch.tanh(self.drawn), by_log_prob[:, None]
+        by_mean = (by_log_prob * self.standard / self.std).add_(theta, alpha=-2 * by_entropy)
+        by_log_std = (by_log_prob * (self.square - 1)).add_(theta * self.deviation, alpha=-2 * by_entropy) + by_entropy
+        by_one = torch.addcmul(by_mean, by_mean * self.bent, self.bent, value=-1)  # times 1 - tanh²
+        return by_one, by_log_std * (self.free == self.log_std)
 
     @staticmethod
     def theta(raw: np.ndarray) -> np.ndarray:
@@ -179,30 +208,54 @@ class AdversaryNetwork(nn.Module):
         super().__init__()
         self.distribution, hidden = DISTRIBUTIONS[config.distribution], config.hidden_size
         self.cells, self.program_dims = cells, tuple(program_dims)
-        self.torso = mlp(context_size, hidden, 2, generator)
         real = sum(self.program_dims) if self.program_dims else int((cells == 0).sum())
-        self.heads = nn.ModuleList(linear(hidden, real, 0.01, generator) for _ in range(2 if real else 0))
-        self.value = linear(hidden, 1, 1.0, generator)
         choices = len(self.program_dims) or int(cells.sum())
-        self.choice = linear(hidden, choices, 0.01, generator) if choices else None
+        self.heads = [real, real, 1, choices]  # outputs: two of each real number, the value, logits of all choices
+        self.first, self.second = (linear(size, hidden, math.sqrt(2), generator) for size in (context_size, hidden))
+        self.last = nn.utils.skip_init(nn.Linear, hidden, sum(self.heads))
+        for head, gain in zip(self.last.weight.data.split(self.heads), (0.01, 0.01, 1.0, 0.01), strict=True):
+            nn.init.orthogonal_(head, gain, generator=generator)
+        nn.init.zeros_(self.last.bias)
 
     def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
         """Return the distributions and the regret to expect `[B]` for contexts `[B, Z]`."""
-        features = self.torso(z)
-        policy = self._policy(features, [head(features) for head in self.heads])
-        return policy, self.value(features)[:, 0]
+        return self.read(self.activations(z)[-1])
 
-    def _policy(self, features: Tensor, heads: list[Tensor]) -> ThetaPolicy:
+    @property
+    def written_out(self) -> bool:
+        """Whether the gradient of its distributions is; see `Squashed.gradient`."""
+        return self.distribution is Squashed and not self.heads[-1]
+
+    def activations(self, z: Tensor) -> list[Tensor]:
+        """Return contexts `[B, Z]`, what each of the two tanh layers makes of them, and the outputs `[B, W]`."""
+        one = self.first(z).tanh_()
+        other = self.second(one).tanh_()
+        return [z, one, other, self.last(other)]
+
+    def backward(self, activations: Sequence[Tensor], gradient: Tensor) -> None:
+        """Write down the gradient of all weights, given these activations and the gradient `[B, W]` of the outputs."""
+        z, one, other, _ = activations
+        for layer, seen in ((self.last, other), (self.second, one), (self.first, z)):
+            torch.mm(gradient.T, seen, out=layer.weight.grad)
+            torch.sum(gradient, 0, out=layer.bias.grad)
+            if layer is not self.first:
+                gradient = gradient @ layer.weight
+                gradient = torch.addcmul(gradient, gradient * seen, seen, value=-1)  # times 1 - tanh²
+
+    def read(self, outputs: Tensor) -> tuple[ThetaPolicy, Tensor]:
+        """Return the distributions and the regret to expect `[B]` that outputs `[B, W]` mean."""
+        one, other, value, logits = outputs.split(self.heads, -1)
+        return self._policy((one, other), logits), value[:, 0]
+
+    def _policy(self, real: Sequence[Tensor], logits: Tensor) -> ThetaPolicy:
         if self.program_dims:
-            assert self.choice is not None
-            nothing = [features[:, :0]] * 2  # programs without free parameters: there is only which to choose
-            halves = (half.split(self.program_dims, -1) for half in heads or nothing)
+            halves = (half.split(self.program_dims, -1) for half in real)
             parts = [self.distribution(*own) for own in zip(*halves, strict=True)]
-            return Composed(self.choice(features), parts, len(self.cells))
-        if self.choice is None:
-            return self.distribution(*heads)
-        values = MultiCategorical(self.choice(features), self.cells[self.cells > 0])
-        return Mixed(self.distribution(*heads) if heads else None, values, self.cells)
+            return Composed(logits, parts, len(self.cells))
+        if not self.heads[-1]:
+            return self.distribution(*real)
+        values = MultiCategorical(logits, self.cells[self.cells > 0])
+        return Mixed(self.distribution(*real) if self.heads[0] else None, values, self.cells)
 
     def theta(self, raw: np.ndarray) -> np.ndarray:
         """Return θ `[n, D]` for what was drawn: of values the middle of the cell."""
@@ -270,29 +323,41 @@ class Adversary(Resumable):
         target = torch.as_tensor(self.scale(regret), dtype=torch.float32)
         z, raw, log_prob = (torch.as_tensor(a) for a in (proposals.z, proposals.raw, proposals.log_prob))
         logs = [self._epoch(z, raw, log_prob, target) for _ in range(self.config.update_epochs)]
-        return {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
+        losses = torch.stack(logs).mean((0, 2)) * torch.tensor([-1.0, 0.5, 1.0, 1.0])
+        return dict(zip(LOSSES, losses.tolist(), strict=True))
 
-    def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> dict[str, float]:
-        config = self.config
-        policy, value = self.network(z)
-        log_ratio = policy.log_prob(raw) - log_prob  # tanh's Jacobian is the same above and below
-        ratio = log_ratio.clamp(-MOST_LOG_RATIO, MOST_LOG_RATIO).exp()
-        advantage = target - value.detach()
-        clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)
-        policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()
-        value_loss = 0.5 * ((value - target) ** 2).mean()
-        entropy = policy.theta_entropy(self.generator).mean()
-        loss = policy_loss - config.ent_coef * entropy + config.vf_coef * value_loss
+    @torch.no_grad()
+    def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> Tensor:
+        """Take a step down the gradient of: policy_loss - ent_coef * entropy + vf_coef * value_loss.
+
+        Returns `[4, B]` what LOSSES are means of: -1, 1/2, 1 and 1 times.
+        """
+        config, count = self.config, len(z)
+        activations = self.network.activations(z)
+        outputs = activations[-1].requires_grad_(not self.network.written_out)
+        with torch.enable_grad():
+            policy, value = self.network.read(outputs)
+            now, entropy = policy.log_prob(raw), policy.theta_entropy(self.generator)
+        log_ratio = now - log_prob  # tanh's Jacobian is the same above and below
+        bounded = log_ratio.clamp(-MOST_LOG_RATIO, MOST_LOG_RATIO)
+        ratio, advantage = bounded.exp(), target - value
+        gain = advantage * ratio
+        worse = torch.min(gain, advantage * ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef))  # [B]
+        by_log_prob = gain * (gain == worse) * (bounded == log_ratio) / -count  # 0 where anything is clipped
+        by_value = advantage * (-config.vf_coef / count)
+        by_entropy = -config.ent_coef / count
         self.optimizer.zero_grad()
-        loss.backward()
-        grad_norm = clip_norm(self.optimizer.weights, config.max_grad_norm)
+        if isinstance(policy, Squashed):
+            gradient = torch.cat([*policy.gradient(by_log_prob, by_entropy), by_value[:, None]], 1)
+        else:
+            torch.autograd.backward((now, entropy), (by_log_prob, torch.full_like(entropy, by_entropy)))
+            assert outputs.grad is not None
+            gradient = outputs.grad
+            gradient.split(self.network.heads, 1)[VALUE][:, 0] = by_value
+        self.network.backward(activations, gradient)
+        norm = self.optimizer.clip_norm(config.max_grad_norm)
         self.optimizer.step()
-        return {
-            "policy_loss": policy_loss.item(),
-            "value_loss": value_loss.item(),
-            "entropy": entropy.item(),
-            "grad_norm": grad_norm.item(),
-        }
+        return torch.stack([worse, advantage.square(), entropy, norm.expand(count)])
 
 
 class RunningScale(Resumable):
