@@ -30,34 +30,41 @@ class GaussianMixture:
         standard = np.linalg.inv(root) @ (data[None] - self.means[:, None]).mT  # [K, D, n]
         log_det = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(1)
         constant = np.log(self.weights) - log_det - 0.5 * data.shape[1] * math.log(2 * math.pi)
-        return constant[:, None] - 0.5 * (standard**2).sum(1)
+        return constant[:, None] - 0.5 * np.einsum("kdn,kdn->kn", standard, standard)
 
     def aic(self, data: np.ndarray) -> float:
         """Return Akaike's criterion on data `[n, D]`: the smaller, the better."""
         count, dim = self.means.shape
         parameters = count * dim * (dim + 1) / 2 + count * dim + count - 1
-        return 2 * parameters - 2 * float(np.logaddexp.reduce(self.log_densities(data)).sum())
+        return 2 * parameters - 2 * float(_share(self.log_densities(data))[1].sum())
 
 
 def fit(data: np.ndarray, components: int, rng: np.random.Generator) -> GaussianMixture:
     """Fit a mixture of so many Gaussians to data `[n, D]`, from clusters on."""
     mixture, before = _maximise(data, np.eye(components)[:, _clusters(data, components, rng)]), -math.inf
     for _ in range(MOST_STEPS):
-        parts = mixture.log_densities(data)  # [K, n]
-        density = np.logaddexp.reduce(parts)  # [n]
-        mixture = _maximise(data, np.exp(parts - density))
+        share, density = _share(mixture.log_densities(data))
+        mixture = _maximise(data, share)
         if abs(density.mean() - before) < TOLERANCE:
             break
         before = density.mean()
     return mixture
 
 
+def _share(parts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the share `[K, n]` of each Gaussian in the density of each row, and its logarithm `[n]`, from `[K, n]`."""
+    largest = parts.max(0)
+    share = np.exp(parts - largest)
+    total = share.sum(0)
+    return share / total, largest + np.log(total)
+
+
 def _maximise(data: np.ndarray, share: np.ndarray) -> GaussianMixture:
     """Return the likeliest mixture where each Gaussian has this share `[K, n]` of the rows of data `[n, D]`."""
     total = share.sum(1) + 10 * np.finfo(float).eps  # [K]
     means = share @ data / total[:, None]
-    apart = data[None] - means[:, None]  # [K, n, D]
-    covariances = (share[:, :, None] * apart).mT @ apart / total[:, None, None]
+    apart = data.T[None] - means[:, :, None]  # [K, D, n]
+    covariances = (share[:, None] * apart) @ apart.mT / total[:, None, None]
     return GaussianMixture(total / total.sum(), means, covariances + REGULARISER * np.eye(data.shape[1]))
 
 
@@ -80,4 +87,5 @@ def _clusters(data: np.ndarray, components: int, rng: np.random.Generator) -> np
 
 def _distances(data: np.ndarray, centres: np.ndarray) -> np.ndarray:
     """Return the squared distance of each centre `[K, D]` to each row of data `[n, D]`: `[K, n]`."""
-    return ((data[None] - centres[:, None]) ** 2).sum(2)
+    apart = data.T[None] - centres[:, :, None]  # [K, D, n]
+    return np.einsum("kdn,kdn->kn", apart, apart)

@@ -145,5 +145,6 @@ def _progress(columns: np.ndarray, returns: np.ndarray, k: int) -> float:
     first = max(0, k - REMEMBERED)
     if k == first:
         return 0.0
-    distance = np.square(columns[:, first:k] - columns[:, k, None]).sum(0)
+    apart = columns[:, first:k] - columns[:, k, None]
+    distance = np.einsum("dn,dn->n", apart, apart)
     return float(abs(returns[k] - returns[first + distance.argmin()]))
