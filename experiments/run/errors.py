@@ -6,6 +6,7 @@ Read next: `__main__`, the commands.
 from __future__ import annotations
 
 import errno
+import re
 import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -52,7 +53,11 @@ EXTRAS = {
 
 def refused(error: Exception) -> str:
     """Return what an error says, for a sentence of ours: of a missing key that it is missing."""
-    return f"{error} is missing" if isinstance(error, KeyError) else str(error).partition("\n")[0]
+    if isinstance(error, KeyError):
+        return f"{error} is missing"
+    first, _, rest = str(error).partition("\n")
+    network = re.fullmatch(r"Error\(s\) in loading state_dict for (\w+):", first)  # torch names every weight
+    return f"its {network[1]} has other weights: {rest.strip().partition('. ')[0]}" if network else first
 
 
 @contextmanager

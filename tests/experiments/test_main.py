@@ -7,8 +7,10 @@ import sys
 from pathlib import Path
 
 import pytest
+import torch
 
 from experiments.__main__ import COMMANDS, main
+from experiments.run.errors import refused
 from experiments.run.progress import Progress, count, duration
 from ued.methods import METHODS
 
@@ -210,3 +212,9 @@ def test_the_time_left_is_told_from_the_pace_after_the_first_steps(monkeypatch):
 def test_numbers_are_short():
     assert [count(n) for n in (950, 12_345, 4_560_000)] == ["950", "12.3k", "4.56M"]
     assert [duration(s) for s in (42, 180, 3900 * 2)] == ["42 s", "3 min", "2 h 10"]
+
+
+def test_weights_of_another_network_are_told_in_a_line():
+    with pytest.raises(RuntimeError) as caught:
+        torch.nn.Linear(2, 3).load_state_dict({"weight": torch.zeros(3, 2)})
+    assert refused(caught.value) == 'its Linear has other weights: Missing key(s) in state_dict: "bias"'
