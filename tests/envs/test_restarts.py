@@ -149,6 +149,18 @@ def test_a_wall_of_three_before_a_near_free_kick() -> None:
 
 
 @pytest.mark.parametrize("team", [LEFT, RIGHT])
+def test_no_wall_stands_beyond_the_goal_line(team: int) -> None:
+    """An offside that is whistled only when he comes back to the ball can be as near to his own goal."""
+    matches, x = position(ELEVENS, (0.0, 0.0)), 52.25 if team == LEFT else -52.25
+    stop_play(matches[0], FREE_KICK, team, x, 1.0)
+    play(matches, [0])
+    players = matches["players"][0, :22]
+    others = players[players["team"] != team][1:]
+    assert np.abs(others["x"]).max() < 55.0
+    assert np.hypot(others["x"] - x, others["y"] - 1.0).min() > 9.14
+
+
+@pytest.mark.parametrize("team", [LEFT, RIGHT])
 def test_who_would_stand_on_another_steps_back_from_the_ball(team: int) -> None:
     """Teams whose slots are all in the middle find few places beside the arc."""
     line = [(x, 0.0, who, CM) for who in (LEFT, RIGHT) for x in np.linspace(-40.0, 40.0, 8)]

@@ -193,12 +193,17 @@ def kept_away(match, x, y, way):
 
 @kernel
 def build_wall(match):
-    """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal."""
+    """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal.
+
+    So near to the goal line that they would stand beyond it, as in the original, they are kept away alone.
+    """
     ball, team = match.ball, 1 - match.restart_team
     goal_x = own_goal_x(team)
     if length(goal_x - ball.x, ball.y) >= WALL.range:
         return
     angle = math.atan2(-ball.y, goal_x - ball.x)
+    if abs(ball.x + KEEP.ball * math.cos(angle)) > HALF_LENGTH:
+        return
     chosen, side = 0, 0.0
     for k in range(WALL.size):
         best, nearest = NOBODY, math.inf
