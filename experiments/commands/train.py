@@ -73,7 +73,8 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, config.threads)
     method = build.make_method(config, upomdp)
     origin.begin_with(run, method)
-    scenes = EvalScenes(config, programs, config.eval_episodes)
+    # no environments for tests that are not to be
+    scenes = EvalScenes(config, programs, config.eval_episodes) if config.eval_every else None
     elapsed = restore(run, method)
     run.keep_config()
     progress = Progress(config.total_env_steps, method.env_steps)
@@ -83,7 +84,8 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
         while method.env_steps < config.total_env_steps and not stop:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
-            if scenes.due(before, method.env_steps, last=method.env_steps >= config.total_env_steps):
+            last = method.env_steps >= config.total_env_steps
+            if scenes is not None and scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
             elapsed += time.perf_counter() - began
             reporters.report(method, metrics | {"time/elapsed": elapsed})
@@ -116,10 +118,13 @@ def open_reporters(
 def restore(run: RunFolder, method: Any) -> float:
     """Continue from the run's checkpoint, if it has one; return the seconds that were trained before.
 
+    One that ended before its first checkpoint begins anew, and that is said.
     Raises `CommandError` if it is of environments that have changed since.
     """
     state = run.load()
     if state is None:
+        if done := run.env_steps():
+            build.warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
         run.cut_back(0)
         return 0.0
     try:

@@ -72,7 +72,7 @@ class EvalScenes:
 
     def due(self, before: int, after: int, last: bool) -> bool:
         """Return whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
-        return bool(self.every) and (before == 0 or last or before // self.every < after // self.every)
+        return before == 0 or last or before // self.every < after // self.every
 
     def _make(self, program: Any, config: Any) -> Any:
         if isinstance(program, TaskScene):

@@ -13,6 +13,7 @@ import pytest
 
 import scenic_lite
 from experiments.__main__ import main
+from experiments.run import build
 from experiments.run.build import TRAINING_SCENE, load_scenes
 from experiments.run.config import ProgramConfig, TrainConfig
 from experiments.run.folder import RunFolder
@@ -48,6 +49,13 @@ def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert len(levels["update"]) == 20 * 8
     assert {"theta/place.x", "return/protagonist", "score"} <= set(levels)
     assert "20k env_steps, 20 updates" in capsys.readouterr().out
+
+
+def test_a_run_that_tests_nothing_makes_no_environments_for_it(probe, tmp_path, monkeypatch):
+    made, make = [], build.make_upomdp
+    monkeypatch.setattr(build, "make_upomdp", lambda *args: made.append(args) or make(*args))
+    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--eval-every", "0"]) == 0
+    assert len(made) == 1
 
 
 def test_every_program_is_read_once(probe, tmp_path, monkeypatch):
@@ -181,7 +189,7 @@ def test_sigterm_ends_well_with_143(probe, tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch):
+def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch, capsys):
     """A kill after the checkpoint leaves rows too many; a kill before the first leaves no checkpoint at all."""
     from tests.experiments.probe import ProbeMethod
 
@@ -206,6 +214,8 @@ def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch):
             file.write("8,80")
         monkeypatch.setattr(ProbeMethod, "update", update)
         assert main(["train", "--resume", str(path)]) == 0
+        said = f"{path} got to 7k env_steps, but not to its first checkpoint: it begins anew"
+        assert (said in capsys.readouterr().err) == (seconds == "1000")
         assert without_time(path / "metrics.csv") == without_time(tmp_path / "whole" / "metrics.csv")
         assert without_time(path / "levels.csv") == without_time(tmp_path / "whole" / "levels.csv")
 
