@@ -57,7 +57,7 @@ def refused(error: Exception) -> str:
         return f"{error} is missing"
     first, _, rest = str(error).partition("\n")
     network = re.fullmatch(r"Error\(s\) in loading state_dict for (\w+):", first)  # torch names every weight
-    return f"its {network[1]} has other weights: {rest.strip().partition('. ')[0]}" if network else first
+    return f"its {network[1]} has other weights: {rest.partition('. ')[0].strip()}" if network else first
 
 
 @contextmanager
