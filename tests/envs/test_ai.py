@@ -9,7 +9,7 @@ import pytest
 from pitch import OPEN, play, position, take_over
 
 from envs.football.ai.decide import choose_command
-from envs.football.ai.defence import wins_race
+from envs.football.ai.defence import guarding_place, wins_race
 from envs.football.ai.formation import formation_slots
 from envs.football.config import FootballConfig
 from envs.football.constants import CB, CF, CM, GK, LEFT, NOBODY, POSSESSION, RIGHT, SHOT
@@ -117,6 +117,16 @@ def test_who_wins_the_race_leaves_whom_he_marks() -> None:
         matches = led_ball(1.5, stride)
         choose_command(matches[0], 3)
         assert bool(matches["players"]["desired_vx"][0, 3] > 5.0) == runs
+
+
+def test_a_guard_of_whom_is_past_the_line_goes_behind_his_back() -> None:
+    """Measured: a lone back who marks a forward 8 m behind him runs to his own side, 8 m off the middle."""
+    players = [(30.0, 0.0, LEFT, CM), (44.0, -8.0, LEFT, CF), (38.0, -4.0, RIGHT, CB), (54.0, 0.0, RIGHT, GK)]
+    matches = alone(players, (30.4, 0.0), n=1)
+    back = matches["players"][0, 2]
+    matches["trap"][:, RIGHT], back["marked_opponent"] = -36.0, 1
+    x, y = guarding_place(matches[0], matches[0].players[2], 36.0, -4.0)
+    assert x < 38.0 and y < -7.0
 
 
 def test_nobody_supports_from_an_offside_place() -> None:

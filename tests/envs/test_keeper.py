@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.ai.keeper import bisector_foot
+from envs.football.ai.keeper import bisector_foot, boldness
 from envs.football.constants import CM, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, GK, LEFT, RIGHT, SHOT, SPRINT
 from envs.football.physics.ball import advance_ball
 from envs.football.skills.saves import foresee_shot, save_chance
@@ -223,3 +223,15 @@ def test_a_high_ball_is_met_where_it_comes_down() -> None:
             break
     assert matches["carrier"][0] == 0
     assert 18.0 < ball["x"][0] < 27.0
+
+
+def test_near_the_ball_a_second_attacker_still_holds_him_back() -> None:
+    """Measured before eleven attackers: he goes on going back, at 2 m/s, until the shot from 3.5 m before him."""
+    players = [(43.0, 0.0, LEFT, CM), (47.5, 0.0, RIGHT, GK), (43.0, 3.0, LEFT, CM), (-50.0, 0.0, LEFT, GK)]
+    both = []
+    for second_x in (43.0, -20.0):
+        players[2] = (second_x, 3.0, LEFT, CM)
+        matches = position(players, (43.5, 0.0), OPEN)
+        matches["carrier"], matches["team_in_possession"] = 0, LEFT
+        both.append(boldness(matches[0], 1))
+    assert both[0] < 0.5 < both[1]

@@ -49,6 +49,7 @@ class Tiring(NamedTuple):
 # Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
 SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
+SUDDEN = 0.1  # s in which a shot taken in this step or the last is at a keeper who then cannot do anything any more
 AT_REST = 0.3  # m/s
 AT_FEET = 0.8  # m from the body to a ball that he has
 BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
@@ -84,7 +85,7 @@ def plan_motion(match, i):
     if player.down_wait > 0.0:
         vx, vy = slowed(player, speed)
     elif match.saver == i:
-        vx, vy = thrown(player)
+        vx, vy = (player.vx, player.vy) if struck(match) else thrown(player)
     elif match.carrier == i and match.keeper_holding != i:
         vx, vy = run_with_ball(match, i, speed)
     elif match.last_touch == i and match.was_kicked and match.kick_age < FOLLOW.time:
@@ -149,6 +150,12 @@ def slid(left, speed):
     if left > SLIDE.stops:
         return speed * max(1.0 - STEP / (left - SLIDE.stops), 0.0)
     return min(speed + SLIDE.rise_gain * STEP, SLIDE.rise_speed) if left < SLIDE.rises else 0.0
+
+
+@kernel
+def struck(match):
+    """Return whether a shot that has just been taken reaches the keeper before he can do anything."""
+    return match.was_kicked and match.kick_age < 1.5 * STEP and match.save_wait < SUDDEN
 
 
 @kernel
