@@ -7,30 +7,37 @@ from __future__ import annotations
 
 from envs.football.constants import DT, FRAMES, NOBODY, NORMAL
 from envs.football.physics.ball import advance_ball
-from envs.football.physics.bodies import advance_player, crowded, keep_on_pitch, part_bodies
+from envs.football.physics.bodies import advance_players, crowded, keep_on_pitch, part_bodies
 from envs.football.rules.offside import mark_offside
 from envs.football.rules.whistle import off_pitch
 from envs.football.skills.contacts import meet_ball, reachable
 from envs.football.skills.hands import carry_in_hands
-from envs.football.skills.kicks import swing_frame
+from envs.football.skills.kicks import leave_foot, swing_frame
 from scenic_lite.kernels.jit import kernel
 
 
 @kernel
 def play_frames(match):
-    """Move everything on by one step of 100 ms; the ball stops where it leaves the pitch."""
-    bits = reachable(match)
-    close = crowded(match)
+    """Move everything on by one step of 100 ms; the ball stops where it leaves the pitch.
+
+    Who is far from the ball and from everybody else is moved on only before somebody does something to the ball, when
+    others may ask where he is, and at the end: then by all the frames that he is behind.
+    """
+    bits, crowd = reachable(match), crowded(match)
+    near, behind = bits | crowd | bit_of(match.kicker) | bit_of(match.keeper_holding), 0
     in_play = match.game_mode == NORMAL
     for _ in range(FRAMES):
-        for i in range(match.num_players):
-            advance_player(match.players[i])
-        if close:
+        advance_players(match, near, 1)
+        behind += 1
+        if crowd != 0:
             part_bodies(match)
         if not in_play:
             continue
         if match.kicker != NOBODY and swing_frame(match):
+            behind = advance_players(match, ~near, behind)
+            leave_foot(match, match.kicker)
             bits = reachable(match)
+            near |= bits
             mark_offside(match, match.last_touch)
         if match.keeper_holding != NOBODY:
             carry_in_hands(match)
@@ -38,8 +45,15 @@ def play_frames(match):
             advance_ball(match.ball)
             in_play = not off_pitch(match)
             if bits != 0 and in_play:
-                meet_ball(match, bits)
+                behind = meet_ball(match, bits, ~near, behind)
                 in_play = match.game_mode == NORMAL
         match.save_wait -= DT
+    advance_players(match, ~near, behind)
     for i in range(match.num_players):
         keep_on_pitch(match.players[i])
+
+
+@kernel
+def bit_of(i):
+    """Return the bit of player i, 0 for nobody."""
+    return 0 if i == NOBODY else 1 << i

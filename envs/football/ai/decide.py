@@ -9,7 +9,7 @@ from __future__ import annotations
 from envs.football.ai.attack import meet_free_ball, play_ball
 from envs.football.ai.balance import remember
 from envs.football.ai.defence import lay_traps, must_move, race, tackle, tackles, wins_race
-from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts
+from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
 from envs.football.ai.keeper import choose_keeper_command
 from envs.football.ai.marking import choose_hunters, choose_markers, hunts
 from envs.football.ai.positions import take_position
@@ -32,6 +32,7 @@ def read_game(match):
     count_possession(match)
     find_team_in_possession(match)
     remember(match)
+    follow_ball(match)
     lay_traps(match)
     on_ball = first_at_ball(match)
     if on_ball != NOBODY and match.step % EXCHANGED_EVERY == 0:

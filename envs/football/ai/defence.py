@@ -245,7 +245,7 @@ def run_round(player, rival, x, y):
 
 @kernel
 def lay_traps(match):
-    """Set both teams' lines behind which nobody falls back: where the deepest danger is."""
+    """Set both teams' lines behind which nobody falls back, where the deepest danger is, and who is second-last."""
     for team in (LEFT, RIGHT):
         match.trap[team] = -deepest_danger(match, team)
 
@@ -268,6 +268,7 @@ def deepest_danger(match, team):
         if player.team == team and not player.has_left:
             here = depth * player.x
             last, second = max(last, here), max(second, min(last, here))
+    match.second_last[team] = second
     return max(deepest, max(second, ball, 0.0) - TRAP.slack)
 
 

@@ -118,6 +118,8 @@ def formation_slots(count: int) -> np.ndarray:
 @kernel
 def smooth(share, strength):
     """Return a share in [0, 1], bent by so much into a smooth step."""
+    if share in (0.0, 1.0):
+        return share  # often, and a sine is dear
     return strength * (0.5 + 0.5 * math.sin(math.pi * (share - 0.5))) + (1.0 - strength) * share
 
 
@@ -176,6 +178,8 @@ def slot_place(match, i, on_ball):
 def how_far_attacking(match, team, ball_u):
     """Return how far a team attacks, 0 to 1: by its hold on the ball, or unless clear by its half."""
     held = between(match.hold[team] - 0.5, 0.3, 0.7)
+    if held in (0.0, 1.0):
+        return held
     unsure = BLOCK.unsure * (1.0 - abs(2.0 * held - 1.0))
     return held * (1.0 - unsure) + unsure * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
 
@@ -214,16 +218,19 @@ def stretched(slot_x, attacking, ball_u):
 
 
 @kernel
+def follow_ball(match):
+    """Take down where the ball has been on average, for all who close up to it in this step."""
+    for axis in range(2):
+        match.slow_ball[axis] = mean_ball(match, CLOSE_UP.slow, axis)
+        match.quick_ball[axis] = mean_ball(match, CLOSE_UP.quick, axis)
+
+
+@kernel
 def focus(match, first, team, attacking, back):
     """Return the place to which everybody near closes up: before the ball in attack, behind it in defence."""
-    ahead = forward(team)
-    slow_u, slow_v, quick_u, quick_v = 0.0, 0.0, 0.0, 0.0  # mostly only one of the two counts
-    if attacking > 0.0:
-        slow_u, slow_v = ahead * mean_ball(match, CLOSE_UP.slow, 0), ahead * mean_ball(match, CLOSE_UP.slow, 1)
-    if attacking < 1.0:
-        quick_u, quick_v = ahead * mean_ball(match, CLOSE_UP.quick, 0), ahead * mean_ball(match, CLOSE_UP.quick, 1)
-    u = blend(slow_u, 0.5 * (quick_u + ahead * first.x), attacking)
-    v = CLOSE_UP.inward * blend(slow_v, 0.5 * (quick_v + ahead * first.y), attacking)
+    ahead, slow, quick = forward(team), match.slow_ball, match.quick_ball
+    u = blend(ahead * slow[0], 0.5 * (ahead * quick[0] + ahead * first.x), attacking)
+    v = CLOSE_UP.inward * blend(ahead * slow[1], 0.5 * (ahead * quick[1] + ahead * first.y), attacking)
     return blend(min(u + CLOSE_UP.ahead, HALF_LENGTH), max(u - CLOSE_UP.behind, back, -HALF_LENGTH), attacking), v
 
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 from envs.football.ai.formation import MINDSET
 from envs.football.ai.interception import danger
 from envs.football.ai.position_value import nearest_opponent, position_value
+from envs.football.ai.support import onside_line
 from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
 from envs.football.physics.pitch import attacked_goal_x, forward, own_goal_x
 from envs.football.physics.vectors import apart, length
-from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
 
 
@@ -76,7 +76,7 @@ def best_pass(match, i, threshold):
     """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
     player = match.players[i]
     own = position_value(match, player, player.x, player.y)
-    line = max(second_last(match, 1 - player.team, forward(player.team)), forward(player.team) * match.ball.x, 0.0)
+    line = onside_line(match, player.team)
     best, found = threshold, False
     for j in range(match.num_players):
         mate = match.players[j]

@@ -73,8 +73,9 @@ def lazy_speed(match, player, desired, rival):
     speed *= 1.0 - lazy
     if desired >= DRIBBLE_SPEED:
         speed = max(speed, DRIBBLE_SPEED)
-    if speed <= EFFORT.sprint * (1.0 - lazy):
-        return speed  # for which anybody has breath enough
+    slowest = EFFORT.sprint * (1.0 - lazy)
+    if speed <= slowest or gait_speed(player, speed) == gait_speed(player, slowest):
+        return speed  # for whose gait anybody has breath enough: a power is dear
     breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
     return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 

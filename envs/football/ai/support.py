@@ -14,7 +14,6 @@ from envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.pitch import attacked_goal_x, forward
 from envs.football.physics.possession import man_on_ball
 from envs.football.physics.vectors import apart, length
-from envs.football.rules.offside import second_last
 from scenic_lite.kernels.jit import kernel
 
 
@@ -218,8 +217,7 @@ def pull_of_carrier(dx, dy):
 @kernel
 def onside_line(match, team):
     """Return how far forward in m a player of `team` may stand."""
-    ahead = forward(team)
-    return max(second_last(match, 1 - team, ahead), ahead * match.ball.x, 0.0)
+    return max(match.second_last[1 - team], forward(team) * match.ball.x, 0.0)
 
 
 @kernel

@@ -63,8 +63,9 @@ def write_features(match, agent, row):
     at = _write_goal(me, side, row, at)
     at = _write_command(me, row, at)
     row[at] = 1.0 - match.step / match.game_duration
-    at = _write_team(match, i, me.team, side, row, at + 1)
-    _write_team(match, i, 1 - me.team, side, row, at)
+    goal_x, goal_y, _ = _way_to_goal(me, side)
+    at = _write_team(match, i, me.team, side, goal_x, goal_y, row, at + 1)
+    _write_team(match, i, 1 - me.team, side, goal_x, goal_y, row, at)
 
 
 @kernel
@@ -106,13 +107,18 @@ def _write_owner(match, i, row, at):
 
 
 @kernel
-def _write_goal(me, side, row, at):
+def _way_to_goal(me, side):
+    """Return the unit vector from a player to the middle of the opponents' goal, and how far that is in m."""
     dx, dy = HALF_LENGTH - side * me.x, -side * me.y
     distance = math.sqrt(dx * dx + dy * dy) + 1e-6
-    row[at] = dx / distance
-    row[at + 1] = dy / distance
+    return dx / distance, dy / distance, distance
+
+
+@kernel
+def _write_goal(me, side, row, at):
+    row[at], row[at + 1], distance = _way_to_goal(me, side)
     row[at + 2] = CLOSE / (CLOSE + distance)
-    ahead = max(dx, 1.0)
+    dy, ahead = -side * me.y, max(HALF_LENGTH - side * me.x, 1.0)
     row[at + 3] = _limited((dy + GOAL_HALF_WIDTH) / ahead)
     row[at + 4] = _limited((dy - GOAL_HALF_WIDTH) / ahead)
     return at + 5
@@ -131,11 +137,9 @@ def _write_command(me, row, at):
 
 
 @kernel
-def _write_team(match, i, team, side, row, at):
+def _write_team(match, i, team, side, ux, uy, row, at):
+    """Write the players of a team but for player i, to whom the opponents' goal lies along u."""
     me = match.players[i]
-    goal_dx, goal_dy = HALF_LENGTH - side * me.x, -side * me.y
-    distance = math.sqrt(goal_dx * goal_dx + goal_dy * goal_dy) + 1e-6
-    ux, uy = goal_dx / distance, goal_dy / distance
     for index in range(match.num_players):
         other = match.players[index]
         if other.team != team or index == i:

@@ -60,11 +60,17 @@ def fall_time(ball):
 @kernel
 def travelled(speed, flight, time):
     """Estimate in m how far a ball goes in `time` s: through the air for `flight` s, then over the ground."""
+    way, left = flown(speed, min(time, flight))
+    return way if time <= flight else way + rolled(left, time - flight)
+
+
+@kernel
+def flown(speed, flight):
+    """Estimate in m how far a ball flies in `flight` s, and with which speed in m/s it then goes on."""
     if flight == 0.0:
-        return rolled(speed, time)
-    drag = 1.0 + AIR.drag * speed * min(time, flight)
-    way = math.log(drag) / AIR.drag
-    return way if time <= flight else way + rolled(CHASE.landed * speed / drag, time - flight)
+        return 0.0, speed
+    drag = 1.0 + AIR.drag * speed * flight
+    return math.log(drag) / AIR.drag, CHASE.landed * speed / drag
 
 
 @kernel
@@ -75,9 +81,9 @@ def meeting_time(match, player, speed):
     if speed < 1.0:
         return time
     flight = fall_time(ball)
-    time = max(time, flight)
+    time, (air, left) = max(time, flight), flown(speed, flight)
     for _ in range(3):
-        share = travelled(speed, flight, time) / speed
+        share = (air + rolled(left, time - flight)) / speed
         reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
         time = max(0.5 * (time + reach / CHASE.speed), flight)
     return time

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
+from envs.football.physics.bodies import advance_players
 from envs.football.physics.pitch import own_goal_x
 from envs.football.physics.possession import ball_speed
 from envs.football.physics.vectors import apart, length, toward
@@ -148,16 +149,18 @@ def reachable(match):
 
 
 @kernel
-def meet_ball(match, bits):
+def meet_ball(match, bits, far, behind):
     """Let every player named in `bits` try for the ball in this frame.
 
-    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene.
+    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene. Whoever
+    does may ask where others are: so those in the bits `far`, so many frames behind, are moved on before; return how
+    many are left.
     """
     turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
         i = match.num_players - 1 - k if turned else k
         if match.game_mode != NORMAL:
-            return
+            break
         if bits >> i & 1 == 0 or match.keeper_holding != NOBODY or match.carrier == i:
             continue
         player = match.players[i]
@@ -166,7 +169,9 @@ def meet_ball(match, bits):
         dx, dy = match.ball.x - player.x, match.ball.y - player.y
         squared = dx * dx + dy * dy
         if squared < MEETING * MEETING:
+            behind = advance_players(match, far, behind)
             meet(match, i, math.sqrt(squared))
+    return behind
 
 
 @kernel

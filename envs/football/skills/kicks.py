@@ -165,7 +165,7 @@ def delay(kick, angle, speed, starting, distance):
 
 @kernel
 def swing_frame(match):
-    """Count the kicker's swing down by a frame; return True when the ball has left his foot."""
+    """Count the kicker's swing down by a frame; return whether his foot meets the ball now."""
     i = match.kicker
     player = match.players[i]
     player.kick_wait -= DT
@@ -175,10 +175,7 @@ def swing_frame(match):
         forget_kick(player)
         match.kicker = NOBODY
         return False
-    if apart(match.ball, player) > KICK_REACH:
-        return False
-    leave_foot(match, i)
-    return True
+    return not apart(match.ball, player) > KICK_REACH
 
 
 @kernel
