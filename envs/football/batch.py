@@ -20,11 +20,14 @@ from envs.football.observation.observe import observe, remember_minimap
 from envs.football.physics.motion import take_stance
 from envs.football.physics.variation import vary_engine
 from envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
-from envs.football.scenic.world_table import THE_BALL
+from envs.football.scenic.world_table import THE_BALL, Cast
 from envs.football.simulator import choose_actions, play
 from envs.football.state import MATCH
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.kernels.jit import kernel
+
+# MATCH with fields as attributes: one object for all batches, or Numba compares two types field by field in every step
+RECORD = np.dtype((np.record, MATCH))
 
 
 class Batch(NamedTuple):
@@ -63,11 +66,12 @@ class BatchSettings(NamedTuple):
     observation: int  # what agents see: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; one without costs nothing
     object_to_player: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
+    objects_read: np.ndarray  # [O] int64, what of them it reads: see `Cast`
 
 
 def empty_batch(count: int, registers: int, objects: int, minimap_history: tuple[np.ndarray, np.ndarray]) -> Batch:
     """Make room for `count` matches; records whose fields are attributes even when not compiled."""
-    matches, starts = (np.zeros(count, MATCH).view(np.recarray) for _ in range(2))
+    matches, starts = (np.zeros(count, RECORD).view(np.recarray) for _ in range(2))
     memory, start_memory = (np.zeros((count, registers)) for _ in range(2))
     commands = np.zeros((count, objects))
     return Batch(matches, starts, memory, start_memory, commands, *minimap_history, np.zeros(count, np.bool_))
@@ -99,7 +103,7 @@ def step_batch(batch, actions, outcome, seen, final, settings, code):
         _step_row(batch, actions, outcome, seen, final, settings, code, np.int64(index))  # prange counts unsigned
 
 
-@kernel
+@kernel(inline=True)
 def _step_row(batch, actions, outcome, seen, final, settings, code, index):
     """Step, reward, observe and if need be restart one match."""
     if open_row(batch, actions, settings, code, index):
@@ -108,7 +112,7 @@ def _step_row(batch, actions, outcome, seen, final, settings, code, index):
     close_row(batch, outcome, seen, final, settings, index)
 
 
-@kernel
+@kernel(inline=True)
 def open_row(batch, actions, settings, code, index):
     """Give every player of a match his action; return whether it is to be played."""
     if batch.idle[index]:
@@ -116,12 +120,18 @@ def open_row(batch, actions, settings, code, index):
     match = batch.matches[index]
     if settings.scripted:
         registers, commands = batch.registers[index], batch.commands[index]
-        return choose_actions(match, actions[index], code, settings.object_to_player, registers, commands)
+        return choose_actions(match, actions[index], code, cast_of(settings), registers, commands)
     return choose_actions(match, actions[index], None, None, None, None)
 
 
+@kernel(inline=True)
+def cast_of(settings):
+    """Return whom the objects of the program stand for."""
+    return Cast(settings.object_to_player, settings.objects_read)
+
+
 @kernel
-def ask_program(matches, registers, commands, object_to_player, code, actions):
+def ask_program(matches, registers, commands, cast, code, actions):
     """Write what the program's behaviors would have the agents' players do into `actions` [N, A].
 
     Behaviors run for it: matches, registers and commands must be copies.
@@ -129,27 +139,27 @@ def ask_program(matches, registers, commands, object_to_player, code, actions):
     for index in range(len(matches)):
         match = matches[index]
         actions[index] = IDLE
-        if not run_program_behaviors(match, code, object_to_player, registers[index], commands[index]):
+        if not run_program_behaviors(match, code, cast, registers[index], commands[index]):
             continue
-        for o in range(len(object_to_player)):
+        for o in range(len(cast.players)):
             command = commands[index, o]
-            if object_to_player[o] == THE_BALL or command == NO_COMMAND:
+            if cast.players[o] == THE_BALL or command == NO_COMMAND:
                 continue
-            player = match.players[object_to_player[o]]
+            player = match.players[cast.players[o]]
             if player.agent != NOBODY:
                 key = key_of_command(player, as_seen(player.team, int(command)))
                 actions[index, player.agent] = seen_by(player.team, key)
 
 
-@kernel
+@kernel(inline=True)
 def watch_row(batch, settings, code, index):
     """Let the program's monitors see what has been played."""
     if settings.scripted:
         registers, commands = batch.registers[index], batch.commands[index]
-        run_program_monitors(batch.matches[index], code, settings.object_to_player, registers, commands)
+        run_program_monitors(batch.matches[index], code, cast_of(settings), registers, commands)
 
 
-@kernel
+@kernel(inline=True)
 def close_row(batch, outcome, seen, final, settings, index):
     """Reward, observe and if need be restart a match, whether it was to be played or not."""
     if batch.idle[index]:

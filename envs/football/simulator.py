@@ -33,26 +33,27 @@ from scenic_lite.kernels.jit import kernel
 
 
 @kernel
-def step_match(match, actions, code, object_to_player, registers, commands):
+def step_match(match, actions, code, cast, registers, commands):
     """Move a match on by one step of 0.1 s in which the agents' players take `actions` [A] (0..18).
 
     The other four are its program's (see `scenic.scripted_step`), None without one. A match that has ended stays as it
     is.
     """
-    if choose_actions(match, actions, code, object_to_player, registers, commands):
+    if choose_actions(match, actions, code, cast, registers, commands):
         play(match)
-        run_program_monitors(match, code, object_to_player, registers, commands)
+        run_program_monitors(match, code, cast, registers, commands)
 
 
 @kernel
-def choose_actions(match, actions, code, object_to_player, registers, commands):
+def choose_actions(match, actions, code, cast, registers, commands):
     """Begin a step and give every player his action; return whether the match is to be played on."""
     if not begin_step(match):
         return False
-    if not run_program_behaviors(match, code, object_to_player, registers, commands):
+    if not run_program_behaviors(match, code, cast, registers, commands):
         return False
     assign_actions(match, actions)
-    command_players(match, object_to_player, commands)
+    if cast is not None:
+        command_players(match, cast.players, commands)
     press_commanded_keys(match)
     return True
 

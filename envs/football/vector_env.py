@@ -23,6 +23,7 @@ from envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.starts import INVALID, Starts
+from envs.football.scenic.world_table import Cast
 from envs.football.state import WHO
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_count, check_theta, set_stream, whole
@@ -88,6 +89,7 @@ class FootballVectorEnv(UPOMDP):
             self._observer.kind,
             self.behaviors.is_live,
             self.lineup.object_to_player,
+            self.behaviors.objects_read,
         )
         self._starts = Starts(self.lineup, self.behaviors)
         self._outcome = empty_outcome(num_envs, self.num_agents)
@@ -183,7 +185,8 @@ class FootballVectorEnv(UPOMDP):
         if self.behaviors.is_live:
             copies = [np.copy(array) for array in (self._batch.registers, self._batch.commands)]
             matches = self._batch.matches.copy()
-            ask_program(matches, *copies, self.lineup.object_to_player, self.behaviors.code, actions)
+            cast = Cast(self.lineup.object_to_player, self.behaviors.objects_read)
+            ask_program(matches, *copies, cast, self.behaviors.code, actions)
         return actions.reshape(self.action_space.shape)
 
     def _checked(self, actions: Any) -> np.ndarray:

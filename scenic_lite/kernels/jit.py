@@ -41,12 +41,13 @@ _numba_config: Any = numba.config
 _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))?", re.MULTILINE)
 
 
-def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
+def kernel(function: Callable | None = None, *, parallel: bool = False, inline: bool = False) -> Any:
     """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
 
     Kernels make no arrays: so they need not count references to those that they are handed, which would cost them a
     tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in
-    C. With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python.
+    C. With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python. With `inline` it becomes
+    part of whatever calls it: a batch of arrays costs more to hand over than many a kernel does.
     """
 
     def decorate(undecorated: Callable) -> Any:
@@ -55,20 +56,20 @@ def kernel(function: Callable | None = None, *, parallel: bool = False) -> Any:
         previous = _numba_config.CACHE_DIR
         _numba_config.CACHE_DIR = str(CACHE)
         try:
-            return _dispatcher(undecorated, parallel)
+            return _dispatcher(undecorated, {**OPTIONS, "parallel": parallel, "forceinline": inline})
         finally:
             _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
 
     return decorate if function is None else decorate(function)
 
 
-def _dispatcher(function: Callable, parallel: bool) -> Any:
+def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
     """Return the function as Numba's own dispatcher, or as a `Kernel` where its inside is known."""
     if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
-        return numba.njit(cache=True, parallel=parallel, **OPTIONS)(function)
+        return numba.njit(cache=True, **options)(function)
     from scenic_lite.kernels.numba_linking import Kernel
 
-    made = Kernel(function, {"nopython": True, "parallel": parallel, **OPTIONS})
+    made = Kernel(function, {"nopython": True, **options})
     made.enable_caching()
     return made
 

@@ -7,6 +7,7 @@ import pytest
 
 from envs.football.constants import BUILTIN_AI, HIGH_PASS, METRES_PER_X, TERMINATED
 from envs.football.scenic.domain import FOOTBALL
+from envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD
 from envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError, load
 
@@ -41,6 +42,22 @@ def test_figure_2_1_the_cross_from_the_side():
         crossed |= ~over & (actions[:, crosser] == HIGH_PASS)
         waited |= ~over & np.isin(actions[:, receiver], (14, 15))
     assert crossed.mean() > 0.5 and waited.mean() > 0.5
+
+
+@pytest.mark.parametrize("figure", ["figure_2_1", "figure_2_3", "figure_2_4"])
+def test_what_a_program_is_not_shown_it_does_not_read(figure):
+    """What is found in its code not to be read may be anything: the matches come out the same, bit for bit."""
+    plain, spoilt = started(text_of(figure), 16), started(text_of(figure), 16)
+    code, read = spoilt.behaviors.code, spoilt.behaviors.objects_read
+    unread = np.zeros((len(read), NUM_FIELDS), bool)
+    unread[read == UNREAD], unread[read == BUT_HEADING, HEADING] = True, True
+    assert unread.any()
+    for registers in (spoilt._batch.registers, spoilt._batch.start_registers):
+        registers[:, code.world_base :][:, : unread.size][:, unread.ravel()] = np.nan
+    for t in range(80):
+        for env in (plain, spoilt):
+            env.step(np.full(16, t % 19))
+    assert (plain.matches == spoilt.matches).all()
 
 
 def test_figure_2_3_pays_for_a_ball_near_the_goal():

@@ -26,7 +26,7 @@ class View(NamedTuple):
     planes: np.ndarray  # [N, A, 72, 96, C] uint8
 
 
-@kernel
+@kernel(inline=True)
 def observe(batch, index, view, kind):
     """Write what the agents of match number `index` see."""
     match = batch.matches[index]
@@ -40,7 +40,7 @@ def observe(batch, index, view, kind):
             write_planes(match, agent, places, agents, view.planes[index, agent])
 
 
-@kernel
+@kernel(inline=True)
 def remember_minimap(batch, index, kind):
     """Remember what later observations of match number `index` need."""
     if kind in (SMM, SMM_STACKED):

@@ -13,6 +13,7 @@ from envs.football.constants import PROGRAM_FAULT
 from envs.football.field_kinds import Kind, Place
 from envs.football.limits import Limits
 from envs.football.scenic.world import FOOTBALL_WORLD
+from envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD, WHOLE
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes as op
@@ -51,6 +52,19 @@ class CompiledBehaviors:
         kinds |= {REJECTED: Place(1 + len(compiled.rejections))}
         kinds |= {TERMINATED: Place(1 + len(compiled.end_reasons)), COMPLETE: Place(1 + len(compiled.end_reasons))}
         return Limits.of_array(self.num_registers, kinds)
+
+    @cached_property
+    def objects_read(self) -> np.ndarray:
+        """What the program reads of each of its O objects: `world_table.UNREAD`, `BUT_HEADING` or `WHOLE`."""
+        code, count = self.code, len(self.compiled.program.objects)
+        registers = np.array([[kind in "abc" for kind in opcode.operands] for opcode in op.OPCODES])
+        read = np.zeros(code.register_count, bool)
+        read[code.rows[:, 1:][registers[code.rows[:, 0]]]] = True
+        read[code.lists[code.lists < code.register_count]] = True  # their lengths stand among them
+        for base in code.rows[np.isin(code.rows[:, 0], (op.LOAD_INDEXED, op.SORT, op.COPY_MANY)), 2]:
+            read[base:] = True  # of several from there on
+        cells = read[code.world_base :][: count * NUM_FIELDS].reshape(count, NUM_FIELDS) | self.has_records
+        return np.where(cells[:, HEADING], WHOLE, np.where(cells.any(axis=1), BUT_HEADING, UNREAD))
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
         """Return what the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""

@@ -3,7 +3,7 @@
 Scalar code on one match, like the simulator, which calls these stages: behaviors act, the match is played, monitors
 watch, so that a monitor sees what the step has brought. Each returns at once where a match has no program: `code` is
 None, and Numba leaves the rest out. `code` is that of behaviors and monitors, `registers` [R] what they remember,
-`commands` [O] what the objects are to do; `object_to_player` [O] says which player each object is, or THE_BALL.
+`commands` [O] what the objects are to do; `cast` says which player each object is.
 Read next: `scenic.world_table`, what programs see; `simulator`.
 """
 
@@ -31,25 +31,25 @@ _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TER
 
 
 @kernel
-def run_program_behaviors(match, code, object_to_player, registers, commands):
+def run_program_behaviors(match, code, cast, registers, commands):
     """Let the behaviors write what their objects are to do; return whether the match goes on.
 
     An episode that a behavior ends, ends at once; a fault leaves the match as it was before the step.
     """
     if code is None:
         return True
-    write_world(match, object_to_player, registers, code.world_base)
+    write_world(match, cast.players, registers, code.world_base, cast.read)
     run_behaviors(code, registers, commands, match)
     apply_program_verdict(match, registers)
     return match.ended == RUNNING and match.fault == NO_FAULT
 
 
 @kernel
-def run_program_monitors(match, code, object_to_player, registers, commands):
+def run_program_monitors(match, code, cast, registers, commands):
     """Let the monitors see what the step has brought, pay for it, and end the match."""
     if code is None:
         return
-    write_world(match, object_to_player, registers, code.world_base)
+    write_world(match, cast.players, registers, code.world_base, cast.read)
     match.program_reward = run_watchers(code, registers, match)
     if match.ended != RUNNING and not over(registers):
         end(code, registers, commands, match)  # which may leave a requirement unsatisfied
@@ -74,8 +74,6 @@ def command_players(match, object_to_player, commands):
 
     A command is an action, several of them (`core.world.packed`) or NO_COMMAND.
     """
-    if commands is None:
-        return
     for o in range(len(object_to_player)):
         i = object_to_player[o]
         if i == THE_BALL or commands[o] == NO_COMMAND:

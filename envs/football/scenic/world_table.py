@@ -7,6 +7,9 @@ end. Read next: `scenic.scripted_step`, which plays a program's behaviors in a m
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
 from envs.football.control.agents import seen_by
@@ -14,21 +17,30 @@ from envs.football.scenic.world_fields import FIELDS
 from scenic_lite.kernels.jit import kernel
 
 THE_BALL = -1  # in place of a player's index
-NUM_FIELDS = len(FIELDS)
+NUM_FIELDS, HEADING = len(FIELDS), FIELDS.index("heading")
+UNREAD, BUT_HEADING, WHOLE = range(3)  # what a program reads of an object
+
+
+class Cast(NamedTuple):
+    """Whom the O objects of a program stand for, and what it reads of them: nothing else need be written."""
+
+    players: np.ndarray  # [O] int64, the player that each is, or THE_BALL
+    read: np.ndarray  # [O] int64, UNREAD, BUT_HEADING or WHOLE
 
 
 @kernel
-def write_world(match, object_to_player, registers, base):
+def write_world(match, object_to_player, registers, base, read=None):
     """Write the tables into registers `[R]` from `base` on: fields `[O, F]`, then facts `[G]`.
 
-    `object_to_player` [O]: the player that each object of the program is, THE_BALL for the ball.
+    `object_to_player` and `read` are those of a `Cast`; None: all is read.
     """
     at = base
-    for i in object_to_player:
-        if i == THE_BALL:
-            _write_ball(match, registers, at)
-        else:
-            _write_player(match, i, registers, at)
+    for o in range(len(object_to_player)):
+        what, i = WHOLE if read is None else read[o], object_to_player[o]
+        if what != UNREAD and i == THE_BALL:
+            _write_ball(match, registers, at, what == WHOLE)
+        elif what != UNREAD:
+            _write_player(match, i, registers, at, what == WHOLE)
         at += NUM_FIELDS
     registers[at] = match.step
     registers[at + 1] = match.game_duration - match.step
@@ -39,9 +51,11 @@ def write_world(match, object_to_player, registers, base):
 
 
 @kernel
-def _write_player(match, i, registers, at):
+def _write_player(match, i, registers, at, with_heading):
     player = match.players[i]
-    _write_motion(player, player.facing_x, player.facing_y, registers, at)
+    _write_motion(player, registers, at)
+    if with_heading:
+        registers[at + HEADING] = heading(player.facing_x / METRES_PER_X, player.facing_y / METRES_PER_Y)
     registers[at + 6] = 1.0 if match.reported_owner == i else 0.0
     registers[at + 7] = 1.0 if player.agent != NOBODY else 0.0
     registers[at + 8] = player.tiredness
@@ -53,9 +67,11 @@ def _write_player(match, i, registers, at):
 
 
 @kernel
-def _write_ball(match, registers, at):
+def _write_ball(match, registers, at, with_heading):
     ball = match.ball
-    _write_motion(ball, ball.vx, ball.vy, registers, at)
+    _write_motion(ball, registers, at)
+    if with_heading:
+        registers[at + HEADING] = heading(ball.vx / METRES_PER_X, ball.vy / METRES_PER_Y)
     registers[at + 6 : at + 12] = 0.0
     registers[at + 12] = NOBODY
     registers[at + 13] = NOBODY
@@ -65,12 +81,11 @@ def _write_ball(match, registers, at):
 
 
 @kernel
-def _write_motion(body, toward_x, toward_y, registers, at):
-    """Write place, heading, velocity and speed of a player or the ball."""
+def _write_motion(body, registers, at):
+    """Write place, velocity and speed of a player or the ball."""
     vx, vy = body.vx / METRES_PER_X, body.vy / METRES_PER_Y
     registers[at] = body.x / METRES_PER_X
     registers[at + 1] = body.y / METRES_PER_Y
-    registers[at + 2] = heading(toward_x / METRES_PER_X, toward_y / METRES_PER_Y)
     registers[at + 3] = vx
     registers[at + 4] = vy
     registers[at + 5] = math.sqrt(vx * vx + vy * vy)
