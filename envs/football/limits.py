@@ -86,8 +86,8 @@ class Limits:
                 return f"{name} is the byte {content[at]}; it must be 0 or 1"
             if kind != "?" and at // WORD == word:
                 value = words[word : word + 1].view(stored(kind))[0]
-                wanted = f"{low}, as the program has it" if low == high and isinstance(kind, Whole) else kind
-                return f"{name} is {value:g}; it must be {wanted}"
+                limits = f"{low}, as the program has it" if low == high and isinstance(kind, Whole) else kind
+                return f"{name} is {value:g}; it must be {limits}"
         raise AssertionError(f"no field has word {word}")
 
 

@@ -196,11 +196,11 @@ class Match:
 
 def digits(actions: int) -> list[int]:
     """Return several actions that are digits of one number, the first highest."""
-    found = [actions % BASE]
+    last_first = [actions % BASE]
     while actions >= BASE:
         actions //= BASE
-        found.append(actions % BASE)
-    return found[::-1]
+        last_first.append(actions % BASE)
+    return last_first[::-1]
 
 
 def install(scene: dict[str, Any], hidden: list[int]) -> None:

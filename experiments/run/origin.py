@@ -82,8 +82,8 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
             continue
         began = checkpoint.load_entry(kept, "source") if kept.exists() else None
         if began != (str(source.absolute()) if source else None):
-            wanted = source or "a new student"
-            raise CommandError(f"{run.path} began with {began or 'a new student'}; it cannot go on as if with {wanted}")
+            other = source or "a new student"
+            raise CommandError(f"{run.path} began with {began or 'a new student'}; it cannot go on as if with {other}")
 
 
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:

@@ -146,9 +146,9 @@ def _cache_folder() -> Path:
 
 def _private(folder: Path) -> bool:
     """Return whether a folder is the user's, and nobody else may write into it; say it where that is not so."""
-    found = folder.lstat()
-    mine, writable = found.st_uid == os.getuid(), bool(found.st_mode & 0o022)
-    if mine and not writable and stat.S_ISDIR(found.st_mode):
+    status = folder.lstat()
+    mine, writable = status.st_uid == os.getuid(), bool(status.st_mode & 0o022)
+    if mine and not writable and stat.S_ISDIR(status.st_mode):
         return True
     why = "it belongs to somebody else" if not mine else "others may write into it" if writable else "it is no folder"
     print(f"regista: {folder} is not used as a cache of compiled kernels: {why}", file=sys.stderr)

@@ -165,11 +165,11 @@ class _Checker:
 
     def loop(self, node: ast.While, context: Context) -> None:
         if context.kind in DYNAMIC and endless_loop(node):
-            wanted = '"wait"' if context.kind != "behavior" else '"take", "wait" or "do"'
-            message = f"this loop never lets time pass: there is no {wanted} in it"
+            statements = '"wait"' if context.kind != "behavior" else '"take", "wait" or "do"'
+            message = f"this loop never lets time pass: there is no {statements} in it"
             if context.kind == "monitor":
                 message = f'the monitor "{context.name}" never waits: there is no "wait" in this loop'
-            self.report(node, message, f"indent the {wanted} as deep as the block of the loop")
+            self.report(node, message, f"indent the {statements} as deep as the block of the loop")
 
     def call(self, node: ast.Call, context: Context) -> None:
         if isinstance(node.func, ast.Name):

@@ -125,9 +125,9 @@ def operands(c: Cursor, form: Form, read: Callable[[str], ast.expr], reach: bool
             values[-1] = up_to(c, word, values[-1], start)  # type: ignore[arg-type]  # only the last may be left out
         if needed and c.token.text != word:
             c.missing(f'"{word}" in "{form.name}"', f'write "{form.text}"')
-        given = c.accept(word)
+        written = c.accept(word)
         start = c.token
-        values.append(read(f"{form.name} ... {word}") if given else None)
+        values.append(read(f"{form.name} ... {word}") if written else None)
     return values
 
 

@@ -59,7 +59,7 @@ class Adam(torch.optim.Adam):
     def _joined(self, weights: Sequence[Tensor]) -> Vectors:
         """Return vectors that hold what is known of each weight, and let each know its parts of them."""
         vectors = torch.zeros(4, sum(map(torch.numel, weights)), device=weights[0].device)
-        gradients, means, squares, deviations = (_parts(each, weights) for each in vectors)
+        gradients, means, squares, deviations = (_parts(vector, weights) for vector in vectors)
         step = torch.tensor(max((float(self.state[weight].get("step", 0.0)) for weight in weights), default=0.0))
         for weight, *parts in zip(weights, means, squares, strict=True):
             known = self.state[weight]

@@ -120,10 +120,10 @@ class Slices:
 
     def point(self, u: float, v: float) -> tuple[float, float]:
         """Return the point of two shares in [0, 1]."""
-        wanted = u * self.area[-1]
-        slab = int(np.clip(np.searchsorted(self.area, wanted, "right") - 1, 0, len(self.left) - 1))
+        area = u * self.area[-1]
+        slab = int(np.clip(np.searchsorted(self.area, area, "right") - 1, 0, len(self.left) - 1))
         left, slope, width = self.left[slab], self.right[slab] - self.left[slab], self.x[slab + 1] - self.x[slab]
-        ahead = (wanted - self.area[slab]) / width  # = left t + slope t² / 2, for the share t of the slab
+        ahead = (area - self.area[slab]) / width  # = left t + slope t² / 2, for the share t of the slab
         root = math.sqrt(max(left * left + 2 * slope * ahead, 0.0))
         t = 2 * ahead / (left + root) if left + root > 0 else 0.5
         x = float(np.clip(self.x[slab] + t * width, *_inside(self.x[slab], self.x[slab + 1])))

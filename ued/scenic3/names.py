@@ -112,11 +112,11 @@ def primitive_names(scenario: Scenario) -> dict[int, str]:
 
 def _properties(thing: Object, called: str) -> Iterator[tuple[str, Any]]:
     """Yield the properties of an object with their names, a behavior's arguments one by one."""
-    rest = [each for each in thing.properties if each not in FIRST]
-    for each in (*FIRST, *rest):
-        value = getattr(thing, each)
+    rest = [name for name in thing.properties if name not in FIRST]
+    for label in (*FIRST, *rest):
+        value = getattr(thing, label)
         if isinstance(value, Behavior):
             signature = type(value).__signature__.bind(*value._args, **value._kwargs)
-            yield from ((f"{called}.{each}.{name}", argument) for name, argument in signature.arguments.items())
+            yield from ((f"{called}.{label}.{name}", argument) for name, argument in signature.arguments.items())
         else:
-            yield f"{called}.{each}", value
+            yield f"{called}.{label}", value

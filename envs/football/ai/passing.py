@@ -77,7 +77,7 @@ def best_pass(match, i, threshold):
     player = match.players[i]
     own = position_value(match, player, player.x, player.y)
     line = onside_line(match, player.team)
-    best, found = threshold, False
+    best, better = threshold, False
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
@@ -97,10 +97,10 @@ def best_pass(match, i, threshold):
             continue
         kind, worth, x, y = best_kind(match, player, mate, own, gain)
         if worth > best:
-            best, found = worth, True
+            best, better = worth, True
             ask_kick(player, kind, x, y)
             player.kick_mate = j
-    return found
+    return better
 
 
 @kernel
@@ -144,8 +144,8 @@ def ground_odds(match, player, x, y):
 @kernel
 def high_odds(match, player, x, y):
     """Return the odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
-    found = danger(match, player.team, match.ball.x, match.ball.y, x, y, WORTH.overhead, 1.0)
-    return max(1.0 - WORTH.high_loss - found, 0.0)
+    risk = danger(match, player.team, match.ball.x, match.ball.y, x, y, WORTH.overhead, 1.0)
+    return max(1.0 - WORTH.high_loss - risk, 0.0)
 
 
 @kernel

@@ -36,14 +36,14 @@ def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
             raise ValueError(f"control 'allNonGK' needs exactly one keeper in {_name(team)}, which has {keepers}")
         size -= 1
     if text in ("all", "allNonGK"):
-        wanted = max(size, 1)
+        agents = max(size, 1)
     elif text in ("none", "active"):
-        wanted = int(text == "active")
+        agents = int(text == "active")
     else:
-        wanted = int(text.removeprefix("closest"))
-    if wanted > size:
-        raise ValueError(f"control {text!r} needs {wanted} players in {_name(team)}, which has {size}")
-    return wanted
+        agents = int(text.removeprefix("closest"))
+    if agents > size:
+        raise ValueError(f"control {text!r} needs {agents} players in {_name(team)}, which has {size}")
+    return agents
 
 
 def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:

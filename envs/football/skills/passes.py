@@ -133,7 +133,7 @@ def play_pass(match, player, ux, uy, distance):
     ball = match.ball
     far = min(distance / FLIGHT.gain_distance, 1.0) ** FLIGHT.gain_power
     high = player.kick == HIGH_PASS
-    wanted = FLIGHT.speed * (FLIGHT.base + (FLIGHT.high_gain if high else FLIGHT.ground_gain) * far)
+    needed = FLIGHT.speed * (FLIGHT.base + (FLIGHT.high_gain if high else FLIGHT.ground_gain) * far)
     cap = (FLIGHT.high_cap if high else FLIGHT.ground_cap) * (
         FLIGHT.headed_share if ball.z > FLIGHT.headed_from else 1.0
     )
@@ -144,9 +144,9 @@ def play_pass(match, player, ux, uy, distance):
         else FLIGHT.ground_lift
     )
     far_off, high_off, kept = difficulty(match, player)
-    speed = min(wanted, cap) * (1.0 - FLIGHT.hard_weak * far_off)
+    speed = min(needed, cap) * (1.0 - FLIGHT.hard_weak * far_off)
     flat = speed / math.sqrt(1.0 + rise * rise)
-    excess = FLIGHT.excess_lift * min(max(wanted - cap, 0.0), FLIGHT.excess_most)
+    excess = FLIGHT.excess_lift * min(max(needed - cap, 0.0), FLIGHT.excess_most)
     turn = min(FLIGHT.hard_scatter * (far_off + high_off) + FLIGHT.hard_keep * kept, FLIGHT.hard_most)
     off = (
         (FLIGHT.scatter / player.skill + 0.5 * math.pi * turn) * (2.0 * uniform(match) - 1.0) * match.engine.kick_spread
