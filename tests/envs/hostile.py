@@ -9,13 +9,15 @@ write into those first.
 
 from __future__ import annotations
 
+import ast
 import io
 import sys
 import time
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +40,8 @@ CHANGED = ("matches", "matches", "starts", "registers", "start_registers", "mini
 WORDS = np.array([-(2**63), 2**63 - 1, -2, -1, 0, 1, 5, 10, 19, 21, 22, 23, 400, 10**9, 2**31, 2**52], np.int64)
 NUMBERS = np.array([np.nan, np.inf, -np.inf, -0.0, 1e308, -1e308, 1e-308, 1e9, -1e9, 3.5, 1e19, 55.0, 400.0])
 TEXTS = ["", "{}", "[" * 500, "nan", "1e999", "null", '{"a": 1}', "\x00", "é" * 99]
+MADE: dict[tuple[str, str], FootballVectorEnv] = {}  # of records
+MOST_MADE = 100
 REFUSED, PLAYED, FAULTED = "refused", "played", "stopped by a fault"
 
 
@@ -123,20 +127,27 @@ def attack_states(count: int, seed: int) -> dict[str, int]:
 
 @contextmanager
 def known_programs() -> Iterator[None]:
-    """Have records whose program and settings are as they were played in an environment that is made already."""
-    made, make = dict[Any, FootballVectorEnv](), records.FootballVectorEnv
+    """Have records whose program and settings are as they were played in an environment that is made already.
 
-    def remembered(source: Any, num_envs: int, *, config: FootballConfig) -> FootballVectorEnv:
-        key = str(source), repr(config)
-        if key not in made:
-            made[key] = make(source, 1, config=config)
-        return made[key].resized(num_envs)
-
+    Headers of arrays are read once: their text is Python, whose parser would take most of the time.
+    """
+    make, evaluate = records.FootballVectorEnv, ast.literal_eval
     records.FootballVectorEnv = remembered  # type: ignore[assignment,misc]
+    ast.literal_eval = lru_cache(1_000)(evaluate)  # type: ignore[assignment]
     try:
         yield
     finally:
-        records.FootballVectorEnv = make  # type: ignore[misc]
+        records.FootballVectorEnv, ast.literal_eval = make, evaluate  # type: ignore[misc]
+
+
+def remembered(source: str | Path, num_envs: int, *, config: FootballConfig) -> FootballVectorEnv:
+    """Return an environment of so many matches, of a program that is compiled already."""
+    key = str(source), repr(config)  # what a record says need not be hashable
+    if key not in MADE:
+        if len(MADE) >= MOST_MADE:
+            MADE.clear()
+        MADE[key] = FootballVectorEnv(source, 1, config=config)
+    return MADE[key].resized(num_envs)
 
 
 def recorded(seed: int) -> bytes:
@@ -159,8 +170,8 @@ def attack_records(count: int, seed: int, folder: Path) -> dict[str, int]:
     """Damage so many files of a record, byte by byte or entry by entry; return how many were refused or played."""
     rng, counts = np.random.default_rng(seed), dict.fromkeys((REFUSED, PLAYED, FAULTED), 0)
     stored, path = recorded(seed), folder / "record.npz"
-    with np.load(io.BytesIO(stored)) as archive:
-        entries = {name: archive[name] for name in archive.files}
+    with zipfile.ZipFile(io.BytesIO(stored)) as archive:
+        entries = {name: archive.read(name) for name in archive.namelist()}
     with known_programs():
         for _ in range(count):
             path.write_bytes(damaged(stored, rng) if rng.random() < 0.3 else altered(entries, rng))
@@ -191,25 +202,31 @@ def damaged(content: bytes, rng: np.random.Generator) -> bytes:
     return content[:at] + content[length:] if kind == 2 else content[:length] + content[at:]
 
 
-def altered(entries: dict[str, np.ndarray], rng: np.random.Generator) -> bytes:
+def altered(entries: dict[str, bytes], rng: np.random.Generator) -> bytes:
     """Return a whole archive of which one entry is another one: missing, of another type or shape, one word changed."""
-    entries, name = dict(entries), str(rng.choice(list(entries)))
-    array, kind = entries[name], rng.integers(6)
+    changed = str(rng.choice(list(entries)))
+    array, kind = np.load(io.BytesIO(entries[changed])), rng.integers(6)
+    other: np.ndarray | None = array
     if kind == 0:
-        del entries[name]
+        other = None
     elif kind == 1:
-        entries[name] = array[:0] if array.ndim else np.array([array, array])
+        other = array[:0] if array.ndim else np.array([array, array])
     elif kind == 2:
-        entries[name] = np.array(rng.choice(TEXTS))
+        other = np.array(rng.choice(TEXTS))
     elif kind == 3:
-        entries[name] = np.array(rng.choice([np.nan, np.inf, -1.0, 1e300, 2.5]))
+        other = np.array(rng.choice([np.nan, np.inf, -1.0, 1e300, 2.5]))
     elif array.dtype.kind in "Vif" and array.nbytes >= 8:
-        content = np.frombuffer(bytearray(array.tobytes()), np.uint8)
-        place = 8 * int(rng.integers(len(content) // 8))
-        content[place : place + 8].view(np.int64)[:] = hostile(rng, content[place : place + 8].view(np.int64)[0])
-        entries[name] = content.view(array.dtype).reshape(array.shape)
-    file = io.BytesIO()
-    np.savez(file, **entries)
+        words = np.frombuffer(bytearray(array.tobytes()), np.uint8)
+        word = words[8 * int(rng.integers(len(words) // 8)) :][:8].view(np.int64)
+        word[:] = hostile(rng, word[0])
+        other = words.view(array.dtype).reshape(array.shape)
+    file, content = io.BytesIO(), io.BytesIO()
+    if other is not None:
+        np.save(content, other)
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, whole in entries.items():
+            if name != changed or other is not None:
+                archive.writestr(name, content.getvalue() if name == changed else whole)
     return file.getvalue()
 
 
