@@ -1,15 +1,20 @@
 """The torture suite counts what it does, goes on where it stopped, and tells of harm."""
 
 import json
+import multiprocessing
 import os
 import shutil
 import signal
+import time
+from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from tests.torture import __main__ as suite
 from tests.torture import faults
+from tests.torture.worker import Worker
 
 
 def run_suite(monkeypatch, path, attack):
@@ -50,6 +55,42 @@ def test_harm_is_told_and_ends_no_suite(tmp_path, monkeypatch, capsys, crash):
         > 1
     )
     assert suite.main(["--report", str(tmp_path / "report.json"), "--mended", name]) == 0
+
+
+@pytest.mark.parametrize("at_work", [False, True])
+def test_the_worker_of_a_suite_that_was_killed_ends(tmp_path, at_work):
+    """Whether it was waiting for the next round or in the middle of one."""
+
+    def attack(name, seed):
+        (tmp_path / "worker").write_text(str(os.getpid()))
+        time.sleep(0.5 * seed)
+        return {}
+
+    def run_suite():
+        worker = Worker(attack)
+        worker.do("code", 0)
+        (tmp_path / "ready").touch()
+        worker.do("code", 1) if at_work else time.sleep(60)
+
+    suite = multiprocessing.get_context("fork").Process(target=run_suite)
+    suite.start()
+    soon(lambda: (tmp_path / "ready").exists())
+    suite.kill()
+    suite.join()
+    worker = int((tmp_path / "worker").read_text())
+    try:
+        soon(lambda: not Path(f"/proc/{worker}").exists())
+    finally:
+        with suppress(ProcessLookupError):
+            os.kill(worker, signal.SIGKILL)
+
+
+def soon(happened):
+    """Wait until something has happened."""
+    late = time.monotonic() + 20.0
+    while not happened():
+        assert time.monotonic() < late
+        time.sleep(0.02)
 
 
 def test_the_page_quotes_the_report():

@@ -7,6 +7,7 @@ quick. Read next: `learning.ppo` and `methods.dr`, which are configured by them.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -27,6 +28,12 @@ def setting(default: Any, help: str, rule: Literal["", ">=1", ">0", ">=0", "0-1"
     return field(default=default, metadata={"help": help, "rule": rule})
 
 
+@functools.cache
+def hints_of(kind: Any) -> dict[str, Any]:
+    """Return the types of a class's fields, which are text otherwise and evaluated anew each time."""
+    return typing.get_type_hints(kind)
+
+
 class Checked:
     """Settings that obey the rules of their fields, and are among the values that a `Literal` annotation allows.
 
@@ -34,7 +41,8 @@ class Checked:
     """
 
     def __post_init__(self) -> None:
-        hints = typing.get_type_hints(type(self))
+        kind: Any = type(self)
+        hints = hints_of(kind)
         for entry in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
             value, (holds, words) = self.__dict__[entry.name], RULES[entry.metadata.get("rule", "")]
             if typing.get_origin(hints[entry.name]) is Literal:

@@ -20,7 +20,7 @@ from envs.football.config import FootballConfig
 from experiments.run.arguments import group, option, positional
 from experiments.run.errors import CommandError, nearest
 from experiments.run.tasks import is_task
-from ued.config import Checked, PairedConfig, PPOConfig, setting
+from ued.config import Checked, PairedConfig, PPOConfig, hints_of, setting
 from ued.files import write_whole
 from ued.methods import METHODS
 
@@ -247,7 +247,7 @@ def _plain(value: Any) -> Any:
 def _read(kind: Any, data: Any, where: str, path: str) -> Any:
     if not isinstance(data, dict):
         raise ConfigError(f"{where}: {path.rstrip('.') or 'the whole'} must be an object, got {json.dumps(data)}")
-    hints = typing.get_type_hints(kind)
+    hints = hints_of(kind)
     names = [item.name for item in fields(kind)]
     for key in data:
         if key not in names:

@@ -52,8 +52,8 @@ class Part(NamedTuple):
 PARTS = {
     "states": Part("states with a number changed", 4_800, lambda count, seed, _: attack_states(count, seed)),
     "code": Part("code or registers with a number changed", 5_000, lambda count, seed, _: attack_code(count, seed)),
-    "records": Part("records of matches damaged", 200, attack_records),
-    "folders": Part("run folders damaged", 100, attack_folders),
+    "records": Part("records of matches damaged", 1_000, attack_records),
+    "folders": Part("run folders damaged", 500, attack_folders),
     "language": Part("texts of programs", 10_000, lambda count, seed, _: attack_language(count, seed)),
     "faults": Part("changes on the disk that failed, or were the last", 10, inject_faults),
     "kills": Part("commands killed", 10, moments.kill),

@@ -29,6 +29,7 @@ from experiments.run.errors import USERS, CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.table import read_columns
 from tests.envs.hostile import damaged
+from tests.torture.forks import undrawn
 from ued.checkpoint import CheckpointError
 from ued.policy import load_policy
 
@@ -37,7 +38,8 @@ FILES = ("checkpoint.pt", "checkpoint.pt", "config.json", "metrics.csv", "levels
 MORE = ("checkpoint.pt", "checkpoint.pt", "checkpoint.pt", "replays.csv", "origin.pt", "owner.json")
 SECONDS, LONGER = 2.0, 30.0  # of processor time, at most, for one attempt; for one with a whole command
 STRANGE: list[Any] = [None, -1, 10**9, 10**30, float("nan"), float("inf"), "", "x" * 100, [], {}, [[[]]], True, 0.5]
-SETTINGS = ["--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0", "--hidden-size", "8"]
+ONCE = ["--update-epochs", "1", "--num-minibatches", "1"]
+SETTINGS = ["--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0", "--hidden-size", "8", *ONCE]
 UPDATED = 0.3  # how many of those that can go on are trained for an update
 WENT_ON, REFUSED, FAULTED = "went on", "refused in a sentence", "stopped in its first update"
 RUNS = {  # of each kind that keeps something else
@@ -69,7 +71,7 @@ WORDS = ("nan", "inf", "-1", "0", "1e999", "9" * 30, "x", '"', "[", "null", "0.5
 COMMANDS = (
     ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
     ["gallery", "{run}", "--out", "{run}.html", "--replays", "3"],
-    ["train", "--resume", "{run}", "--total-env-steps", "2_000"],
+    ["train", "--resume", "{run}", "--total-env-steps", "1_200"],
     ["train", TASK, "--method", "dr", "--from", "{run}", *SETTINGS, "--total-env-steps", "128", "--out", "{run}-child"],
 )
 
@@ -212,7 +214,7 @@ class Target(Folder):
     def reader(self, rng: np.random.Generator) -> Callable[[np.random.Generator], str]:
         """Return who reads it: mostly what takes no processes and no pictures."""
         kind = rng.random()
-        return self.go_on if kind < 0.85 else self.load if kind < 0.95 else self.command
+        return self.go_on if kind < 0.85 else self.load if kind < 0.98 else self.command
 
     def go_on(self, rng: np.random.Generator) -> str:
         """Do what `train --resume` does before its first update; where that takes milliseconds, now and then it too."""
@@ -265,10 +267,11 @@ def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
     """Damage so many run folders of one kind; return how many went on and how many were refused."""
     rng, counts = np.random.default_rng(seed), {WENT_ON: 0, REFUSED: 0, FAULTED: 0}
     kind = KINDS[seed % len(KINDS)]
-    attacked = target(folder, kind)
-    attacked.restore()
-    for _ in range(count // SLOWER if kind in MADE else count):
-        counts[attacked.attempt(rng)] += 1
+    with undrawn():
+        attacked = target(folder, kind)
+        attacked.restore()
+        for _ in range(count // SLOWER if kind in MADE else count):
+            counts[attacked.attempt(rng)] += 1
     return counts
 
 

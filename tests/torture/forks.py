@@ -173,25 +173,17 @@ def tell(begun: int) -> None:
 
 
 def prepare(folder: Path) -> None:
-    """Import what commands import; start nothing that a fork would lose.
-
-    Pictures are written and not drawn, which would take most of the time.
-    """
+    """Import what commands import; start nothing that a fork would lose."""
     import importlib
 
-    from matplotlib.figure import Figure
-
     from experiments.__main__ import COMMANDS
-    from experiments.pictures import plots
     from experiments.run import workers
 
     for name in ("h5py", "minari", "rerun"):
         importlib.import_module(name)
     for name in (*COMMANDS, "study_benchmark", "study_transfer"):
         importlib.import_module(f"experiments.commands.{name}")
-    plots.learning_curves = lambda runs, path, *_, **__: path.write_bytes(bytes(10_000))  # type: ignore[assignment]
-    Figure.savefig = lambda self, path, **_: Path(path).write_bytes(bytes(10_000))  # type: ignore[method-assign]
-    Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
+    undrawn().__enter__()  # for good
     workers.subprocess = SimpleNamespace(Popen=Forked)  # type: ignore[assignment]
     workers.POLL_SECONDS = 0.02
     forked = multiprocessing.get_context("fork")
@@ -199,6 +191,23 @@ def prepare(folder: Path) -> None:
         get_context=lambda kind: forked, active_children=multiprocessing.active_children
     )
     warm_up(folder, str(Path(__file__).with_name("toy_task.py")) + ":walk")
+
+
+@contextmanager
+def undrawn() -> Iterator[None]:
+    """Have pictures written and not drawn, which would take most of the time."""
+    from matplotlib.figure import Figure
+
+    from experiments.pictures import plots
+
+    before = plots.learning_curves, Figure.savefig, Figure.tight_layout
+    plots.learning_curves = lambda runs, path, *_, **__: path.write_bytes(bytes(10_000))  # type: ignore[assignment]
+    Figure.savefig = lambda self, path, **_: Path(path).write_bytes(bytes(10_000))  # type: ignore[method-assign]
+    Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        plots.learning_curves, Figure.savefig, Figure.tight_layout = before  # type: ignore[method-assign]
 
 
 @cache

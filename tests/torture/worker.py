@@ -28,7 +28,7 @@ class Worker:
         if self.process is None:
             forks = multiprocessing.get_context("fork")
             self.connection, theirs = forks.Pipe()
-            self.process = forks.Process(target=serve, args=(theirs, self.run), daemon=True)
+            self.process = forks.Process(target=serve, args=(theirs, self.connection, self.run), daemon=True)
             self.process.start()
             theirs.close()
         try:
@@ -49,14 +49,15 @@ class Worker:
             self.process.join()
 
 
-def serve(connection: Connection, run: Round) -> None:
-    """Do rounds until nobody asks."""
+def serve(connection: Connection, theirs: Connection, run: Round) -> None:
+    """Do rounds until nobody asks, or could: of the suite's end of the pipe, `theirs`, a fork has a copy."""
+    theirs.close()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the suite ends it, whatever it listened to when it forked
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     while True:
         try:
             name, seed = connection.recv()
-        except EOFError:
+        except (EOFError, OSError):
             return
         resource.setrlimit(resource.RLIMIT_CPU, (MOST + int(sum(os.times()[:2])), resource.RLIM_INFINITY))
         try:
@@ -65,4 +66,7 @@ def serve(connection: Connection, run: Round) -> None:
             answer = {}, str(harm) or traceback.format_exc()
         except Exception:
             answer = {}, traceback.format_exc()
-        connection.send(answer)
+        try:
+            connection.send(answer)
+        except OSError:  # killed
+            return
