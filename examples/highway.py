@@ -3,9 +3,8 @@
     regista train examples/highway.py:highway --method paired
     regista inspect examples/highway.py:highway --png highway.png
 
-needs `pip install highway-env`. What `put` returns is given to `reset` as its options, as highway-env wants it. With
-MetaDrive it is the same: `put` changes `env.config`, and `seed_episodes=lambda seed: 0` keeps to its one map, for its
-seed is the number of a map.
+needs `pip install highway-env`. What `put` returns is given to `reset` as its options, as highway-env wants it.
+`roads.py` is the same with MetaDrive.
 """
 
 import argparse
