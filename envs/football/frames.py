@@ -30,7 +30,7 @@ def play_frames(match):
         advance_players(match, near, 1)
         behind += 1
         if crowd != 0:
-            part_bodies(match)
+            part_bodies(match, crowd)
         if not in_play:
             continue
         if match.kicker != NOBODY and swing_frame(match):

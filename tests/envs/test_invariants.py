@@ -46,8 +46,9 @@ def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], a
     matches = position([(0.0, 0.0, LEFT, CM), (x, y, RIGHT, CM)], (30.0, 0.0))
     players = matches["players"]
     players["vx"][0, :2], players["vy"][0, :2] = v[::2], v[1::2]
-    assert crowded(matches[0])
-    part_bodies(matches[0])
+    crowd = crowded(matches[0])
+    assert crowd == 0b11
+    part_bodies(matches[0], crowd)
     after = (players["vx"][0, :2] ** 2 + players["vy"][0, :2] ** 2).sum()
     assert after <= sum(each * each for each in v) + 1e-9
     assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) == pytest.approx(0.72)

@@ -92,7 +92,8 @@ def fly(ball):
     if ball.z < BALL_RADIUS:
         bounce(ball)
     if ball.z < BALL_RADIUS + GROUND.grass:
-        drag_on_ground(ball, (1.0 - (ball.z - BALL_RADIUS) / GROUND.grass) ** GROUND.fading, 0.0)
+        lifted = (ball.z - BALL_RADIUS) / GROUND.grass
+        drag_on_ground(ball, (1.0 - lifted) ** GROUND.fading if lifted != 0.0 else 1.0, 0.0)  # a power is dear
 
 
 @kernel

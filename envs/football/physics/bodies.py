@@ -63,12 +63,14 @@ def crowded(match):
 
 
 @kernel
-def part_bodies(match):
-    """Push overlapping players apart and take away the speed with which they close in, of pairs that `crowded` found.
+def part_bodies(match, crowd):
+    """Push overlapping players apart and take away the speed with which they close in, of the pairs of a `crowd`.
 
     Who runs faster gives way more, so that nobody is shoved about the pitch; who has been beaten is in nobody's way.
     """
     for i in range(1, match.num_players):
+        if crowd >> i & 1 == 0:
+            continue
         a = match.players[i]
         near, j = a.near_bits, -1
         while near != 0:

@@ -100,7 +100,8 @@ def find_chasers(match):
             consider_chaser(match, lasts[team], speed)
     for i in range(match.num_players):
         player = match.players[i]
-        if lasts[player.team] == i and match.carrier != i:
+        last = lasts[LEFT] if player.team == LEFT else lasts[RIGHT]
+        if last == i and match.carrier != i:
             continue
         reach = (CHASE.speed + speed) * match.arrival[player.team]  # m, of who could be as soon at a ball rolled to him
         if match.carrier == i or squared_apart(player, match.ball.x, match.ball.y) <= reach * reach:
