@@ -203,11 +203,18 @@ class RunFolder:
 
     def env_steps(self) -> int:
         """Return the env_steps of the last row of metrics.csv, 0 if there is none."""
-        steps = read_columns(self.metrics.path).get("env_steps")
-        done = 0.0 if steps is None or not len(steps) else float(steps[-1])
-        if not 0 <= done < LARGEST:
-            raise CommandError(f"{self.metrics.path} is damaged: its last env_steps is {done}")
-        return int(done)
+        return int(self._last("env_steps"))
+
+    def seconds(self) -> float:
+        """Return how long was trained by the last row of metrics.csv, 0 if there is none."""
+        return self._last("time/elapsed")
+
+    def _last(self, name: str) -> float:
+        column = read_columns(self.metrics.path).get(name)
+        last = 0.0 if column is None or not len(column) else float(column[-1])
+        if not 0 <= last < LARGEST:
+            raise CommandError(f"{self.metrics.path} is damaged: its last {name} is {last}")
+        return last
 
     def recordings(self) -> list[Path]:
         """Return the parts of the recording that are there."""

@@ -16,7 +16,6 @@ from experiments.run.config import TrainConfig
 from experiments.run.evaluator import EvalScenes, load_student
 from experiments.run.folder import RunFolder
 from experiments.run.provenance import commit
-from experiments.run.table import read_columns
 from experiments.studies.rows import TRAIN, Row
 
 TEAM = "team_"  # before the names of agents
@@ -31,8 +30,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     programs = build.load_scenes(run.config)
     student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
     evaluations = EvalScenes(run.config, programs, episodes).play(student)
-    elapsed = read_columns(run.metrics.path).get("time/elapsed", [0.0])
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": float(elapsed[-1])}
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds()}
     return _rows(run.config, evaluations, about | {"agent": agent_of(run)})
 
 

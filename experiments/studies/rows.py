@@ -5,6 +5,7 @@ Read next: `studies.measuring`, where rows come from; `studies.page`, what is ma
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple, get_type_hints
@@ -14,6 +15,7 @@ from experiments.run.report import save_rows
 from experiments.run.results import Result
 from experiments.run.table import read_rows
 
+MOST = 10**15  # of any number in a row
 TRAIN = "train"  # the scene of the training distribution
 
 
@@ -59,9 +61,20 @@ def load(path: Path) -> list[Row]:
     """Return the rows of a file, none if it is not there. Raises `CommandError` for one that is damaged."""
     read = get_type_hints(Row)
     try:
-        return [Row(**{name: read[name](text) for name, text in row.items()}) for row in read_rows(path)]
+        return [_checked(Row(**{name: read[name](text) for name, text in row.items()})) for row in read_rows(path)]
     except (ValueError, KeyError, TypeError) as error:
         raise CommandError(f"{path} is damaged: {refused(error)}") from error
+
+
+def _checked(row: Row) -> Row:
+    """Return a row as it is. Raises ValueError for numbers that nobody has measured."""
+    for name, number in row._asdict().items():
+        least = 1 if name == "episodes" else -MOST if name == "goal_difference" else 0
+        if not isinstance(number, str) and not (math.isfinite(number) and least <= number < MOST):
+            raise ValueError(f"{name} is {number}")
+    if row.scored + row.conceded > row.episodes:
+        raise ValueError(f"{row.scored} scored and {row.conceded} conceded of {row.episodes} episodes")
+    return row
 
 
 def add(path: Path, rows: Iterable[Row]) -> list[Row]:

@@ -12,6 +12,7 @@ from experiments.run.config import TrainConfig
 from experiments.run.errors import CommandError
 from experiments.run.folder import RunFolder
 from experiments.run.owner import owned
+from experiments.run.report import save_rows
 from experiments.run.table import Table
 from experiments.studies import rows
 from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
@@ -166,6 +167,29 @@ def test_rows_of_a_study_that_are_none(tmp_path):
         (tmp_path / "rows.csv").write_text(text)
         with pytest.raises(CommandError, match="is damaged"):
             rows.load(tmp_path / "rows.csv")
+
+
+@pytest.mark.parametrize(
+    ("column", "value"), [("episodes", 0), ("seconds", "nan"), ("scored", 401), ("seed", "1" * 30)]
+)
+def test_rows_of_a_study_that_nobody_measured(tmp_path, column, value):
+    row = rows.Row("1v1", "ppo", "closest1", "train", 1, 100, 400, 0.5, 0.1, 3, 0, 20.0, 1.5, "abc")
+    path = tmp_path / "rows.csv"
+    assert rows.add(path, [row]) == rows.load(path) == [row]
+    save_rows([row._asdict() | {column: value}], rows.Row._fields, path)
+    with pytest.raises(CommandError, match="is damaged"):
+        rows.load(path)
+
+
+@pytest.mark.parametrize("text", ["", "nan", "-1", "1e300"])
+def test_a_table_that_does_not_say_how_long_was_trained(begun, tmp_path, text):
+    """A study asks, and one whose table has no row yet was trained for 0 s."""
+    run = RunFolder.open(with_text(begun, tmp_path, "metrics.csv", "", ""))
+    run.metrics.path.write_text(f"update,time/elapsed\n1,{text}\n")
+    with pytest.raises(CommandError, match="is damaged: its last time/elapsed is"):
+        run.seconds()
+    run.metrics.path.write_text("update,time/elapsed\n")
+    assert run.seconds() == 0.0
 
 
 def test_a_probe_that_was_kept_half_is_trained_again(tmp_path):
