@@ -40,6 +40,7 @@ SECONDS, LONGER = 2.0, 30.0  # of processor time, at most, for one attempt; for 
 STRANGE: list[Any] = [None, -1, 10**9, 10**30, float("nan"), float("inf"), "", "x" * 100, [], {}, [[[]]], True, 0.5]
 ONCE = ["--update-epochs", "1", "--num-minibatches", "1"]
 SETTINGS = ["--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0", "--hidden-size", "8", *ONCE]
+MISSING = 0.15  # how often another file is not there, or this one
 UPDATED = 0.3  # how many of those that can go on are trained for an update
 WENT_ON, REFUSED, FAULTED = "went on", "refused in a sentence", "stopped in its first update"
 RUNS = {  # of each kind that keeps something else
@@ -58,10 +59,16 @@ MADE = {  # what other commands leave behind, and what reads it
         *(*QUIET, "--total-env-steps", "128", "--processes", "1", "--out", "{out}"),
     ],
 }
+MADE["studied"] = [
+    *("study", "generalisation", "--games", "grf/empty_goal", "--seeds", "1", "--episodes", "2", "--processes", "1"),
+    *("--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "0", "--total-env-steps", "64"),
+    *(*ONCE, "--out", "{out}"),
+]
 READERS = {
     "demos": (["clone", "{run}", "--epochs", "1", "--ppo.hidden-size", "8", "--out", "{run}-child"], MADE["demos"]),
     "clone": (MADE["clone"], ["evaluate", "{run}", "--episodes", "2", "--levels", "0"]),
     "compared": (MADE["compared"],),
+    "studied": (MADE["studied"],),
 }
 KINDS = [*RUNS, *MADE]
 SLOWER = 20  # times, to give a folder to a command
@@ -114,7 +121,7 @@ class Folder:
     def __init__(self, folder: Path, kind: str, made: Path | None = None) -> None:
         self.run, self.copy, self.folder = made or make(folder, kind), folder / f"{kind}-copy", folder
         self.whole, self.commands = contents(self.run), READERS.get(kind, COMMANDS)
-        self.names = sorted(name for name in self.whole if not name.endswith((".rrd", ".png", ".log")))
+        self.names = sorted(name for name in self.whole if not name.endswith((".rrd", ".png", ".log", ".md")))
         self.restore()
 
     def restore(self) -> None:
@@ -137,6 +144,8 @@ class Folder:
             file.write_text(with_word(file.read_text(), rng))
         else:
             file.write_bytes(damaged(file.read_bytes(), rng))
+        if rng.random() < MISSING:
+            (self.copy / str(rng.choice(self.names))).unlink()
         before, began, read = contents(self.copy), time.process_time(), self.reader(rng)
         try:
             outcome = read(rng)
@@ -267,7 +276,7 @@ def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
     """Damage so many run folders of one kind; return how many went on and how many were refused."""
     rng, counts = np.random.default_rng(seed), {WENT_ON: 0, REFUSED: 0, FAULTED: 0}
     kind = KINDS[seed % len(KINDS)]
-    with undrawn():
+    with undrawn(), redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
         attacked = target(folder, kind)
         attacked.restore()
         for _ in range(count // SLOWER if kind in MADE else count):
