@@ -183,7 +183,6 @@ def prepare(folder: Path) -> None:
         importlib.import_module(name)
     for name in (*COMMANDS, "study_benchmark", "study_transfer"):
         importlib.import_module(f"experiments.commands.{name}")
-    undrawn().__enter__()  # for good
     workers.subprocess = SimpleNamespace(Popen=Forked)  # type: ignore[assignment]
     workers.POLL_SECONDS = 0.02
     forked = multiprocessing.get_context("fork")
@@ -225,11 +224,12 @@ def serve(folder: Path) -> None:
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     ctypes.CDLL(None).prctl(SUBREAPER, 1)
-    prepare(folder)
-    for line in sys.stdin:
-        if "1v1Restricted" in line:
-            warm_up(folder, "1v1Restricted")
-        print(json.dumps(carry_out(Order(**json.loads(line)))), file=answers, flush=True)
+    with undrawn():
+        prepare(folder)
+        for line in sys.stdin:
+            if "1v1Restricted" in line:
+                warm_up(folder, "1v1Restricted")
+            print(json.dumps(carry_out(Order(**json.loads(line)))), file=answers, flush=True)
 
 
 def carry_out(order: Order) -> End:
