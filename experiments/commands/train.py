@@ -76,7 +76,6 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     # no environments for tests that are not to be
     scenes = EvalScenes(config, programs, config.eval_episodes) if config.eval_every else None
     elapsed = restore(run, method)
-    run.keep_config()
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, program, method, progress, connect)
 
@@ -89,11 +88,13 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
                 metrics |= scenes.metrics(method.student)
             elapsed += time.perf_counter() - began
             reporters.report(method, metrics | {"time/elapsed": elapsed})
+            run.keep_config()  # not before its tables have taken an update: one that cannot go on stays as it was
             if run.checkpoint_due():
                 save(run, method, elapsed)
                 reporters.flush()
         if method.updates > run.saved_update:
             save(run, method, elapsed)
+    run.keep_config()
     reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
     return method.env_steps

@@ -162,10 +162,16 @@ class RunFolder:
         return state
 
     def cut_back(self, update: int) -> None:
-        """Cut the tables back to an update, that of the checkpoint from which the run goes on."""
+        """Cut the tables back to an update, that of the checkpoint from which the run goes on.
+
+        Raises `CommandError` where one of them is damaged; then all are left as they were.
+        """
+        read_columns(self.metrics.path)
+        tables = (self.metrics, self.levels, self.events, self.replays)
+        cuts = [table.until(update) for table in tables]
         self.saved_update = update
-        for table in (self.metrics, self.levels, self.events, self.replays):
-            table.keep_until(update)
+        for table, lines in zip(tables, cuts, strict=True):
+            table.replace(lines)
 
     def save(self, state: dict[str, Any]) -> None:
         """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""

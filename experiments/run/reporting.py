@@ -124,14 +124,14 @@ class Tables:
 
     def report(self, update: Update) -> None:
         """Add a row to metrics.csv, one for each level to levels.csv, and one for each event to events.csv."""
-        self.run.metrics.append([update.metrics])
         batch, place = update.levels, {"update": update.number, "env_steps": update.env_steps}
         if batch is not None:
             facts = batch.facts()
             columns = {"update": np.full(len(batch.theta), update.number), **facts}
             columns["program"] = self.programs[facts["program"]]
             columns |= {f"theta/{name}": batch.theta[:, d] for d, name in enumerate(self.names)}
-            self.run.levels.append_columns(columns | batch.outcomes())
+            self.run.levels.append_columns(columns | batch.outcomes())  # first, for it has a last word on its columns
+        self.run.metrics.append([update.metrics])
         if update.events:
             self.run.events.append([place | event._asdict() for event in update.events])
 

@@ -57,24 +57,30 @@ class Table:
         cells = [_spell_all(values) for values in columns.values()]
         self._write("".join(",".join(row) + "\n" for row in zip(*cells, strict=True)))
 
+    def until(self, update: int) -> list[str]:
+        """Return its lines without later updates, and without a last one that was cut off in the middle."""
+        if not self.path.exists():
+            return []
+        header, lines = _lines(self.path)
+        return [header, *(line for line, cells in lines if _number(cells[0]) <= update)]
+
     def keep_until(self, update: int) -> None:
         """Drop the rows of later updates, and a last one that was cut off in the middle."""
-        if not self.path.exists():
-            return
-        header, lines = _lines(self.path)
-        self._rewrite([header, *(line for line, cells in lines if _number(cells[0]) <= update)])
+        self.replace(self.until(update))
 
     def _widen(self, names: list[str]) -> None:
         old = read_rows(self.path) if self.columns else []
         self.columns += names
         header = ",".join(map(_quote, self.columns)) + "\n"
-        self._rewrite([header, *(self._line(row) for row in old)])
+        self.replace([header, *(self._line(row) for row in old)])
 
     def _line(self, row: Mapping[str, Any]) -> str:
         return ",".join(_quote(spell(row.get(name))) for name in self.columns) + "\n"
 
-    def _rewrite(self, lines: list[str]) -> None:
-        """Replace the file in one step, so that a kill leaves either the old or the new one."""
+    def replace(self, lines: list[str]) -> None:
+        """Replace the file in one step, so that a kill leaves either the old or the new one; by nothing, not at all."""
+        if not lines:
+            return
         try:
             write_whole(self.path, "".join(lines))
         except OSError as error:

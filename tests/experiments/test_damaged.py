@@ -128,9 +128,16 @@ def with_text(run, folder, name, old, new):
     return copy
 
 
-def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path):
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        *(("checkpoint.pt", lambda whole: b"PK"), ("metrics.csv", lambda whole: whole.replace(b",128,", b",x,"))),
+        ("levels.csv", lambda whole: whole.partition(b",theta")[0]),  # in the middle of its columns
+    ],
+)
+def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path, name, damage):
     copy = shutil.copytree(begun, tmp_path / "run")
-    (copy / "checkpoint.pt").write_bytes(b"PK")
+    (copy / name).write_bytes(damage((copy / name).read_bytes()))
     before = contents(copy)
     assert quietly(["train", "--resume", str(copy), "--total-env-steps", "500"])[0] == 1
     assert contents(copy) == before
