@@ -93,6 +93,24 @@ def soon(happened):
         time.sleep(0.02)
 
 
+def test_reports_that_ran_beside_each_other_are_added(tmp_path, monkeypatch):
+    def written(name, **rows):
+        full = {
+            part: {"unit": part, "rounds": 1, "seconds": 1.0, "counts": {"ran": n}, "harm": h}
+            for part, (n, h) in rows.items()
+        }
+        (tmp_path / name).write_text(json.dumps(full))
+        return str(tmp_path / name)
+
+    monkeypatch.setattr(suite, "LIFE", tmp_path / "life.json")
+    written("life.json", code=(10, ["old"]))
+    one, two = written("one.json", code=(15, ["old", "new"])), written("two.json", code=(13, ["old"]), kills=(4, []))
+    assert suite.main(["--report", str(tmp_path / "all.json"), "--merge", one, two]) == 1
+    merged = json.loads((tmp_path / "all.json").read_text())
+    assert merged["code"]["counts"] == {"ran": 18} and merged["code"]["harm"] == ["old", "new"]
+    assert merged["kills"]["counts"] == {"ran": 4} and merged["kills"]["rounds"] == 1
+
+
 def test_the_page_quotes_the_report():
     assert suite.table(json.loads(suite.LIFE.read_text())) in suite.PAGE.read_text()
 

@@ -1,6 +1,7 @@
 """The torture suite: minutes or hours of what must never harm, in rounds, with a report of how much was done.
 
     python -m tests.torture [--minutes 10] [--report runs/torture.json] [--only states code]
+    python -m tests.torture --merge one.json two.json    # add reports of suites that ran beside each other
     python -m tests.torture --page                       # write what the report counts into RELIABILITY.md
 
 Each part does rounds of so many attempts, every round with a seed of its own; the part that has had least of the time
@@ -39,6 +40,7 @@ LIFE = Path(__file__).with_name("life.json")  # the report that the page quotes
 PAGE = Path(__file__).resolve().parents[2] / "RELIABILITY.md"
 HEAD = "| what | how many | what became of them | harm, mended | harm |\n|---|---|---|---|---|\n"
 CHECKED = " with bounds checks" if os.environ.get("NUMBA_BOUNDSCHECK") == "1" else ""
+EMPTY: dict[str, Any] = {"rounds": 0, "seconds": 0.0, "counts": {}, "harm": []}
 
 
 class Part(NamedTuple):
@@ -79,6 +81,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--report", type=Path, default=Path("runs/torture.json"))
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--mended", nargs="+", default=[], metavar="ROW", help="the harm in these rows is mended")
+    parser.add_argument("--merge", nargs="+", type=Path, default=[], help="reports begun from the page's: add the rest")
     parser.add_argument("--page", action="store_true", help="write the report's table into RELIABILITY.md")
     typed = parser.parse_args(argv)
     begun = next((path for path in (typed.report, LIFE) if path.exists()), None)
@@ -86,9 +89,11 @@ def main(argv: list[str]) -> int:
     typed.report.parent.mkdir(parents=True, exist_ok=True)
     for row in (report[name] for name in typed.mended):
         row["mended"], row["harm"] = row.get("mended", 0) + len(row["harm"]), []
+    for path in typed.merge:
+        merge(report, json.loads(path.read_text()), json.loads(LIFE.read_text()))
     if typed.page:
         quote(report)
-    elif not typed.mended:
+    elif not typed.mended and not typed.merge:
         do_rounds(report, typed)
         print(table(report))
     save(report, typed.report)
@@ -122,13 +127,24 @@ def do_round(worker: Worker, name: str, row: dict[str, Any]) -> None:
         row["counts"][what] = row["counts"].get(what, 0) + count
 
 
+def merge(report: dict[str, Any], other: dict[str, Any], base: dict[str, Any]) -> None:
+    """Add what another report has counted since it went on from `base`."""
+    for name, row in other.items():
+        into, before = report.setdefault(name, {**row, **EMPTY, "counts": {}, "harm": []}), base.get(name, EMPTY)
+        for key in ("rounds", "seconds"):
+            into[key] += row[key] - before[key]
+        for what, count in row["counts"].items():
+            into["counts"][what] = into["counts"].get(what, 0) + count - before["counts"].get(what, 0)
+        into["harm"] = into["harm"] + row["harm"][len(before["harm"]) :]
+
+
 def save(report: dict[str, Any], path: Path) -> None:
     """Replace the report in one stroke."""
     write_whole(path, json.dumps(report, indent=2) + "\n")
 
 
 def new_row(name: str) -> dict[str, Any]:
-    return {"unit": PARTS[name].unit + CHECKED, "rounds": 0, "seconds": 0.0, "counts": {}, "harm": []}
+    return {"unit": PARTS[name].unit + CHECKED, **EMPTY, "counts": {}, "harm": []}
 
 
 def table(report: dict[str, Any]) -> str:
