@@ -33,6 +33,7 @@ from tests.torture.files import attack as attack_folders
 from tests.torture.interrupts import attack as interrupt_commands
 from tests.torture.language import attack as attack_language
 from tests.torture.matches import attack as play_matches
+from tests.torture.options import attack as type_wrongly
 from tests.torture.worker import Worker
 from ued.files import write_whole
 
@@ -56,6 +57,7 @@ PARTS = {
     "code": Part("code or registers with a number changed", 5_000, lambda count, seed, _: attack_code(count, seed)),
     "records": Part("records of matches damaged", 1_000, attack_records),
     "folders": Part("run folders damaged", 500, attack_folders),
+    "options": Part("command lines typed wrongly", 300, type_wrongly),
     "language": Part("texts of programs", 10_000, lambda count, seed, _: attack_language(count, seed)),
     "faults": Part("changes on the disk that failed, or were the last", 10, inject_faults),
     "kills": Part("commands killed", 10, moments.kill),
