@@ -217,6 +217,7 @@ class Target(Folder):
         program = build.load_scenes(config)[build.TRAINING_SCENE]
         env = config.env if build.is_football(config) else None
         self.upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, 1)
+        self.config = config
         self.method = build.make_method(config, self.upomdp)
         self.quick = env is None
 
@@ -228,6 +229,8 @@ class Target(Folder):
     def go_on(self, rng: np.random.Generator) -> str:
         """Do what `train --resume` does before its first update; where that takes milliseconds, now and then it too."""
         run = RunFolder.open(self.copy)
+        if not run.checkpoint.exists():  # it begins anew, and not with what the last attempt has left in it
+            self.method = build.make_method(self.config, self.upomdp)
         read_columns(run.metrics.path), read_columns(run.levels.path)
         origin.begin_with(run, self.method)
         restore(run, self.method)

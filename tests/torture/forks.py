@@ -32,6 +32,7 @@ ROOT = Path(__file__).resolve().parents[2]
 KINDS = ("full", "broken", "killed", "torn")  # as in faults.c, from 1
 NEVER = 10**9  # the number of a change that no command comes to
 PATIENCE = 120.0  # s from the signal to the end, and for those that a command started
+HUNG = -1_000  # the exit code of a command that did not end: none that is well
 SUBREAPER = 36  # PR_SET_CHILD_SUBREAPER of prctl
 
 
@@ -262,7 +263,9 @@ def watched(pid: int, order: Order) -> tuple[int, float]:
                 os.kill(each, order.number)
     if not select.select([handle], [], [], 5 * PATIENCE if order.seconds is None else PATIENCE)[0]:
         os.kill(pid, signal.SIGKILL)
-        print(f"{order} did not end", file=sys.stderr)
+        os.waitpid(pid, 0)
+        os.close(handle)
+        return HUNG, time.monotonic() - began
     os.close(handle)
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), time.monotonic() - began
 
