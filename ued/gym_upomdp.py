@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import copy
 import math
+import os
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal
@@ -224,8 +226,12 @@ class GymUPOMDP(UPOMDP):
         self._observations: Any = None  # until the first reset
 
     def _vectorize(self, num_envs: int) -> Any:
+        owner = os.getpid()
+
         def slot(index: int) -> Callable[[], gymnasium.Env]:
             def make() -> gymnasium.Env:
+                if os.getpid() != owner:  # a worker is ended by SIGTERM, whatever the handler that it was forked with
+                    signal.signal(signal.SIGTERM, signal.SIG_DFL)
                 env = _Slot(as_array(self.make_env()), self.apply, self.theta_map, self.seed_episodes)
                 env.index = index
                 return env

@@ -1,7 +1,10 @@
 """A task of one's own gets all that football has: run folder, tests, resuming, comparison, inspection, recording."""
 
 import csv
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -141,6 +144,20 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert main([*command, "--from", str(out)]) == 1
     assert "holds 2 runs of seed 0: give --from a run, or a comparison of one method" in capsys.readouterr().err
     assert main([*command, "--kl-to-clone", "1"]) == 2
+
+
+@pytest.mark.slow
+def test_a_program_that_trained_in_processes_ends(tmp_path):
+    script = tmp_path / "push_script.py"
+    asynchronous = TASK.replace("kinds, num_envs)", 'kinds, num_envs, vectorization="async")').replace(
+        ', "other": make', ""
+    )
+    call = 'regista.train(push, "dr", out="run", total_env_steps=64, num_envs=2, record=False, eval_every=0)'
+    script.write_text(f"{asynchronous}\nif __name__ == '__main__':\n    import regista\n    {call}\n")
+    subprocess.run(
+        [sys.executable, script.name], cwd=tmp_path, timeout=60, check=True, env=os.environ | {"PYTHONPATH": str(ROOT)}
+    )
+    assert RunFolder.open(tmp_path / "run").finished()
 
 
 @pytest.mark.drawn
