@@ -45,6 +45,7 @@ from ued.recorder.theta_log import ThetaLog
 from ued.upomdp import Parameter
 
 MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
+FLUSH_SECONDS = 60.0  # that the disk may take for what is pending
 
 
 @dataclass(frozen=True)
@@ -122,10 +123,13 @@ class CurriculumRecorder:
             self.stream.log("events", rerun.TextLog(f"{kind}: {text}", level=rerun.TextLogLevel.WARN))
 
     def flush(self) -> None:
-        """Write out what is pending, so that a kill from here on loses nothing earlier."""
+        """Write out what is pending, so that a kill from here on loses nothing earlier.
+
+        Raises what Rerun does where the disk does not take it: it would wait for ever.
+        """
         if self._opened:
             self._send_metrics()
-            self.stream.flush()
+            self.stream.flush(timeout_sec=FLUSH_SECONDS)
 
     def close(self) -> None:
         """Finish the file."""
