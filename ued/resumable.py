@@ -6,7 +6,8 @@ Read next: `checkpoint`, the file in which such states end.
 from __future__ import annotations
 
 import copy
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -14,10 +15,12 @@ import numpy as np
 class Resumable:
     """An object that names in `state_fields` the attributes that change while it works.
 
-    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own.
+    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own; what may be
+    None has its type in `optional_fields`.
     """
 
     state_fields: tuple[str, ...] = ()
+    optional_fields: ClassVar[Mapping[str, type]] = {}
 
     def state_dict(self) -> dict[str, Any]:
         """Return a copy of everything that changes."""
@@ -29,7 +32,10 @@ class Resumable:
         Of arrays the first axis may be of another length, for some grow; where it may not, whoever has them says so.
         """
         for name in self.state_fields:
-            setattr(self, name, _restored(getattr(self, name), state[name], name))
+            value, saved = getattr(self, name), state[name]
+            if name in self.optional_fields:
+                value = None if saved is None else self.optional_fields[name]()
+            setattr(self, name, _restored(value, saved, name))
 
 
 def _saved(value: Any) -> Any:
@@ -49,7 +55,7 @@ def _restored(value: Any, state: Any, name: str) -> Any:
     elif hasattr(value, "set_state"):
         value.set_state(state)
     else:
-        if _kind(value) != _kind(state) and None not in (value, state):
+        if _kind(value) != _kind(state):
             raise ValueError(f"{name} is {_kind(state)} and must be {_kind(value)}")
         return copy.deepcopy(state)
     return value

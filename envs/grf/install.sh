@@ -24,8 +24,10 @@ if [ "$part" != --environment ]; then
 fi
 [ "$part" = --packages ] && exit 0
 
-"$python" -c 'import sys; sys.exit(not (3, 8) <= sys.version_info < (3, 12) and "gfootball needs the system Python to be
-3.8 to 3.11, as in Debian 12; this one is " + sys.version.split()[0])'
+"$python" -c 'import sys; sys.exit(not (3, 8) <= sys.version_info < (3, 12))' || {
+    echo "gfootball needs the system Python to be 3.8 to 3.11, as in Debian 12; $python is $("$python" --version)" >&2
+    exit 1
+}
 "$python" -m venv "$home"
 PATH="$home/bin:$PATH" # the build calls python3 and must find this one
 export PATH

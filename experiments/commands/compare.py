@@ -20,7 +20,7 @@ from experiments.pictures.overview import Comparison, overview
 from experiments.run import arguments, build, origin
 from experiments.run.arguments import group, positional
 from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError, read_from
+from experiments.run.errors import read_from
 from experiments.run.evaluator import EvalScenes, Evaluator
 from experiments.run.folder import RunFolder
 from experiments.run.report import Report
@@ -150,8 +150,7 @@ def _read(argv: Sequence[str]) -> CompareConfig:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)
     config = arguments.replace_paths(CompareConfig(train=start), typed)
-    if config.from_ is None and config.fine_tuning != FineTuningConfig():
-        raise UsageError("--kl-to-clone and --kl-share need --from PATH, the policy to stay close to")
+    origin.check_needed(config.from_, config.fine_tuning)
     for method in config.methods:
         build.find_method(method)
     build.find_device(config.train.device)

@@ -166,8 +166,7 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
     name = build.short_name(config.minigame)
     build.find_method(config.method)
     build.find_device(config.device)
-    if source is None and flags.fine_tuning != FineTuningConfig():
-        raise UsageError("--kl-to-clone and --kl-share need --from CHECKPOINT, the policy to stay close to")
+    origin.check_needed(source.path if source else None, flags.fine_tuning)
     if source is not None:
         origin.check(source, config)
     stem = f"{name}-{config.method}-{'from-clone-' if source else ''}{config.seed}"

@@ -14,7 +14,7 @@ from typing import Any
 from experiments.run import config as configs
 from experiments.run.build import is_football
 from experiments.run.config import TrainConfig
-from experiments.run.errors import DAMAGE, CommandError, refused
+from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from experiments.run.folder import LARGEST, RunFolder
 from ued.config import FineTuningConfig
 
@@ -94,6 +94,12 @@ def like(origin: Origin, config: TrainConfig) -> TrainConfig:
         return config
     seen = {name: getattr(origin.config.env, name) for name in SEEN}
     return replace(config, env=replace(config.env, **seen))
+
+
+def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
+    """Raise `UsageError` where a student is to stay close to a policy, and there is none."""
+    if path is None and settings != FineTuningConfig():
+        raise UsageError("--kl-to-clone and --kl-share need --from PATH, the policy to stay close to")
 
 
 def check(origin: Origin, config: TrainConfig) -> None:

@@ -222,6 +222,36 @@ def test_a_state_is_a_snapshot(name):
     assert same(state, before)
 
 
+def test_a_run_goes_on_from_its_state_after_an_update_that_broke_off(monkeypatch):
+    method, untouched = MAKE["paired"](1), MAKE["paired"](2)
+    method.update()
+    state = method.state_dict()
+    untouched.load_state_dict(state)
+    step, steps = Landscape.outcome, iter(range(7))
+
+    def broken(self, actions):
+        if next(steps, None) is None:
+            raise RuntimeError("broken")
+        return step(self, actions)
+
+    with monkeypatch.context() as patch, pytest.raises(RuntimeError, match="broken"):
+        patch.setattr(Landscape, "outcome", broken)
+        method.update()
+    method.load_state_dict(state)
+    for _ in range(2):
+        assert equal(numbers(method.update()), numbers(untouched.update()))
+    assert same(checkpoint.encode(method.state_dict()), checkpoint.encode(untouched.state_dict()))
+
+
+@pytest.mark.parametrize("field", ["next_id", "taken"])
+def test_none_takes_no_place_of_anything_else(field):
+    method = MAKE["paired"](1)
+    state = method.state_dict()
+    state["queue"][field] = None
+    with pytest.raises(ValueError, match=f"{field} is a NoneType and must be a"):
+        method.load_state_dict(state)
+
+
 def go_on(folder, updates):
     """Train from the checkpoint in a folder, if there is one, to so many updates; save after each."""
     torch.set_num_threads(1)

@@ -182,6 +182,7 @@ class RolloutWorker(Resumable):
         for name in ("training", "returns", "lengths", "memory"):
             if len(getattr(self, name)) != self.upomdp.num_envs:
                 raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
+        self._ended = []  # of an update that broke off
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
             self.observation, _ = self.upomdp.reset_to_levels(state["levels"])

@@ -177,3 +177,4 @@ class LevelQueue(Resumable):
         if expected != stored:
             raise ValueError(f"level records have the fields {', '.join(expected)}, these {', '.join(stored)}")
         super().load_state_dict(state)
+        self._forget_ended()  # of an update that broke off

@@ -11,6 +11,8 @@ Read next: `levels.gaussian_mixture`, then `methods.paired`.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
 from ued.config import ALPGMMConfig
@@ -60,6 +62,7 @@ class ALPLevels(Resumable):
     """
 
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")
+    optional_fields: ClassVar = {"mixture": dict}
 
     def __init__(self, space: LevelSpace, config: ALPGMMConfig, seed: int = 0) -> None:
         need_vector(space)

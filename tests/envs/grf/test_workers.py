@@ -1,6 +1,7 @@
 """Workers that die, hang or answer nonsense are started again, and what they played is repeated."""
 
 import io
+import os
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ from tests.envs.grf.fixtures import SCENE, fake_python
 
 pytestmark = pytest.mark.slow
 
+ROOT = Path(__file__).resolve().parents[3]
 ACTIONS = np.random.default_rng(0).integers(0, 19, (12, 3, worker.ROWS))  # [T, K, 22]
 
 
@@ -222,3 +224,15 @@ def test_several_actions_are_digits():
     assert worker.digits(0) == [0]
     assert worker.digits(19) == [19]
     assert worker.digits((5 * 20 + 0) * 20 + 13) == [5, 0, 13]
+
+
+@pytest.mark.parametrize(("version", "code", "said"), [("3.11", 9, ""), ("3.12", 1, "3.8 to 3.11, as in Debian 12")])
+def test_the_installer_takes_the_pythons_that_the_engine_can_be_built_for(tmp_path, version, code, said):
+    python = tmp_path / "python"
+    info = f"import sys; sys.version_info = ({version.replace('.', ', ')}); exec(sys.argv[1])"
+    python.write_text(f'#!/bin/sh\n[ "$1" = -m ] && exit 9\n[ "$1" = -c ] && exec {sys.executable} -c "{info}" "$2"\n')
+    python.chmod(0o755)
+    where = {"REGISTA_GRF_SYSTEM_PYTHON": str(python), "REGISTA_GRF_HOME": str(tmp_path / "home")}
+    script = ROOT / "envs" / "grf" / "install.sh"
+    done = subprocess.run(["sh", script, "--environment"], env=os.environ | where, capture_output=True, text=True)
+    assert done.returncode == code and said in done.stderr and "Error" not in done.stderr
