@@ -12,7 +12,7 @@ import numpy as np
 
 from envs.football.constants import ACTION_NAMES
 from experiments.pictures import plots
-from experiments.run.table import cannot_write, read_columns
+from experiments.run.table import read_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,13 +24,10 @@ TRAINED, HELD_OUT = "#9aa3ab", "#1f6fb4"
 
 def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
     """Draw what `clone` left in its table, and the agreement of its best epoch. Raises `CommandError`."""
-    import matplotlib
-
-    matplotlib.use("agg")
     from matplotlib import pyplot
 
     columns = read_columns(table)
-    with matplotlib.rc_context(plots.STYLE):
+    with plots.style():
         figure, (losses, accuracies, actions) = pyplot.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
         epochs = columns["update"]
         losses.plot(epochs, columns["loss"], color=TRAINED, label="learned from")
@@ -42,12 +39,7 @@ def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
         accuracies.set(title="as it was done, held out", xlabel="epoch", ylim=(0, 1))
         accuracies.legend()
         _bars(actions, agreement)
-        try:
-            figure.savefig(path)
-        except OSError as error:
-            raise cannot_write(path, error) from error
-        finally:
-            pyplot.close(figure)
+        plots.save(figure, path)
 
 
 def _bars(axes: Axes, agreement: Agreement) -> None:

@@ -13,9 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 
-from experiments.run.signals import WORDS, forget_terminal, interruptible
+from experiments.run.signals import WORDS, forget_terminal, hung_up, interruptible
 
-READER_GONE = (errno.EPIPE, errno.EIO)
 OUT_OF_MEMORY = "there is not enough memory"
 USERS = {
     *("ScenicError", "ThetaError", "LevelError", "NotAMatchError", "StateError", "RecordError", "CheckpointError"),
@@ -108,7 +107,8 @@ def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_go
 
 def _failed(error: BaseException, debug: bool) -> int:
     """Print what went wrong and return the exit code; raise what is not the user's business."""
-    if isinstance(error, OSError) and error.filename is None and error.errno in READER_GONE:
+    gone = isinstance(error, OSError) and (error.errno == errno.EPIPE or (error.errno == errno.EIO and hung_up()))
+    if gone and error.filename is None:  # type: ignore[attr-defined]
         forget_terminal()  # `regista inspect ... | head`
         return 128 + signal.SIGPIPE
     if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS and not debug:

@@ -8,9 +8,11 @@ Read next: `run.errors`, which ends every command; `commands.train`.
 from __future__ import annotations
 
 import ctypes
+import errno
 import os
 import signal
 import sys
+import termios
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
@@ -117,6 +119,17 @@ def forget_terminal() -> None:
         for stream in (sys.stdout, sys.stderr):
             with suppress(OSError, ValueError):
                 os.dup2(nowhere.fileno(), stream.fileno())
+
+
+def hung_up() -> bool:
+    """Say whether we write to a terminal that is no longer there: an I/O error may be a disk's as well."""
+    for number in (1, 2):
+        try:
+            termios.tcgetattr(number)
+        except termios.error as error:
+            if error.args[0] == errno.EIO:
+                return True
+    return False
 
 
 def end_with(parent: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -73,6 +74,23 @@ def test_a_reader_that_has_gone_is_no_error(words):
     process.stdout.close()
     said = process.stderr.read().decode()
     assert process.wait() in (0, 141) and said == ""
+
+
+def test_a_terminal_that_has_gone_is_no_error():
+    master, terminal = os.openpty()
+    os.close(master)
+    command = [sys.executable, "-m", "experiments", "train", "--help"]
+    ended = subprocess.run(command, cwd=ROOT, stdout=terminal, stderr=subprocess.PIPE)
+    os.close(terminal)
+    assert ended.returncode == 141 and ended.stderr == b""
+
+
+def test_an_error_of_the_disk_is_not_taken_for_one_of_the_terminal(capsys):
+    def command(_: list[str]) -> int:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))  # as of a file that is open: nobody knows its name
+
+    assert run_command(command, []) == 1
+    assert capsys.readouterr().err == "regista: [Errno 5] Input/output error\n"
 
 
 @pytest.mark.slow
