@@ -12,6 +12,7 @@ again in every epoch: they need not fit into memory. Read next: `learning.studen
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -158,6 +159,12 @@ class Cloner(Resumable):
             self.best_loss, self.best_epoch = loss, self.epoch
             self.best = {name: value.clone() for name, value in self.student.state_dict().items()}
         return self.epoch < self.config.epochs and self.epoch - self.best_epoch < self.config.patience
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` returned. Raises ValueError, KeyError, or RuntimeError for another student."""
+        super().load_state_dict(state)
+        if self.best or self.epoch:
+            copy.deepcopy(self.student).load_state_dict(self.best)
 
     def _minibatches(self, chunks: Iterable[Demonstrated]) -> Iterator[Demonstrated]:
         for chunk in chunks:

@@ -27,6 +27,7 @@ from ued.levels.batch import LevelBatch
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
+from ued.resumable import restored
 from ued.seeding import SeedStream
 from ued.upomdp import UPOMDP
 
@@ -152,7 +153,7 @@ class Method:
             learner.load_state_dict(saved)
         self.curriculum.load_state_dict(state["curriculum"])
         self.queue.load_state_dict(state["queue"])
-        self.updates = state["updates"]
+        self.updates = restored(self.updates, state["updates"], "updates")
 
     def start_from(self, student: Mapping[str, Any], kl_coef: float = 0.0, kl_env_steps: int = 0) -> None:
         """Let all learners begin with this student, a `state_dict`; see `Learner.start_from`."""

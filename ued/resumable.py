@@ -11,6 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+NUMBER, WHOLE = "a number", "a whole number"
+
 
 class Resumable:
     """An object that names in `state_fields` the attributes that change while it works.
@@ -35,7 +37,7 @@ class Resumable:
             value, saved = getattr(self, name), state[name]
             if name in self.optional_fields:
                 value = None if saved is None else self.optional_fields[name]()
-            setattr(self, name, _restored(value, saved, name))
+            setattr(self, name, restored(value, saved, name))
 
 
 def _saved(value: Any) -> Any:
@@ -46,7 +48,7 @@ def _saved(value: Any) -> Any:
     return value.get_state() if hasattr(value, "get_state") else copy.deepcopy(value)
 
 
-def _restored(value: Any, state: Any, name: str) -> Any:
+def restored(value: Any, state: Any, name: str) -> Any:
     """Return `value` with this state put into it, or where it is plain data, a copy of the state."""
     if isinstance(value, np.random.Generator):
         value.bit_generator.state = state
@@ -55,8 +57,9 @@ def _restored(value: Any, state: Any, name: str) -> Any:
     elif hasattr(value, "set_state"):
         value.set_state(state)
     else:
-        if _kind(value) != _kind(state):
-            raise ValueError(f"{name} is {_kind(state)} and must be {_kind(value)}")
+        kinds = (_kind(value), _kind(state))
+        if kinds[0] != kinds[1] and kinds != (NUMBER, WHOLE):
+            raise ValueError(f"{name} is {kinds[1]} and must be {kinds[0]}")
         return copy.deepcopy(state)
     return value
 
@@ -65,4 +68,6 @@ def _kind(value: Any) -> str:
     """Say what kind of plain data something is: of an array its type and all but its first axis."""
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, {['N', *value.shape[1:]] if value.ndim else 'one number'}"
-    return "a number" if isinstance(value, int | float | np.number) else f"a {type(value).__name__}"
+    if isinstance(value, int | np.integer) and not isinstance(value, bool):
+        return WHOLE if -(2**63) <= value < 2**63 else "a number of more than 64 bits"
+    return NUMBER if isinstance(value, float | np.floating) else f"a {type(value).__name__}"

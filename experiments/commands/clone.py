@@ -176,7 +176,7 @@ def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
     state = checkpoint.load(path)
     with read_from(f"{path} is"):
         cloner.load_state_dict(state["cloner"])
-        return bool(state["goes_on"]), float(state["elapsed"])
+        return bool(state["goes_on"] or not cloner.best), float(state["elapsed"])
 
 
 def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None:

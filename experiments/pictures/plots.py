@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,6 +16,7 @@ import numpy as np
 
 from experiments.run.progress import count
 from experiments.run.table import cannot_write, read_columns, read_header
+from ued.files import write_whole
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -86,15 +88,16 @@ def listed(methods: Sequence[str]) -> str:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a picture and free it. Raises `CommandError` if the disk refuses."""
+    """Write a picture, whole or not at all, and free it. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
+    drawn = BytesIO()
+    figure.savefig(drawn, format=path.suffix[1:] or None, bbox_inches="tight", pad_inches=0.15)
+    plt.close(figure)
     try:
-        figure.savefig(path, bbox_inches="tight", pad_inches=0.15)
+        write_whole(path, drawn.getvalue())
     except OSError as error:
         raise cannot_write(path, error) from error
-    finally:
-        plt.close(figure)
 
 
 def marker_legend(figure: Figure, painter: Any) -> None:

@@ -18,7 +18,7 @@ def undrawn(request, monkeypatch):
         return
     from matplotlib.figure import Figure
 
-    monkeypatch.setattr(Figure, "savefig", lambda self, path, **_: Path(path).touch())
+    monkeypatch.setattr(Figure, "savefig", lambda self, drawn, **_: None)
     monkeypatch.setattr(Figure, "tight_layout", lambda self, **_: None)
 
 

@@ -202,7 +202,7 @@ def undrawn() -> Iterator[None]:
 
     before = plots.learning_curves, Figure.savefig, Figure.tight_layout
     plots.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
-    Figure.savefig = lambda self, path, **_: Path(path).write_bytes(bytes(10_000))  # type: ignore[method-assign]
+    Figure.savefig = lambda self, drawn, **_: drawn.write(bytes(10_000))  # type: ignore[method-assign]
     Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
     try:
         yield

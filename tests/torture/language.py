@@ -128,8 +128,8 @@ def played(program: Program, text: str) -> str:
         if error.place is not None:
             fuzzing.check_place(error, text)
         return UNCOMPILED
-    theta = program.sample(1, np.random.default_rng(0))[0][0]
     try:
+        theta = program.sample(1, np.random.default_rng(0))[0][0]
         run(first_table(program, theta), CompiledController(compiled, theta, 0), STEPS, 1.0)
     except ScenicError:
         return FAULTED

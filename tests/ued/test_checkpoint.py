@@ -243,12 +243,24 @@ def test_a_run_goes_on_from_its_state_after_an_update_that_broke_off(monkeypatch
     assert same(checkpoint.encode(method.state_dict()), checkpoint.encode(untouched.state_dict()))
 
 
-@pytest.mark.parametrize("field", ["next_id", "taken"])
-def test_none_takes_no_place_of_anything_else(field):
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("queue", "next_id"), None, "next_id is a NoneType and must be a whole number"),
+        (("queue", "taken"), None, r"taken is a NoneType and must be an array of int64"),
+        (("queue", "next_turn"), 10**30, "next_turn is a number of more than 64 bits and must be a whole number"),
+        (("queue", "next_turn"), 0.5, "next_turn is a number and must be a whole number"),
+        (("queue", "next_turn"), True, "next_turn is a bool and must be a whole number"),
+        (("updates",), [], "updates is a list and must be a whole number"),
+    ],
+)
+def test_what_is_of_another_kind_is_refused(place, value, message):
     method = MAKE["paired"](1)
-    state = method.state_dict()
-    state["queue"][field] = None
-    with pytest.raises(ValueError, match=f"{field} is a NoneType and must be a"):
+    state = holder = method.state_dict()
+    for name in place[:-1]:
+        holder = holder[name]
+    holder[place[-1]] = value
+    with pytest.raises(ValueError, match=message):
         method.load_state_dict(state)
 
 

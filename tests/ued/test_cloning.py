@@ -106,6 +106,17 @@ def test_it_goes_on_as_if_it_had_never_stopped():
     assert epochs(other, 3) == losses[2:] and other.best_epoch == 2
 
 
+def test_a_best_student_that_is_another_one_is_refused():
+    cloner = Cloner(student(), CloningConfig(), torch_generator(1))
+    cloned(cloner, steps(50), steps(50, seed=1))
+    state = cloner.state_dict()
+    state["best"]["actor.layer.bias"] = torch.zeros(9)
+    with pytest.raises(RuntimeError, match=r"actor\.layer\.bias"):
+        cloner.load_state_dict(state)
+    with pytest.raises(RuntimeError, match=r"actor\.layer\.bias"):
+        cloner.load_state_dict(state | {"best": {}})
+
+
 def test_accuracy_is_told_by_action():
     found = Agreement(1.0, 0.0, np.array([[90, 10, 0], [5, 5, 0], [0, 0, 0]]))
     assert found.accuracy == pytest.approx(95 / 110)
