@@ -172,9 +172,21 @@ class LevelQueue(Resumable):
         self._forget_ended()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError if its level records have other fields."""
+        """Take back what `state_dict` returned. Raises ValueError if its level records have other fields, or no such
+        record is there as somebody plays.
+        """
         expected, stored = self.records.dtype.names or (), state["records"].dtype.names or ()
         if expected != stored:
             raise ValueError(f"level records have the fields {', '.join(expected)}, these {', '.join(stored)}")
         super().load_state_dict(state)
+        rows, (students, episodes) = len(self.records), self.records.dtype["returns"].shape
+        _check_range("playing", self.playing, (students, self.num_envs), NONE, rows - 1)
+        _check_range("taken", self.taken, (students,), 0, rows)
+        _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
+        _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
         self._forget_ended()  # of an update that broke off
+
+
+def _check_range(name: str, numbers: np.ndarray, shape: tuple[int, ...], low: int, high: int) -> None:
+    if numbers.shape != shape or (numbers.size and (numbers.min() < low or numbers.max() > high)):
+        raise ValueError(f"{name} must be {list(shape)} numbers from {low} to {high}")
