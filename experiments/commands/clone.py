@@ -37,6 +37,7 @@ from ued.files import write_whole
 if TYPE_CHECKING:
     from experiments.run.cloning_data import CloningData
     from experiments.run.demonstrations import Demonstrations
+    from scenic_lite import Program
     from ued.cloning import Agreement, Cloner
 
 DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
@@ -70,16 +71,16 @@ def main(argv: Sequence[str]) -> int:
 
     demos = Demonstrations.open(config.demonstrations)
     data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
-    method, run = _begin(config, demos, data)
+    method, run, program = _begin(config, demos, data)
     with StopRequest() as stop:
-        clone(run, config, data, method, stop)
+        clone(run, program, config, data, method, stop)
     if stop:
         print("stopped; the same command goes on")
     return stop.exit_code
 
 
-def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder]:
-    """Return the method that holds the student, and the folder. Raises `CommandError` where they do not fit."""
+def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Program]:
+    """Return the method that holds the student, the folder and the program; raise `CommandError` where they do not fit."""
     minigame = build.canonical_name(config.minigame or demos.config.minigame)
     base = build.starting_point(config.preset, minigame)
     env = replace(demos.config.env, rewards=base.env.rewards)
@@ -98,8 +99,7 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
     run = _open(path, training, configs.to_dict(replace(config, out=None)))
-    run.keep_program(program)
-    return method, run
+    return method, run, program
 
 
 def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder:
@@ -117,7 +117,9 @@ def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder
     return run
 
 
-def clone(run: RunFolder, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest) -> None:
+def clone(
+    run: RunFolder, program: Program, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
+) -> None:
     """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
     from experiments.pictures.cloning import draw_cloning
     from ued.cloning import Cloner
@@ -125,7 +127,9 @@ def clone(run: RunFolder, config: CloneConfig, data: CloningData, method: Any, s
 
     cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
     table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
-    table.keep_until(cloner.epoch)
+    lines = table.until(cloner.epoch)  # all is read before anything is written
+    run.keep_program(program)
+    table.replace(lines)
     if goes_on:
         cloner.look_through(data.chunks(held_out=False))
     progress = Progress(config.cloning.epochs, cloner.epoch, unit="epochs")

@@ -197,3 +197,14 @@ def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
         out = tmp_path / f"clone of {damage}"
         assert (*words, words[0], words[0])[number] in refused(capsys, "clone", copy, "--out", out)
         assert damage == "actions" or not out.exists()
+
+
+def test_a_clone_whose_table_is_damaged_is_refused_and_left_alone(demos, tmp_path, capsys):
+    out = tmp_path / "clone"
+    words = ["clone", str(demos / "one"), "--out", str(out), *FEW]
+    assert main(words) == 0
+    table = out / "cloning.csv"
+    table.write_text(table.read_text().replace("\n1,", "\nx,"))
+    (out / "program.scenic").unlink()
+    assert main(words) == 1 and "cloning.csv" in capsys.readouterr().err
+    assert not (out / "program.scenic").exists()
