@@ -1,34 +1,34 @@
-"""Adam (Kingma and Ba 2015) on all weights of a network as one vector: torch's own, number for number, in less time.
+"""Adam (Kingma and Ba 2015) on all weights of a network at once: torch's fused one, number for number, in less time.
 
-torch takes a dozen small operations for each weight; for networks as small as ours that is a third of the time of
-learning. Its checkpoints are the same, too. Read next: `learning.ppo` and `levels.adversary`, which use it.
+What torch does around its kernel takes longer than the kernel, for networks as small as ours. Its checkpoints are the
+same, too. Read next: `learning.ppo` and `levels.adversary`, which use it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor
 from torch.linalg import vector_norm
 
+FUSED_STEP: Any = partial(torch._fused_adam_, weight_decay=0.0, amsgrad=False, maximize=False)  # on any device
+
 
 class Vectors(NamedTuple):
     """What belongs to all weights together `[W]`, and the parts of it that belong to each, shaped as the weight is."""
 
     gradient: Tensor
-    mean: Tensor  # of the gradients so far, decaying
-    square: Tensor  # of their squares
-    step: Tensor  # [] how many there were
-    deviation: Tensor  # by which the mean is divided
     gradients: list[Tensor]
-    means: list[Tensor]
-    deviations: list[Tensor]
+    means: list[Tensor]  # of the gradients so far, decaying
+    squares: list[Tensor]  # means of their squares
+    steps: list[Tensor]  # [] how many there were: the same tensor for all
 
 
 class Adam(torch.optim.Adam):
-    """`torch.optim.Adam` for weights on one device that all take part in the loss.
+    """`torch.optim.Adam(fused=True)` for weights on one device that all take part in the loss.
 
     Args:
         weights: what is learned.
@@ -38,7 +38,7 @@ class Adam(torch.optim.Adam):
     _vectors: Vectors | None = None  # until the first gradient; no copy takes them along
 
     def __init__(self, weights: Iterable[Tensor], learning_rate: float, eps: float) -> None:
-        super().__init__(weights, learning_rate, eps=eps)
+        super().__init__(weights, learning_rate, eps=eps, fused=True)
 
     @property
     def weights(self) -> list[Tensor]:
@@ -58,9 +58,10 @@ class Adam(torch.optim.Adam):
 
     def _joined(self, weights: Sequence[Tensor]) -> Vectors:
         """Return vectors that hold what is known of each weight, and let each know its parts of them."""
-        vectors = torch.zeros(4, sum(map(torch.numel, weights)), device=weights[0].device)
-        gradients, means, squares, deviations = (_parts(vector, weights) for vector in vectors)
-        step = torch.tensor(max((float(self.state[weight].get("step", 0.0)) for weight in weights), default=0.0))
+        vectors = torch.zeros(3, sum(map(torch.numel, weights)), device=weights[0].device)
+        gradients, means, squares = (_parts(vector, weights) for vector in vectors)
+        count = max((float(self.state[weight].get("step", 0.0)) for weight in weights), default=0.0)
+        step = torch.tensor(count, device=vectors.device)
         for weight, *parts in zip(weights, means, squares, strict=True):
             known = self.state[weight]
             for name, part in zip(("exp_avg", "exp_avg_sq"), parts, strict=True):
@@ -68,23 +69,18 @@ class Adam(torch.optim.Adam):
                     part.copy_(known[name])
                 known[name] = part
             known["step"] = step
-        gradient, mean, square, deviation = vectors
-        return Vectors(gradient, mean, square, step, deviation, gradients, means, deviations)
+        return Vectors(vectors[0], gradients, means, squares, [step] * len(weights))
 
     @torch.no_grad()
     def step(self, closure: Any = None) -> None:  # type: ignore[override]  # nobody gives it a loss
         """Take a step against the gradient."""
         assert self._vectors is not None, "zero_grad comes first"
-        gradient, mean, square, step, deviation, _, means, deviations = self._vectors
+        _, gradients, means, squares, steps = self._vectors
         group = self.param_groups[0]
         beta1, beta2 = group["betas"]
-        step += 1
-        count = step.item()
-        mean.lerp_(gradient, 1 - beta1)
-        square.mul_(beta2).addcmul_(gradient, gradient, value=1 - beta2)
-        torch.sqrt(square, out=deviation).div_((1 - beta2**count) ** 0.5).add_(group["eps"])
-        size = group["lr"] / (1 - beta1**count)
-        torch._foreach_addcdiv_(self.weights, means, deviations, -size)
+        steps[0] += 1
+        sizes = {"lr": group["lr"], "beta1": beta1, "beta2": beta2, "eps": group["eps"]}
+        FUSED_STEP(self.weights, gradients, means, squares, [], steps, **sizes)
 
     def clip_norm(self, max_norm: float) -> Tensor:
         """Scale the gradient down to this norm; return its norm `[]` as it was."""

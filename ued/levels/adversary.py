@@ -7,8 +7,8 @@ corners. Columns of finitely many values are chosen by a categorical each (`Mixe
 chooses one, and has a distribution over θ for each (`Composed`).
 
 It is small and learns in many steps, so what a step costs are the calls into torch, not the arithmetic. Its gradient is
-therefore written out where that is short: of PPO's loss by what it is made of, of `Squashed`, of the network; other
-distributions leave theirs to autograd. Read next: `levels.teacher`.
+therefore written out in numpy where that is short: of PPO's loss by what it is made of, and of `Squashed` and the
+network; other distributions leave theirs to autograd. Read next: `levels.teacher`.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ LOG_STD_RANGE = (-5.0, 1.0)
 BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
 MOST_LOG_RATIO = 20.0  # of thousands of columns together: the exponential stays finite
 MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+ENTROPY = 0.5 * (1 + LOG_2_PI) + 2 * math.log(2)  # of a normal of deviation 1, and twice the log 2 of log cosh
 LOSSES = ("policy_loss", "value_loss", "entropy", "grad_norm")
-VALUE = 2  # which of the network's heads expects regret
 
 
 class Proposals(NamedTuple):
@@ -54,40 +54,25 @@ class Squashed:
     """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
 
     def __init__(self, one: Tensor, other: Tensor) -> None:
-        self.bent, self.free = torch.tanh(one / MEAN_RANGE), UNIFORM_LOG_STD + other
-        self.mean, self.log_std = MEAN_RANGE * self.bent, self.free.clamp(*LOG_STD_RANGE)
+        self.mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
+        self.log_std = (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE)
         self.std, self.dim = self.log_std.exp(), one.shape[-1]
 
     def sample(self, generator: torch.Generator) -> Tensor:
-        self.deviation = self.std * torch.empty_like(self.mean).normal_(generator=generator)
-        return self.mean + self.deviation
+        return self.mean + self.std * torch.empty_like(self.mean).normal_(generator=generator)
 
     def log_prob(self, raw: Tensor) -> Tensor:
-        self.standard = (raw - self.mean) / self.std
-        self.square = self.standard.square()
-        return -0.5 * LOG_2_PI * self.dim - torch.add(self.log_std, self.square, alpha=0.5).sum(-1)
+        square = ((raw - self.mean) / self.std).square()
+        return -0.5 * LOG_2_PI * self.dim - torch.add(self.log_std, square, alpha=0.5).sum(-1)
 
     def theta_entropy(self, generator: torch.Generator) -> Tensor:
         """Estimate the entropy `[B]` of θ from one sample each that gradients flow through.
 
         H(θ) = H(raw) + E[Σ log(1 - tanh² raw)]; the largest value is D log 2, of the uniform distribution.
         """
-        self.drawn = self.sample(generator)
-        log_cosh = torch.logaddexp(self.drawn, -self.drawn)  # + log 2
-        return torch.sub(self.log_std, log_cosh, alpha=2).sum(-1) + (0.5 * (1 + LOG_2_PI) + 2 * math.log(2)) * self.dim
-
-    def gradient(self, by_log_prob: Tensor, by_entropy: float) -> tuple[Tensor, Tensor]:
-        """Return the derivatives `[B, D]` of a loss by both parameters, from those by the `log_prob` `[B]` and the
-        `theta_entropy` that were asked for last.
-
-        Those of log N by mean and log σ are s / σ and s² - 1, s = (raw - mean) / σ. That of log(1 - tanh² x) is -2 tanh
-        x, and those of x = mean + σ noise are 1 and σ noise.
-        """
-        theta, by_log_prob = torch.tanh(self.drawn), by_log_prob[:, None]
-        by_mean = (by_log_prob * self.standard / self.std).add_(theta, alpha=-2 * by_entropy)
-        by_log_std = (by_log_prob * (self.square - 1)).add_(theta * self.deviation, alpha=-2 * by_entropy) + by_entropy
-        by_one = torch.addcmul(by_mean, by_mean * self.bent, self.bent, value=-1)  # times 1 - tanh²
-        return by_one, by_log_std * (self.free == self.log_std)
+        drawn = self.sample(generator)
+        log_cosh = torch.logaddexp(drawn, -drawn)  # + log 2
+        return torch.sub(self.log_std, log_cosh, alpha=2).sum(-1) + ENTROPY * self.dim
 
     @staticmethod
     def theta(raw: np.ndarray) -> np.ndarray:
@@ -219,31 +204,7 @@ class AdversaryNetwork(nn.Module):
 
     def forward(self, z: Tensor) -> tuple[ThetaPolicy, Tensor]:
         """Return the distributions and the regret to expect `[B]` for contexts `[B, Z]`."""
-        return self.read(self.activations(z)[-1])
-
-    @property
-    def written_out(self) -> bool:
-        """Whether the gradient of its distributions is; see `Squashed.gradient`."""
-        return self.distribution is Squashed and not self.heads[-1]
-
-    def activations(self, z: Tensor) -> list[Tensor]:
-        """Return contexts `[B, Z]`, what each of the two tanh layers makes of them, and the outputs `[B, W]`."""
-        one = self.first(z).tanh_()
-        other = self.second(one).tanh_()
-        return [z, one, other, self.last(other)]
-
-    def backward(self, activations: Sequence[Tensor], gradient: Tensor) -> None:
-        """Write down the gradient of all weights, given these activations and the gradient `[B, W]` of the outputs."""
-        z, one, other, _ = activations
-        for layer, seen in ((self.last, other), (self.second, one), (self.first, z)):
-            torch.mm(gradient.T, seen, out=layer.weight.grad)
-            torch.sum(gradient, 0, out=layer.bias.grad)
-            if layer is not self.first:
-                gradient = gradient @ layer.weight
-                gradient = torch.addcmul(gradient, gradient * seen, seen, value=-1)  # times 1 - tanh²
-
-    def read(self, outputs: Tensor) -> tuple[ThetaPolicy, Tensor]:
-        """Return the distributions and the regret to expect `[B]` that outputs `[B, W]` mean."""
+        outputs = self.last(torch.tanh(self.second(torch.tanh(self.first(z)))))
         one, other, value, logits = outputs.split(self.heads, -1)
         return self._policy((one, other), logits), value[:, 0]
 
@@ -320,44 +281,100 @@ class Adversary(Resumable):
     def learn(self, proposals: Proposals, regret: np.ndarray) -> dict[str, float]:
         """Learn from the regret `[n]` of these proposals; return the means of the losses over the epochs."""
         self.scale.track(regret)
-        target = torch.as_tensor(self.scale(regret), dtype=torch.float32)
-        z, raw, log_prob = (torch.as_tensor(a) for a in (proposals.z, proposals.raw, proposals.log_prob))
-        logs = [self._epoch(z, raw, log_prob, target) for _ in range(self.config.update_epochs)]
-        losses = torch.stack(logs).mean((0, 2)) * torch.tensor([-1.0, 0.5, 1.0, 1.0])
+        target = self.scale(regret).astype(np.float32)
+        self.optimizer.zero_grad()
+        written_out = self.network.distribution is Squashed and not self.network.heads[-1]
+        passes = (WrittenOut if written_out else Autograd)(self.network, self.generator)
+        logs = [self._epoch(passes, proposals, target) for _ in range(self.config.update_epochs)]
+        losses = np.mean(logs, (0, 2), np.float64) * np.array([-1.0, 0.5, 1.0, 1.0])
         return dict(zip(LOSSES, losses.tolist(), strict=True))
 
-    @torch.no_grad()
-    def _epoch(self, z: Tensor, raw: Tensor, log_prob: Tensor, target: Tensor) -> Tensor:
+    def _epoch(self, passes: Autograd | WrittenOut, proposals: Proposals, target: np.ndarray) -> np.ndarray:
         """Take a step down the gradient of: policy_loss - ent_coef * entropy + vf_coef * value_loss.
 
         Returns `[4, B]` what LOSSES are means of: -1, 1/2, 1 and 1 times.
         """
-        config, count = self.config, len(z)
-        activations = self.network.activations(z)
-        outputs = activations[-1].requires_grad_(not self.network.written_out)
-        with torch.enable_grad():
-            policy, value = self.network.read(outputs)
-            now, entropy = policy.log_prob(raw), policy.theta_entropy(self.generator)
-        log_ratio = now - log_prob  # tanh's Jacobian is the same above and below
-        bounded = log_ratio.clamp(-MOST_LOG_RATIO, MOST_LOG_RATIO)
-        ratio, advantage = bounded.exp(), target - value
+        config, count = self.config, np.float32(len(target))
+        now, entropy, value = passes.forward(proposals.z, proposals.raw)
+        log_ratio = now - proposals.log_prob  # tanh's Jacobian is the same above and below
+        bounded = log_ratio.clip(-MOST_LOG_RATIO, MOST_LOG_RATIO)
+        ratio, advantage = np.exp(bounded), target - value
         gain = advantage * ratio
-        worse = torch.min(gain, advantage * ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef))  # [B]
+        worse = np.minimum(gain, advantage * ratio.clip(1 - config.clip_coef, 1 + config.clip_coef))  # [B]
         by_log_prob = gain * (gain == worse) * (bounded == log_ratio) / -count  # 0 where anything is clipped
-        by_value = advantage * (-config.vf_coef / count)
-        by_entropy = -config.ent_coef / count
-        self.optimizer.zero_grad()
-        if isinstance(policy, Squashed):
-            gradient = torch.cat([*policy.gradient(by_log_prob, by_entropy), by_value[:, None]], 1)
-        else:
-            torch.autograd.backward((now, entropy), (by_log_prob, torch.full_like(entropy, by_entropy)))
-            assert outputs.grad is not None
-            gradient = outputs.grad
-            gradient.split(self.network.heads, 1)[VALUE][:, 0] = by_value
-        self.network.backward(activations, gradient)
+        by_entropy = np.full_like(value, -config.ent_coef / count)
+        passes.backward(by_log_prob, by_entropy, advantage * (-config.vf_coef / count))
         norm = self.optimizer.clip_norm(config.max_grad_norm)
         self.optimizer.step()
-        return torch.stack([worse, advantage.square(), entropy, norm.expand(count)])
+        return np.stack([worse, advantage**2, entropy, np.full_like(value, norm.item())])
+
+
+class Autograd:
+    """What an adversary's network says of proposals, and the gradient of its weights: for any distribution."""
+
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator) -> None:
+        self.network, self.generator = network, generator
+
+    def forward(self, z: np.ndarray, raw: np.ndarray) -> list[np.ndarray]:
+        """Return the log-density of `raw` `[B, D]`, the entropy of θ and the regret to expect `[B]`, given `z`."""
+        policy, value = self.network(torch.as_tensor(z))
+        self.outputs = policy.log_prob(torch.as_tensor(raw)), policy.theta_entropy(self.generator), value
+        return [output.detach().numpy() for output in self.outputs]
+
+    def backward(self, *gradients: np.ndarray) -> None:
+        """Write down the gradient of all weights, given those `[B]` by what `forward` returned last."""
+        self.network.zero_grad(set_to_none=False)
+        torch.autograd.backward(self.outputs, [torch.as_tensor(gradient) for gradient in gradients])
+
+
+class WrittenOut:
+    """The same for `Squashed`, by hand and in numpy, whose calls are a third as long as torch's."""
+
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator) -> None:
+        self.generator, layers = generator, (network.first, network.second, network.last)
+        self.weights = [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in layers]
+        parts = [(layer.weight.grad, layer.bias.grad) for layer in layers]  # of the optimizer's vector
+        self.gradients = [tuple(part.numpy() for part in pair if part is not None) for pair in parts]
+        self.dim = network.heads[0]
+
+    def forward(self, z: np.ndarray, raw: np.ndarray) -> list[np.ndarray]:
+        """See `Autograd` and `Squashed`."""
+        self.seen = [z]  # by each layer
+        for weight, bias in self.weights[:-1]:
+            self.seen.append(np.tanh(self.seen[-1] @ weight.T + bias))
+        weight, bias = self.weights[-1]
+        outputs = self.seen[-1] @ weight.T + bias
+        one, other, value = outputs[:, : self.dim], outputs[:, self.dim : -1], outputs[:, -1]
+        self.bent, free = np.tanh(one / MEAN_RANGE), UNIFORM_LOG_STD + other
+        log_std = free.clip(*LOG_STD_RANGE)
+        self.std, self.unclipped = np.exp(log_std), free == log_std
+        mean = MEAN_RANGE * self.bent
+        self.standard = (raw - mean) / self.std
+        self.deviation = self.std * torch.empty(raw.shape).normal_(generator=self.generator).numpy()
+        drawn = mean + self.deviation
+        self.theta = np.tanh(drawn)
+        log_prob = -0.5 * LOG_2_PI * self.dim - (log_std + 0.5 * self.standard**2).sum(1)
+        entropy = (log_std - 2 * np.log(2 * np.cosh(drawn))).sum(1) + ENTROPY * self.dim
+        return [log_prob, entropy, value]
+
+    def backward(self, by_log_prob: np.ndarray, by_entropy: np.ndarray, by_value: np.ndarray) -> None:
+        """See `Autograd`.
+
+        The derivatives of log N by mean and log σ are s / σ and s² - 1, s = (raw - mean) / σ. That of log(1 - tanh² x)
+        is -2 tanh x, and those of x = mean + σ noise are 1 and σ noise.
+        """
+        by_log_prob, by_entropy = by_log_prob[:, None], by_entropy[:, None]
+        slope = -2 * by_entropy * self.theta
+        by_mean = by_log_prob * self.standard / self.std + slope
+        by_log_std = by_log_prob * (self.standard**2 - 1) + slope * self.deviation + by_entropy
+        by_one = by_mean * (1 - self.bent**2)
+        gradient = np.concatenate([by_one, by_log_std * self.unclipped, by_value[:, None]], 1)
+        for layer in (2, 1, 0):
+            by_weight, by_bias = self.gradients[layer]
+            np.matmul(gradient.T, self.seen[layer], out=by_weight)
+            gradient.sum(0, out=by_bias)
+            if layer:
+                gradient = gradient @ self.weights[layer][0] * (1 - self.seen[layer] ** 2)
 
 
 class RunningScale(Resumable):
