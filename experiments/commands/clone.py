@@ -80,7 +80,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Program]:
-    """Return the method that holds the student, the folder and the program; raise `CommandError` where they do not fit."""
+    """Return the method that holds the student, folder and program. Raises `CommandError` where they do not fit."""
     minigame = build.canonical_name(config.minigame or demos.config.minigame)
     base = build.starting_point(config.preset, minigame)
     env = replace(demos.config.env, rewards=base.env.rewards)
