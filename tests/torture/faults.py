@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import gcd
@@ -184,22 +184,26 @@ def forks(folder: Path) -> Forks:
     return Forks(folder)
 
 
-def fault(number: int, changes: int) -> tuple[int, str]:
-    """Return the number of the change and the kind of fault of an attempt; so many attempts come to all of them."""
-    faults = changes * len(KINDS)
+def fault(number: int, changes: Sequence[int]) -> tuple[int, int, str]:
+    """Return which command an attempt is of, the number of the change, and the kind of fault.
+
+    Of commands with so many changes, each meets each fault once before any does again, in a mixed order.
+    """
+    ends = np.cumsum(changes)
+    faults = len(KINDS) * int(ends[-1])
     stride = next(step for step in range(int(0.618 * faults), 2 * faults + 2) if step and gcd(step, faults) == 1)
-    which = number * stride % faults
-    return which // len(KINDS), KINDS[which % len(KINDS)]
+    at, kind = divmod(number * stride % faults, len(KINDS))
+    which = int(np.searchsorted(ends, at, side="right"))
+    return which, at - int(ends[which]) + changes[which], KINDS[kind]
 
 
 def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
-    """Let so many changes fail; return what became of it, scenario by scenario in turn."""
+    """Let so many changes fail; return what became of it."""
     counts: dict[str, int] = {}
+    targets = [attacked(name, folder) for name in WRITERS]
     for number in range(count * seed, count * (seed + 1)):
-        name = list(WRITERS)[number % len(WRITERS)]
-        target = attacked(name, folder)
-        at, kind = fault(number // len(WRITERS), target.undisturbed.changes)
-        outcome, _ = target.attempt(at=at, kind=kind)
+        which, at, kind = fault(number, [target.undisturbed.changes for target in targets])
+        outcome, _ = targets[which].attempt(at=at, kind=kind)
         counts[outcome] = counts.get(outcome, 0) + 1
     return counts
 
@@ -210,7 +214,7 @@ if __name__ == "__main__":
         changes, outcomes = target.undisturbed.changes, dict[str, int]()
         print(f"{name}: {changes} changes, {target.undisturbed.seconds:.1f} s", flush=True)
         for number in range(int(sys.argv[1])):
-            at, kind = fault(number, changes)
+            _, at, kind = fault(number, [changes])
             try:
                 outcome, end = target.attempt(at=at, kind=kind)
                 if outcome == "said why not":
