@@ -52,7 +52,7 @@ def main(argv: Sequence[str]) -> int:
     with run.locked():
         done = train(run, stop, connect)
     with read_from(f"{run.metrics.path} is"):
-        plots.learning_curves({run.config.method: [run.path]}, run.path / "learning_curve.png")
+        plots.learning_curves({run.config.method: [run.path]}, run.picture)
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code

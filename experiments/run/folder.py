@@ -128,19 +128,23 @@ class RunFolder:
         return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else [])]
 
     def keep_program(self, program: Program) -> None:
-        """Keep the text of the program beside the run; raise `CommandError` if it is another one than it began with.
+        """Keep the text of the program beside a run that begins; raise `CommandError` if it began with another one.
 
         A task of one's own is code, and may change; it is kept as it was.
         """
         task = is_task(self.config.minigame)
         kept, text = self.path / ("task.py" if task else "program.scenic"), program.source
-        if not kept.exists() or not self.begun():
+        if not self.begun():
             try:
                 write_whole(kept, text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
-        elif kept.read_text(errors="replace") != text and not task:
+        elif not task and kept.exists() and kept.read_text(errors="replace") != text:
             raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
+
+    @property
+    def picture(self) -> Path:
+        return self.path / "learning_curve.png"
 
     # ------------------------------------------------------------ the checkpoint
 
@@ -193,8 +197,8 @@ class RunFolder:
         return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
 
     def finished(self) -> bool:
-        """Return whether the checkpoint is at the end of the budget."""
-        if not self.checkpoint.exists():
+        """Return whether the checkpoint is at the end of the budget, and the picture is drawn, which comes last."""
+        if not (self.checkpoint.exists() and self.picture.exists()):
             return False
         from ued import checkpoint
 

@@ -44,6 +44,7 @@ def trained_here(monkeypatch):
     def train_all(runs, most, stop, launcher):
         for run in runs:
             train(RunFolder.open(run.path), stop)
+            run.picture.touch()
 
     monkeypatch.setattr(workers, "train_all", train_all)
 

@@ -83,6 +83,10 @@ def test_a_second_call_keeps_finished_runs_and_extends_them(in_process, tmp_path
     assert main(command) == 0
     assert "at a time" not in capsys.readouterr().out
     assert (folder / "dr-0" / "metrics.csv").read_bytes() == before
+    picture = folder / "dr-0" / "learning_curve.png"
+    picture.unlink()  # by a kill while it was drawn
+    assert main(command) == 0
+    assert (folder / "dr-0" / "metrics.csv").read_bytes() == before and picture.exists()
     command[command.index("5000")] = "7000"
     assert main(command) == 0
     assert (folder / "dr-0" / "metrics.csv").read_bytes().startswith(before)

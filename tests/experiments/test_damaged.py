@@ -138,6 +138,7 @@ def with_text(run, folder, name, old, new):
 def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path, name, damage):
     copy = shutil.copytree(begun, tmp_path / "run")
     (copy / name).write_bytes(damage((copy / name).read_bytes()))
+    (copy / "task.py").unlink()  # nor is the program written anew
     before = contents(copy)
     assert quietly(["train", "--resume", str(copy), "--total-env-steps", "500"])[0] == 1
     assert contents(copy) == before

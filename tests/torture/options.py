@@ -95,6 +95,8 @@ def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
         what = f"line {index} of round {seed}: {words}"
         try:
             code, said = quietly(words)
+        except SystemExit as end:  # --help
+            code, said = int(end.code or 0), ""
         except BaseException as fault:
             raise AssertionError(f"{what}: {type(fault).__name__}: {fault}") from fault
         spent = time.process_time() - began
