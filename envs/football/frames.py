@@ -35,7 +35,7 @@ def play_frames(match):
             continue
         if match.kicker != NOBODY and swing_frame(match):
             behind = advance_players(match, ~near, behind)
-            leave_foot(match, match.kicker)
+            leave_foot(match, match.kicker, 1.0)
             bits = reachable(match)
             near |= bits
             mark_offside(match, match.last_touch)

@@ -27,6 +27,7 @@ from envs.football.constants import (
     SHORT_PASS,
     SHOT,
 )
+from envs.football.simulator import step_everybody
 from envs.football.skills.first_touch import difficulty
 from envs.football.skills.kicks import delay, gauge
 from envs.football.skills.passes import choose_mate, place_of
@@ -300,3 +301,40 @@ def test_a_shot_keeps_its_direction_while_the_run_takes_the_foot_elsewhere() -> 
     still = matches["kicker"][kicking] >= 0
     now = np.arctan2(player["aim_y"] - player["y"], player["aim_x"] - player["x"])
     assert np.abs(now - meant)[still].max() < 0.001
+
+
+def test_who_has_asked_for_a_kick_plays_the_ball_that_a_mate_leads() -> None:
+    """Measured in meetings drawn at random: of 246 shots 37 % change the ball by more than 6 m/s, half hit nothing; no
+    other mate kicks it, and nobody who has missed goes on asking.
+    """
+    players = [(-6.0, 0.0, LEFT, CM), (0.0, 0.4, LEFT, CM), (-50.0, 33.0, RIGHT, GK)]
+    matches = position(players, (-5.5, 0.0), OPEN, range(80))
+    asks, fastest = np.arange(80) < 60, np.zeros(80)
+    actions = np.full((80, 3), DIRECTION_RIGHT)
+    actions[:, 1] = actions[:, 2] = 0
+    for step in range(24):
+        actions[asks, 1] = SHOT if step == 6 else 0
+        step_everybody(matches, actions)
+        fastest = np.maximum(fastest, np.hypot(matches["ball"]["vx"], matches["ball"]["vy"]))
+    assert 0.25 < (fastest[asks] > 11.0).mean() < 0.75 and (fastest[~asks] < 11.0).all()
+    assert (matches["players"]["kick"][:, 1] == 0).all()
+
+
+@pytest.mark.parametrize(("distance", "keys", "least", "most"), [(0.79, [0], 0.0, 0.05), (1.0, [SHOT] * 3, 1.2, 2.2)])
+def test_who_stands_puts_out_a_leg_or_shoots_from_the_run(
+    distance: float, keys: list[int], least: float, most: float
+) -> None:
+    """Drawn scenes, 7 steps, no direction: up to 0.83 m off he stays (0 to 0.1 m); who asks runs on (1.6 to 2.4 m)."""
+    matches = position([(0.0, 0.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)], (distance, 0.0), OPEN, range(20))
+    play(matches, [0, *keys, *[0] * (6 - len(keys))])
+    way = np.hypot(matches["players"]["x"][:, 0], matches["players"]["y"][:, 0])
+    assert least <= way.min() and way.max() < most
+    assert (matches["last_touch"] == 0).all()
+
+
+def test_sprint_and_dribble_do_not_free_who_has_the_ball_before_him() -> None:
+    """Drawn scenes: with the ball 1.06 m off he goes 0.7 m in 7 steps."""
+    matches = position([(0.0, 0.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)], (1.04, 0.0), OPEN, range(10))
+    matches["players"]["sprint"][:, 0] = matches["players"]["dribble"][:, 0] = True
+    play(matches, [0] * 7)
+    assert (matches["players"]["x"][:, 0] > 0.2).all() and (matches["last_touch"] == 0).all()

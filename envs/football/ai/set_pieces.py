@@ -143,7 +143,7 @@ def put_in_play(match, taker):
     if mode == THROW_IN:
         throw(match, taker)
     else:
-        leave_foot(match, taker)
+        leave_foot(match, taker, 1.0)
     if mode not in (THROW_IN, CORNER):  # from these nobody is offside
         mark_offside(match, taker)
 

@@ -36,7 +36,7 @@ from envs.football.constants import (
 from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, forget_kick, time_to_meet
+from envs.football.physics.possession import ball_speed, forget_kick, owns, time_to_meet
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
@@ -170,17 +170,17 @@ def steer(match, i):
     """Want the velocity that the sticky keys ask for, or as far as the ball pulls i the way to it.
 
     Who has the ball and has asked for a pass runs on as he runs until he has kicked, and for a shot while his leg
-    swings: until then his keys lead. Sprint and dribble held together free who has not got it of the pull: then his
-    keys alone count, as in Google Research Football.
+    swings or if no direction is held: else his keys lead until then. Sprint and dribble held together free who has not
+    got it of the pull: then his keys alone count, as in Google Research Football.
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
     speed = key_speed(player, match.carrier == i)
-    if at_feet and player.kick != 0 and (player.kick != SHOT or match.kicker == i):
+    if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed)
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
-    freed = player.sprint and player.dribble
+    freed = player.sprint and player.dribble and not owns(match.ball, player)
     if match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:
         follow_magnet(match, i)
 
@@ -197,6 +197,8 @@ def run_on(player, speed):
         speed = min(speed, PASSING_PACE) if player.kick < SHOT else speed
         player.desired_vx, player.desired_vy = speed * ux, speed * uy
         return
+    if player.direction == 0:
+        ux, uy = player.vx, player.vy
     most = PASSING_PACE if player.kick < SHOT else CARRY_RUN
     share = max(min(speed, most) / now, 1.0) if player.vx * ux + player.vy * uy > 0.0 else 1.0
     player.desired_vx, player.desired_vy = share * player.vx, share * player.vy

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
 from envs.football.physics.pitch import forward
 from envs.football.physics.possession import ball_speed, fall_time, travelled
-from envs.football.physics.vectors import length, toward
+from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.shots import eased
 from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
@@ -28,6 +28,9 @@ class Pull(NamedTuple):
     touched: float = 0.4  # to this power,
     soon: float = 1.7  # s to the ball at most
     standing: float = 1.8  # m/s, slower he stands
+    at_rest: float = 0.5  # m/s, slower rests who or what does
+    body: float = 0.75  # m to a ball that rests, from where on who stands puts out a leg for it,
+    leg: float = 0.83  # and up to where
 
 
 class Await(NamedTuple):
@@ -62,6 +65,8 @@ def follow_magnet(match, i):
         return
     keys_x, keys_y = player.desired_vx, player.desired_vy
     goes = is_ours(match, player.team)
+    if at_hand(match, player):
+        return
     if player.kick == 0 and goes and awaits(match, i):
         return
     chase(match, i, player.top_speed)
@@ -70,6 +75,18 @@ def follow_magnet(match, i):
     share = pull(match, i)
     player.desired_vx = share * player.desired_vx + (1.0 - share) * keys_x
     player.desired_vy = share * player.desired_vy + (1.0 - share) * keys_y
+
+
+@kernel
+def at_hand(match, player):
+    """Return whether a player who stands, with no direction held, puts out a leg for a resting ball, with no run."""
+    ball = match.ball
+    return (
+        player.direction == 0
+        and length(player.vx, player.vy) < PULL.at_rest
+        and ball_speed(ball) < PULL.at_rest
+        and PULL.body <= apart(ball, player) < PULL.leg
+    )
 
 
 @kernel

@@ -13,11 +13,11 @@ import numpy as np
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
 from envs.football.physics.pitch import own_goal_x
-from envs.football.physics.possession import ball_speed
+from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import can_hold, has_hands, hold, parry, sticks_off_feet
-from envs.football.skills.kicks import kick_first_time
+from envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from envs.football.skills.saves import DIVE, foresee
 from envs.football.skills.tackles import (
     STANDING,
@@ -37,12 +37,22 @@ class Trap(NamedTuple):
     """Bringing a free ball under control."""
 
     reach: float = 0.75  # m
+    leg: float = 0.83  # m, of who stands and has no direction held: he puts out a leg
     below: float = 1.9  # m
     body_reach: float = 0.3  # m, to a shot too sudden to put out a leg:
     sudden_age: float = 0.25  # s since it was struck, at most,
     sudden_speed: float = 22.0  # m/s, at least
     first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m
+
+
+class MatesBall(NamedTuple):
+    """A ball that a mate leads, for who has asked for a kick; checked against meetings drawn in both engines."""
+
+    reach: float = 0.9  # m
+    missed: float = 0.3  # share of a swing that is lost at worst: then he hits nothing,
+    best: float = 1.3  # share of it that may be there beside that; more than all is all
+    robbed_wait: float = 0.3  # s until who led it can touch it again
 
 
 class Claim(NamedTuple):
@@ -129,7 +139,7 @@ class Catch(NamedTuple):
 
 
 # Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, families keeper and passes.
-TRAP, CLAIM, FEET, DEFLECT, CATCH = Trap(), Claim(), Feet(), Deflect(), Catch()
+TRAP, MATES_BALL, CLAIM, FEET, DEFLECT, CATCH = Trap(), MatesBall(), Claim(), Feet(), Deflect(), Catch()
 MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
 
@@ -184,10 +194,21 @@ def meet(match, i, distance):
     elif match.carrier != NOBODY:
         if match.players[match.carrier].team != player.team:
             challenge(match, i, distance)
+        elif player.kick_ready and distance < MATES_BALL.reach and ball.z < TRAP.header_from:
+            kick_mates_ball(match, i)
     elif player.role == GK and distance < CLAIM.reach and ball.z < CLAIM.below and has_hands(match, i):
         catch(match, i)
-    elif distance < (TRAP.body_reach if too_sudden(match) else TRAP.reach) and ball.z < TRAP.below:
+    elif distance < reach_of(match, player) and ball.z < TRAP.below:
         trap(match, i)
+
+
+@kernel
+def reach_of(match, player):
+    """Return how far in m from his body a player brings a free ball under control."""
+    if too_sudden(match):
+        return TRAP.body_reach
+    stands = player.direction == 0 and player.desired_vx == 0.0 and player.desired_vy == 0.0
+    return TRAP.leg if stands and length(player.vx, player.vy) < STANDING else TRAP.reach
 
 
 @kernel
@@ -217,11 +238,27 @@ def trap(match, i):
     """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
     player = match.players[i]
     if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from:
-        kick_first_time(match, i)
+        kick_first_time(match, i, 1.0)
         return
     cushion(match, i)
     if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
         foresee(match, player.team)
+
+
+@kernel
+def kick_mates_ball(match, i):
+    """Let player i, who has asked for a kick, play the ball that a mate leads as it comes.
+
+    He swings at where it will be if the mate plays it no more: so he often meets but a part of it, or nothing.
+    """
+    player = match.players[i]
+    clean = MATES_BALL.best * uniform(match) - MATES_BALL.missed
+    if clean <= 0.0:
+        forget_kick(player)
+        player.touch_wait = AFTER_KICK
+        return
+    match.players[match.carrier].touch_wait = MATES_BALL.robbed_wait
+    kick_first_time(match, i, min(clean, 1.0))
 
 
 @kernel

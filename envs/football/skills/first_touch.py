@@ -133,7 +133,13 @@ def cushion(match, i):
         ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
         ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
         return
-    if runs and player.direction == 0 and player.action != BUILTIN_AI and length(vx, vy) < CONTROL.lying:
+    if (
+        runs
+        and player.direction == 0
+        and player.kick == 0
+        and player.action != BUILTIN_AI
+        and length(vx, vy) < CONTROL.lying
+    ):
         player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
         player.turning = 0
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x

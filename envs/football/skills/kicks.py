@@ -215,9 +215,10 @@ def aim_again(match, i):
 
 
 @kernel
-def leave_foot(match, i):
-    """Send the ball off player i's foot."""
+def leave_foot(match, i, clean):
+    """Send the ball off player i's foot, which meets it with this share in (0, 1]: so much of its way is the kick's."""
     player, ball = match.players[i], match.ball
+    vx, vy, vz = ball.vx, ball.vy, ball.vz
     if not player.is_aimed and player.kick != SHOT:
         aim_again(match, i)
     dx, dy = player.aim_x - ball.x, player.aim_y - ball.y
@@ -231,6 +232,9 @@ def leave_foot(match, i):
         strike(match, player, ux, uy, max(gauge(player.kick_held) ** GAUGE.shot_power, 0.01))
     else:
         play_pass(match, player, ux, uy, distance)
+    if clean < 1.0:
+        ball.vx, ball.vy = clean * ball.vx + (1.0 - clean) * vx, clean * ball.vy + (1.0 - clean) * vy
+        ball.vz = clean * ball.vz + (1.0 - clean) * vz
     player.facing_x, player.facing_y = ux, uy
     player.touch_wait = AFTER_KICK
     match.receiver = player.kick_mate
@@ -241,14 +245,16 @@ def leave_foot(match, i):
 
 
 @kernel
-def kick_first_time(match, i):
-    """Let player i, who has asked for a kick, play a free ball without stopping it: a volley or a header."""
+def kick_first_time(match, i, clean):
+    """Let player i, who has asked for a kick, play a ball without stopping it, a volley or a header, as `leave_foot`
+    does.
+    """
     if whistled(match, i):
         return
     lose_ball(match)
     if not match.players[i].is_aimed:
         aim(match, i)
-    leave_foot(match, i)
+    leave_foot(match, i, clean)
 
 
 @kernel
