@@ -59,6 +59,7 @@ class LevelQueue(Resumable):
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
         self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
+        self._left = np.zeros((self.students, num_envs), np.int64)  # [S, N] episodes due there; below 1: it waits
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
@@ -79,34 +80,13 @@ class LevelQueue(Resumable):
         if self.once_per_rollout:  # what the others play is not counted
             first = self.needs_new_level[student, ended]
             ended, returns, success = ended[first], returns[first], success[first]
-        counted, through = self._note(student, ended, {"returns": returns, "success": success})
-        waiting = np.concatenate([ended[~counted], ended[through]])
-        waiting = waiting[: max(0, self.max_lead - int(self.taken[student] - self._slowest(student)))]
+        left = self._left[student, ended]  # this one included
+        self._ended[student].append((self.playing[student, ended], left, returns, success))
+        self._left[student, ended] = left - 1
+        waiting = np.concatenate([ended[left < 1], ended[left == 1]])
+        waiting = waiting[: max(0, self.max_lead - int(self.taken[student] - self.taken.min()))]
         self.needs_new_level[student, waiting] = False
         return waiting, self._take(student, waiting)
-
-    def _note(self, student: int, ended: np.ndarray, results: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Write results `[k]` into their records, by field; return which of them count, and which of these were the
-        last ones due on their levels: bool `[k]` both.
-        """
-        rows = self.playing[student, ended]  # [k]
-        counted = rows != NONE
-        left = np.zeros(len(ended), np.int64)  # [k] episodes due, this one included
-        played, due = self.records["num_played"][:, student], self.records["num_episodes"]
-        left[counted] = (due - played)[rows[counted]]
-        counted = left > 0
-        rows = rows[counted]
-        episode = played[rows]
-        for name, values in results.items():
-            self.records[name][rows, student, episode] = values[counted]
-        played[rows] += 1
-        self._ended[student].append((counted, rows, episode))
-        return counted, left == 1
-
-    def _slowest(self, student: int) -> int:
-        """Return how many levels the slowest of the others has begun; of a single student, himself."""
-        others = [int(taken) for index, taken in enumerate(self.taken) if index != student]
-        return min(others, default=int(self.taken[student]))
 
     def _take(self, student: int, envs: np.ndarray) -> np.ndarray:
         start = int(self.taken[student])
@@ -117,10 +97,12 @@ class LevelQueue(Resumable):
             proposals["turn"] = self.next_turn + np.arange(len(proposals))
             self.next_turn += len(proposals)
             self.records = np.concatenate([self.records, proposals])
-        rows = np.arange(start, start + len(envs))
-        self.playing[student, envs] = rows
-        self.taken[student] += len(envs)
-        return self.records.take(rows)
+        records = self.records[start : start + len(envs)].copy()
+        if len(envs):
+            self.playing[student, envs] = np.arange(start, start + len(envs))
+            self._left[student, envs] = records["num_episodes"]
+            self.taken[student] += len(envs)
+        return records
 
     def turns(self, student: int) -> np.ndarray:
         """Return which turn each of a student's environments plays `[N]`; NONE for one that waits."""
@@ -133,21 +115,33 @@ class LevelQueue(Resumable):
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
         """Write what the critic thought in the E episodes that ended since the last call, in their order: `[E]` each.
 
-        Does nothing where levels last for a rollout: episodes that do not count are not told apart there.
+        Not where levels last for a rollout: episodes that do not count are not told apart there.
         """
-        ended, self._ended[student] = self._ended[student], []
-        if not ended or self.once_per_rollout:
+        self._write_results(student, {} if self.once_per_rollout else stats)
+
+    def _write_results(self, student: int, stats: dict[str, np.ndarray]) -> None:
+        """Write what came of the E episodes that ended since the last call, and these stats `[E]`, into their records.
+
+        It is done once in a rollout: writing into a few records takes as long as into all.
+        """
+        if not self._ended[student]:
             return
-        counted, rows, episode = map(np.concatenate, zip(*ended, strict=True))
-        for name, column in stats.items():
-            self.records[name][rows, student, episode] = column[counted]
+        rows, left, returns, success = map(np.concatenate, zip(*self._ended[student], strict=True))  # [E]
+        self._ended[student] = []
+        counted = left > 0
+        rows, left = rows[counted], left[counted]
+        for name, column in ({"returns": returns, "success": success} | stats).items():
+            self.records[name][rows, student, self.records["num_episodes"][rows] - left] = column[counted]
+        np.add.at(self.records["num_played"][:, student], rows, 1)
 
     def _forget_ended(self) -> None:
-        # of the episodes that ended in each step: which count [k], and record and number of these
-        self._ended: list[list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = [[] for _ in range(self.students)]
+        # of the episodes that ended in each step [k]: record, episodes due, returns, success
+        self._ended: list[list[tuple[np.ndarray, ...]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
         """Return for each record whether every student has played it often enough: bool `[R]`."""
+        for student in range(self.students):
+            self._write_results(student, {})
         return np.all(self.records["num_played"] >= self.records["num_episodes"][:, None], axis=1)
 
     def pop_finished(self) -> np.ndarray:
@@ -161,15 +155,19 @@ class LevelQueue(Resumable):
         self.records = self.records[~finished]
         if self.drop_stale_proposals:
             self.records = self.records[: int(self.taken.max())]
-        self._forget_ended()
         return popped
 
     def clear(self) -> None:
         """Forget all records, finished or not; students begin again with `first`."""
         self.records = self.records[:0]
         self.taken[:] = 0
-        self.playing[:] = NONE
+        self.playing[:], self._left[:] = NONE, 0
         self._forget_ended()
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return a copy of everything that changes."""
+        self.finished()
+        return super().state_dict()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Take back what `state_dict` returned. Raises ValueError if its level records have other fields, or no such
@@ -184,6 +182,9 @@ class LevelQueue(Resumable):
         _check_range("taken", self.taken, (students,), 0, rows)
         _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
         _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
+        left = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
+        left = np.concatenate([left, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
+        self._left = left[self.playing, np.arange(students)[:, None]]
         self._forget_ended()  # of an update that broke off
 
 
