@@ -193,8 +193,7 @@ def goes_for_loose_ball(match, i):
     rival = match.chaser[1 - player.team]
     if rival == NOBODY:
         return True
-    speed = ball_speed(ball)
-    return time_to_meet(match, i, speed) + OUT.claim_margin < time_to_meet(match, rival, speed)
+    return time_to_meet(match, i) + OUT.claim_margin < time_to_meet(match, rival)
 
 
 @kernel
@@ -345,7 +344,8 @@ def stand(match, i):
     player = match.players[i]
     goal_x = own_goal_x(player.team)
     x, y = match.ball.x, match.ball.y
-    if x * goal_x > -HALF_LENGTH * FARTHEST_ROLL or fall_time(match.ball) > 0.0:  # else it stays in the other half
+    near = x * goal_x > -HALF_LENGTH * FARTHEST_ROLL or fall_time(match.ball) > 0.0
+    if x * goal_x > 0.0 or (near and match.ball.vx * goal_x > 0.0):  # else it stays in the other half
         x, y = led_ball(match, i)
     if x * goal_x <= 0.0:
         hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
@@ -359,7 +359,7 @@ def led_ball(match, i):
     """Return where keeper i sees the ball: where it rolls or flies to meanwhile."""
     ball = match.ball
     speed = ball_speed(ball)
-    time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i, speed)
+    time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i)
     share = travelled(speed, fall_time(ball), time) / max(speed, 1e-9)
     return ball.x + share * ball.vx, ball.y + share * ball.vy
 

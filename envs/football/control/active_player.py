@@ -14,8 +14,7 @@ from typing import NamedTuple
 
 from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
 from envs.football.control.keys import is_button
-from envs.football.physics.possession import CHASE, ball_speed, meeting_time, owns
-from envs.football.physics.vectors import squared_apart
+from envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns
 from scenic_lite.kernels.jit import kernel
 
 
@@ -87,8 +86,8 @@ def active_player(match, team, old):
         return old
     if owns(match.ball, player) and not opponents_own(match, team):
         return new
-    speed = ball_speed(match.ball)
-    return new if SOONER * time_to_ball(match, player, speed) < time_to_ball(match, match.players[old], speed) else old
+    ahead = look_ahead(match.ball)
+    return new if SOONER * time_to_ball(match, player, ahead) < time_to_ball(match, match.players[old], ahead) else old
 
 
 @kernel
@@ -102,17 +101,17 @@ def is_passed_to(match, team):
 @kernel
 def designate(match, team, active):
     """Choose whom the team designates: who is soonest at the ball, but only if clearly sooner than the present one."""
-    speed, present = ball_speed(match.ball), match.designated[team]
+    ahead, present = look_ahead(match.ball), match.designated[team]
     is_there = present != NOBODY and not match.players[present].has_left
-    best, soonest = first_of_team(match, team, present if is_there else NOBODY, speed)
+    best, soonest = first_of_team(match, team, present if is_there else NOBODY, ahead)
     if not is_there:
         match.designated[team] = best
     elif best != present:
-        time = time_to_ball(match, match.players[present], speed)
+        time = time_to_ball(match, match.players[present], ahead)
         rating = (soonest + DESIGNATION.patience) / (time + DESIGNATION.patience)
         rating *= standing(match, best, active) / standing(match, present, active)
         if best != active:
-            _, opponents = first_of_team(match, 1 - team, match.chaser[1 - team], speed)
+            _, opponents = first_of_team(match, 1 - team, match.chaser[1 - team], ahead)
             if time < opponents - DESIGNATION.ahead:
                 rating = DESIGNATION.ahead_times * (rating + DESIGNATION.ahead_more)
         if rating < DESIGNATION.rating:
@@ -120,22 +119,21 @@ def designate(match, team, active):
 
 
 @kernel
-def first_of_team(match, team, likely, speed):
+def first_of_team(match, team, likely, ahead):
     """Return the player of `team` who is soonest at the ball, -1 none, and in how many s.
 
     The `likely` one, -1 for none, is tried first: then most of the others are seen to be too far away.
     """
     best, soonest = likely, math.inf
     if likely != NOBODY:
-        soonest = time_to_ball(match, match.players[likely], speed)
+        soonest = time_to_ball(match, match.players[likely], ahead)
     for i in range(match.num_players):
         player = match.players[i]
-        reach = (CHASE.speed + speed) * soonest  # m, of who could be as soon if the ball rolled towards him
         if i == likely or player.team != team or player.has_left:
             continue
-        if squared_apart(player, match.ball.x, match.ball.y) > reach * reach:
+        if is_too_far(match.ball, ahead, player, soonest):
             continue
-        time = time_to_ball(match, player, speed)
+        time = time_to_ball(match, player, ahead)
         if time < soonest or (time == soonest and player.order < match.players[best].order):
             best, soonest = i, time
     return best, soonest
@@ -158,6 +156,6 @@ def opponents_own(match, team):
 
 
 @kernel
-def time_to_ball(match, player, speed):
+def time_to_ball(match, player, ahead):
     """Return the seconds in which a player can be at the ball, once he is on his feet."""
-    return meeting_time(match, player, speed) + player.down_wait
+    return meeting_time(match.ball, ahead, player) + player.down_wait

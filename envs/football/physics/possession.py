@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from envs.football.physics.ball import AIR, rolled
-from envs.football.physics.vectors import apart, length, squared_apart
+from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
 
@@ -33,11 +33,22 @@ class Chase(NamedTuple):
     landed: float = 0.6  # share of its speed that a ball keeps when it comes down
 
 
+class Ahead(NamedTuple):
+    """How the ball goes on while nobody touches it: the same for all who run for it, so it is worked out once."""
+
+    speed: float  # m/s, in the plane
+    flight: float  # s until it comes down to the players
+    air: float  # m that it flies until then
+    left: float  # m/s at which it then rolls on
+    lasts: float  # s in which it would come to rest at its present speed: how far it gets
+
+
 # Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
 # family matches.
 OWNED, CHASE = Owned(), Chase()
 PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
+SURE = 1e-6  # m, more than rounding makes of distances
 NEVER = 100.0  # s until a team without players is at the ball
 
 
@@ -74,57 +85,75 @@ def flown(speed, flight):
 
 
 @kernel
-def meeting_time(match, player, speed):
-    """Estimate in s how soon a player can be at the ball, which goes on at `speed` m/s meanwhile."""
-    ball = match.ball
+def look_ahead(ball):
+    """Estimate how the ball goes on."""
+    speed, flight = ball_speed(ball), fall_time(ball)
+    air, left = flown(speed, flight)
+    return Ahead(speed, flight, air, left, (air + rolled(left, math.inf)) / max(speed, 1e-9))
+
+
+@kernel
+def meeting_time(ball, ahead, player):
+    """Estimate in s how soon a player can be at the ball, which goes on as it is seen `ahead` meanwhile."""
     time = length(ball.x - player.x, ball.y - player.y) / CHASE.speed
-    if speed < 1.0:
+    if ahead.speed < 1.0:
         return time
-    flight = fall_time(ball)
-    time, (air, left) = max(time, flight), flown(speed, flight)
+    time = max(time, ahead.flight)
     for _ in range(3):
-        share = (air + rolled(left, time - flight)) / speed
+        last, share = time, (ahead.air + rolled(ahead.left, time - ahead.flight)) / ahead.speed
         reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
-        time = max(0.5 * (time + reach / CHASE.speed), flight)
+        time = max(0.5 * (time + reach / CHASE.speed), ahead.flight)
+        if time == last:
+            break  # he waits where it comes down
     return time
+
+
+@kernel
+def is_too_far(ball, ahead, player, time):
+    """Return whether no place that the ball still comes to is near enough for a player to be there in `time` s."""
+    dx, dy = player.x - ball.x, player.y - ball.y
+    share = (dx * ball.vx + dy * ball.vy) / max(ahead.speed * ahead.speed, 1e-9)
+    share = min(max(share, 0.0), ahead.lasts)
+    dx, dy = dx - share * ball.vx, dy - share * ball.vy
+    reach = CHASE.speed * time + SURE
+    return dx * dx + dy * dy > reach * reach
 
 
 @kernel
 def find_chasers(match):
     """Find for each team the player who can be first at the ball, the carrier or by meeting time, and how soon."""
-    speed = ball_speed(match.ball)
+    ball, ahead = match.ball, look_ahead(match.ball)
     lasts = match.chaser[LEFT], match.chaser[RIGHT]
     for team in (LEFT, RIGHT):
         match.chaser[team], match.arrival[team] = NOBODY, NEVER
         if lasts[team] != NOBODY:  # who mostly still is: then all the others are seen to be too far away
-            consider_chaser(match, lasts[team], speed)
+            consider_chaser(match, lasts[team], ahead)
     for i in range(match.num_players):
         player = match.players[i]
         last = lasts[LEFT] if player.team == LEFT else lasts[RIGHT]
         if last == i and match.carrier != i:
             continue
-        reach = (CHASE.speed + speed) * match.arrival[player.team]  # m, of who could be as soon at a ball rolled to him
-        if match.carrier == i or squared_apart(player, match.ball.x, match.ball.y) <= reach * reach:
-            consider_chaser(match, i, speed)
+        if match.carrier == i or not is_too_far(ball, ahead, player, match.arrival[player.team]):
+            consider_chaser(match, i, ahead)
 
 
 @kernel
-def consider_chaser(match, i, speed):
-    """Make player i his team's chaser if he is sooner at the ball, which rolls at `speed` m/s, than who is so far."""
+def consider_chaser(match, i, ahead):
+    """Make player i his team's chaser if he is sooner at the ball, as it goes on `ahead`, than who is so far."""
     player = match.players[i]
     chaser, soonest = match.chaser[player.team], match.arrival[player.team]
-    time = 0.0 if match.carrier == i else meeting_time(match, player, speed) + player.down_wait
+    time = 0.0 if match.carrier == i else meeting_time(match.ball, ahead, player) + player.down_wait
     if match.carrier == i or time < soonest or (time == soonest and i < chaser):
         match.chaser[player.team], match.arrival[player.team] = i, time
 
 
 @kernel
-def time_to_meet(match, i, speed):
+def time_to_meet(match, i):
     """Return `meeting_time` of player i in s, which is known of those who have just been found to be chasers."""
     player = match.players[i]
     if match.chaser[player.team] == i and match.carrier != i and player.down_wait == 0.0:
         return match.arrival[player.team]
-    return meeting_time(match, player, speed)
+    return meeting_time(match.ball, look_ahead(match.ball), player)
 
 
 @kernel

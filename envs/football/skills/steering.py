@@ -38,7 +38,7 @@ def chase(match, i, speed):
     rolling = ball_speed(ball)
     share = 0.0
     if rolling > 0.5:
-        share = travelled(rolling, fall_time(ball), time_to_meet(match, i, rolling)) / rolling
+        share = travelled(rolling, fall_time(ball), time_to_meet(match, i)) / rolling
     run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
 
 
