@@ -78,6 +78,16 @@ def _below(top: _PartLibrary) -> list[Any]:
     return [library for library in libraries.values() if library is not top]
 
 
+class _ProgramLibrary(JITCodeLibrary):
+    """The code of a program: nobody but its own entry calls what it has linked, and so the optimiser may do more."""
+
+    def _optimize_final_module(self) -> None:
+        for function in self._final_module.functions:
+            if not function.is_declaration and function.linkage.name == "linkonce_odr":
+                function.linkage = "internal"
+        super()._optimize_final_module()
+
+
 class _PartCodegen(JITCPUCodegen):
     """Numba's code generator, with the same engine, except that it makes libraries of parts; a part has no address."""
 
@@ -111,7 +121,7 @@ class _ProgramCompiler(_PartCompiler):
     """Numba's compiler; of the bodies of parallel loops and what Numba wraps round them it makes parts, too."""
 
     def compile_extra(self, func: Any) -> Any:
-        library = self.state.library = self.state.targetctx.codegen().usual.create_library(func.__qualname__)
+        library = self.state.library = _ProgramLibrary(self.state.targetctx.codegen().usual, func.__qualname__)
         library.enable_object_caching()
         return super().compile_extra(func)
 
