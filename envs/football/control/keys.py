@@ -179,6 +179,9 @@ def steer(match, i):
     if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed)
         return
+    if match.carrier == i and player.stance_wait > 0.0:  # he stops with the ball first
+        player.desired_vx, player.desired_vy = 0.0, 0.0
+        return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
     freed = player.sprint and player.dribble and not owns(match.ball, player)
     if match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:

@@ -51,7 +51,8 @@ class Control(NamedTuple):
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
     lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
     set_off: float = 3.0  # m/s, so fast it goes;
-    stops: float = 0.82  # of his run is left to who runs to it with no direction: he stops with it
+    stops: float = 0.82  # of his run is left to who runs to it with no direction: he stops with it,
+    stops_for: float = 0.15  # s in which his keys lead nowhere
 
 
 CONTROL = Control()
@@ -141,7 +142,7 @@ def cushion(match, i):
         and length(vx, vy) < CONTROL.lying
     ):
         player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
-        player.turning = 0
+        player.turning, player.stance_wait = 0, CONTROL.stops_for
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9
