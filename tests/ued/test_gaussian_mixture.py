@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ued.levels.gaussian_mixture import GaussianMixture, fit
+from ued.levels.gaussian_mixture import GaussianMixture, fit, products_of
 
 CENTRES = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
 
@@ -18,7 +18,7 @@ def test_densities_by_hand():
     mixture = GaussianMixture(np.array([0.25, 0.75]), np.array([[0.0], [2.0]]), np.array([[[1.0]], [[4.0]]]))
     root = np.sqrt(2 * np.pi)
     wanted = [0.25 * np.exp(-0.5) / root, 0.75 * np.exp(-1 / 8) / (2 * root)]
-    assert np.exp(mixture.log_densities(np.array([[1.0]])))[:, 0] == pytest.approx(wanted)
+    assert np.exp(mixture.log_densities(products_of(np.array([[1.0]]))))[:, 0] == pytest.approx(wanted)
     assert mixture.aic(np.array([[1.0]])) == pytest.approx(2 * 5 - 2 * np.log(sum(wanted)))
 
 

@@ -26,6 +26,7 @@ from ued.upomdp import level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
+BLOCK = 16  # episodes for which it is sought together: their distances stay in the processor's cache
 
 
 class ALPGMM(Method):
@@ -38,7 +39,7 @@ class ALPGMM(Method):
 
     def begin(self, config: ALPGMMConfig | None, seed: int) -> None:
         self.curriculum = ALPLevels(self.upomdp, config or ALPGMMConfig(), seed)
-        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
@@ -78,13 +79,13 @@ class ALPLevels(Resumable):
 
     def propose(self, count: int) -> np.ndarray:
         """Draw levels from the mixture, some uniformly."""
-        levels = self.pool.take(count)
+        levels, focused = np.zeros(count, self.dtype["level"]), np.zeros(count, bool)
         if self.mixture is not None:
             focused = self.rng.random(count) >= self.config.random_share
             theta, valid = self._from_mixture(int(focused.sum()))
-            levels[np.flatnonzero(focused)[valid]] = self.space.make_levels(theta[valid])
-        else:
-            focused = np.zeros(count, bool)
+            focused[focused] = valid
+            levels[focused] = self.space.make_levels(theta[valid])
+        levels[~focused] = self.pool.take(int((~focused).sum()))
         records = make_records(self.dtype, levels, Origin.RANDOM)
         records["origin"][focused] = Origin.PROPOSED
         return records
@@ -93,8 +94,7 @@ class ALPLevels(Resumable):
         """Return the absolute learning progress `[L]` of the episodes on these levels, which it remembers."""
         theta = np.concatenate([self.theta, records["level"]["theta"]])  # [n + L, D]
         returns = np.concatenate([self.returns, records["returns"][:, 0, 0]])  # [n + L]
-        columns = np.ascontiguousarray(theta.T)
-        progress = np.array([_progress(columns, returns, k) for k in range(len(self.theta), len(theta))])
+        progress = np.abs(returns[len(self.theta) :] - returns[_nearest(theta, len(self.theta))])
         self.theta, self.returns = theta[-REMEMBERED:], returns[-REMEMBERED:]
         self.progress = np.concatenate([self.progress, progress])[-REMEMBERED:]
         self.unfitted += len(records)
@@ -131,23 +131,30 @@ class ALPLevels(Resumable):
         """Draw θ `[count, D]` within the box; return it and which rows are valid: bool `[count]`."""
         assert self.mixture is not None
         theta, valid = np.zeros((count, self.space.theta_dim)), np.zeros(count, bool)
+        roots = np.linalg.cholesky(self.mixture["covariances"])
         for _ in range(TRIES):
             rows = np.flatnonzero(~valid)
             if not len(rows):
                 break
             which = self.rng.choice(len(self.mixture["weights"]), len(rows), p=self.mixture["weights"])
-            for k in np.unique(which):  # one factorisation for all draws of a Gaussian
-                mine, gaussian = rows[which == k], (self.mixture["means"][k], self.mixture["covariances"][k])
-                theta[mine] = np.clip(self.rng.multivariate_normal(*gaussian, len(mine), method="eigh"), -1.0, 1.0)
+            noise = self.rng.standard_normal((len(rows), theta.shape[1], 1))
+            theta[rows] = np.clip(self.mixture["means"][which] + (roots[which] @ noise)[:, :, 0], -1.0, 1.0)
             valid[rows] = self.space.valid(theta[rows])
         return theta, valid
 
 
-def _progress(columns: np.ndarray, returns: np.ndarray, k: int) -> float:
-    """Return how far the return of episode k is from that of the nearest θ, `[D, n]` by column, before it."""
-    first = max(0, k - REMEMBERED)
-    if k == first:
-        return 0.0
-    apart = columns[:, first:k] - columns[:, k, None]
-    distance = np.einsum("dn,dn->n", apart, apart)
-    return float(abs(returns[k] - returns[first + distance.argmin()]))
+def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
+    """Return for each episode from `first` on which one before it, of the last REMEMBERED, has the nearest θ `[n, D]`.
+
+    The very first one is its own: int `[n - first]`.
+    """
+    nearest, half = [np.zeros(0, np.int64)], 0.5 * (theta**2).sum(1, keepdims=True)
+    rows, others = np.append(-theta, np.ones_like(half), 1), np.append(theta, half, 1)  # [n, D + 1]
+    for start in range(first, len(theta), BLOCK):
+        end = min(start + BLOCK, len(theta))
+        oldest = max(0, end - REMEMBERED)
+        distance = rows[start:end] @ others[oldest:end].T  # half its square, but for a term that all of a row have
+        later = distance[:, start - oldest :]
+        later[np.triu_indices(len(later))] = np.inf
+        nearest.append(oldest + distance.argmin(1))
+    return np.concatenate(nearest)
