@@ -106,6 +106,8 @@ class Frontier(UPOMDP):
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
         for name in ("place", "lost", "levels"):
             getattr(self, name)[:] = state[name]
+        if not ((self.place >= 0) & (self.place < self.length(self.levels["theta"]))).all():
+            raise ValueError(f"place must be on the paths of the levels, got {self.place}")
         set_stream(self.np_random, state["np_random"])
         return self._look()
 

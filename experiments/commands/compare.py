@@ -100,13 +100,13 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
 
 def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, rrd: Path | None = None) -> None:
     """Print the tables; write them, all numbers and pictures, and the curves of all runs to a recording at `rrd`."""
-    report.save(folder)
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     name = build.short_name(runs[0].config.minigame)
     with read_from(f"the tables of a run in {folder} are"):
         draw(Comparison(name, by_method, report.results, painter, report.word), folder)
+    report.save(folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")

@@ -1,5 +1,6 @@
 """Recordings are read back without a viewer."""
 
+import gc
 import signal
 import socket
 import subprocess
@@ -171,6 +172,28 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     recorder.flush()
     assert ended == [True] and recorder.recorder is None
     assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"
+
+
+def test_a_stream_that_its_disk_has_failed_is_not_freed(tmp_path, monkeypatch):
+    class Stream:
+        def flush(self, timeout_sec):
+            raise RuntimeError("Flush timed out")
+
+        def __del__(self):  # Rerun's waits for its writer here
+            freed.append(True)
+
+    freed, left = [], []
+    monkeypatch.setattr(rerun, "unregister_shutdown", lambda: left.append(True))
+    recorder = CurriculumRecorder(Recording(tmp_path / "c.rrd", "regista-3", "probe 0", 3000, {}), None, DRAWS)
+    recorder.record(1, 1000, batch(1, np.random.default_rng(0)), {"regret": 0.5})
+    monkeypatch.setattr(recorder, "_send_metrics", lambda: None)
+    recorder.stream.disconnect()
+    recorder.stream = Stream()
+    with pytest.raises(RuntimeError, match="Flush timed out"):
+        recorder.flush()
+    del recorder
+    gc.collect()
+    assert left and not freed
 
 
 def test_a_viewer_is_there_or_not():

@@ -84,6 +84,18 @@ def test_the_gradient_is_cut_down_as_a_whole() -> None:
             torch.testing.assert_close(one.grad, other.grad)
 
 
+def test_settings_come_from_no_checkpoint() -> None:
+    weight = torch.nn.Parameter(torch.ones(2))
+    optimizer = Adam([weight], 0.5, 1e-5)
+    state = optimizer.state_dict()
+    state["param_groups"] = [{"lr": float("nan"), "params": [0]}]
+    optimizer.load_state_dict(state)
+    optimizer.zero_grad()
+    weight.sum().backward()
+    optimizer.step()
+    assert weight.tolist() == pytest.approx([0.5, 0.5], abs=1e-3)
+
+
 def test_a_copy_goes_on_alone() -> None:
     net = network()
     adam = Adam(net.parameters(), 0.01, 1e-5)

@@ -99,8 +99,8 @@ class Adam(torch.optim.Adam):
         return state | {"state": apart}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
-        super().load_state_dict(state_dict)
+        """Take back what `state_dict` returned, but for the settings: they are those that it was made with."""
+        super().load_state_dict(state_dict | {"param_groups": self.state_dict()["param_groups"]})
         self._vectors = None
 
 

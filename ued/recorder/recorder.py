@@ -25,6 +25,7 @@ Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `reco
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
@@ -125,11 +126,15 @@ class CurriculumRecorder:
     def flush(self) -> None:
         """Write out what is pending, so that a kill from here on loses nothing earlier.
 
-        Raises what Rerun does where the disk does not take it: it would wait for ever.
+        Raises what Rerun does where the disk does not take it; then nothing more can be recorded.
         """
         if self._opened:
             self._send_metrics()
-            self.stream.flush(timeout_sec=FLUSH_SECONDS)
+            try:
+                self.stream.flush(timeout_sec=FLUSH_SECONDS)
+            except RuntimeError:
+                _abandon(self.stream)
+                raise
 
     def close(self) -> None:
         """Finish the file."""
@@ -226,3 +231,9 @@ class CurriculumRecorder:
             f"| θ | value | batch, 10 % to 90 % |\n|---|---|---|\n{rows}\n"
         )
         return rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)
+
+
+def _abandon(stream: rerun.RecordingStream) -> None:
+    """Never free a stream that its disk has failed: Rerun would wait for its writer, without end, then or at exit."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
+    rerun.unregister_shutdown()
