@@ -170,9 +170,8 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
     if source is not None:
         origin.check(source, config)
     stem = f"{name}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
-    run = RunFolder.create(flags.out or Path("runs") / stem, config)
-    origin.keep(run, source, flags.fine_tuning)
-    return run
+    out = flags.out or Path("runs") / stem
+    return RunFolder.create(out, config, lambda run: origin.keep(run, source, flags.fine_tuning))
 
 
 def _known(argv: Sequence[str]) -> Any:

@@ -22,7 +22,7 @@ Read next: `commands.train`.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -56,8 +56,13 @@ class RunFolder:
         self._saved_at = time.monotonic()
 
     @classmethod
-    def create(cls, path: Path, config: TrainConfig) -> RunFolder:
-        """Make the folder and write its configuration. Raises `CommandError` if there is a run already."""
+    def create(
+        cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None
+    ) -> RunFolder:
+        """Make the folder and write its configuration; what else it needs, `prepare` writes before.
+
+        For where there is a configuration, the run can be resumed. Raises `CommandError` if there is a run already.
+        """
         run = cls(path, config, provenance.about())
         if run.begun():
             raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
@@ -71,6 +76,7 @@ class RunFolder:
             raise cannot_write(path, error) from error
         with run.locked():
             run._kept = None
+            prepare(run)
             run.keep_config()
         return run
 

@@ -94,6 +94,13 @@ def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_p
             raise KeyboardInterrupt
         return update(self)
 
+    def kill_at_once(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("experiments.run.origin.keep", kill_at_once)
+        assert main(["train", "--out", str(killed), *flags]) == 130
+    assert main(["train", "--resume", str(killed)]) == 1  # for it has not yet what it is to begin with
     monkeypatch.setattr(DR, "update", kill)
     assert main(["train", "--out", str(killed), *flags]) == 130
     monkeypatch.setattr(DR, "update", update)
