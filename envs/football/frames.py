@@ -27,7 +27,8 @@ def play_frames(match):
     near, behind = bits | crowd | bit_of(match.kicker) | bit_of(match.keeper_holding), 0
     in_play = match.game_mode == NORMAL
     for _ in range(FRAMES):
-        advance_players(match, near, 1)
+        if near != 0:
+            advance_players(match, near, 1)
         behind += 1
         if crowd != 0:
             part_bodies(match, crowd)

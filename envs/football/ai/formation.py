@@ -268,25 +268,26 @@ def exchange_posts(match, on_ball):
         a = match.players[i]
         if a.role == GK or a.has_left:
             continue
+        x, y = a.x + LOOK_AHEAD * a.vx, a.y + LOOK_AHEAD * a.vy
         for j in range(i):
             b = match.players[j]
             if b.team == a.team and b.role != GK and not b.has_left:
-                exchange(match, a, b)
+                exchange(match, a, b, x, y)
 
 
 @kernel
-def exchange(match, a, b):
-    """Exchange two mates' slots if that shortens their ways."""
+def exchange(match, a, b, x, y):
+    """Exchange two mates' slots if that shortens their ways; a will be at (x, y)."""
     here, there = match.players[a.post], match.players[b.post]
-    stay = squared_way(a, here) + squared_way(b, there)
-    change = squared_way(a, there) + squared_way(b, here)
+    other_x, other_y = b.x + LOOK_AHEAD * b.vx, b.y + LOOK_AHEAD * b.vy
+    stay = squared_way(x, y, here) + squared_way(other_x, other_y, there)
+    change = squared_way(x, y, there) + squared_way(other_x, other_y, here)
     if change < EXCHANGE * stay:
         a.post, b.post = b.post, a.post
 
 
 @kernel
-def squared_way(player, owner):
-    """Return the square of the distance in m from where a player will be to the slot of `owner`."""
-    dx = player.x + LOOK_AHEAD * player.vx - owner.slot_place_x
-    dy = player.y + LOOK_AHEAD * player.vy - owner.slot_place_y
+def squared_way(x, y, owner):
+    """Return the square of the distance in m from (x, y) to the slot of `owner`."""
+    dx, dy = x - owner.slot_place_x, y - owner.slot_place_y
     return dx * dx + dy * dy

@@ -205,10 +205,11 @@ def throws_himself(match, i):
     carrier = match.players[match.carrier]
     lead = OUT.dive_lead if has_hands(match, i) else OUT.slide_lead
     x, y = player.x + lead * player.vx, player.y + lead * player.vy
-    near = length(ball.x + lead * ball.vx - x, ball.y + lead * ball.vy - y) < OUT.slide_near
+    if length(ball.x + lead * ball.vx - x, ball.y + lead * ball.vy - y) >= OUT.slide_near:
+        return False
     to_x, to_y = toward(x - carrier.x, y - carrier.y)
     ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
-    return near and to_x * ball_x + to_y * ball_y > OUT.unshielded
+    return to_x * ball_x + to_y * ball_y > OUT.unshielded
 
 
 @kernel

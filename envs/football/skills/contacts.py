@@ -169,9 +169,11 @@ def meet_ball(match, bits, far, behind):
     turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
         i = match.num_players - 1 - k if turned else k
+        if bits >> i & 1 == 0:
+            continue
         if match.game_mode != NORMAL:
             break
-        if bits >> i & 1 == 0 or match.keeper_holding != NOBODY or match.carrier == i:
+        if match.keeper_holding != NOBODY or match.carrier == i:
             continue
         player = match.players[i]
         if player.touch_wait > 0.0 or (player.down_wait > 0.0 and not player.is_sliding):

@@ -21,7 +21,7 @@ from envs.football.physics.ball import advance_ball
 from envs.football.physics.pitch import in_box_of, own_goal_x
 from envs.football.physics.possession import ball_speed
 from envs.football.physics.running import READY
-from envs.football.physics.vectors import length
+from envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -129,11 +129,11 @@ def follow_shot(match, player, goal_x):
     x, y, z, vx, vy, vz = ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz
     spin_x, spin_y, curl = ball.spin_x, ball.spin_y, ball.curl
     here_x, here_y = player.x + DIVE.stride * player.vx, player.y + DIVE.stride * player.vy
-    least, nearest, gap, time = math.inf, math.inf, math.inf, 0.0
+    least, nearest, gap, time = math.inf, math.inf, math.inf, 0.0  # `gap` squared
     for _ in range(FORESEEN):
         advance_ball(ball)
         time += DT
-        gap = min(gap, length(ball.x - player.x, ball.y - player.y))
+        gap = min(gap, squared_apart(player, ball.x, ball.y))
         away = length(ball.x - here_x, ball.y - here_y)
         effort = max(away - DIVE.arm * match.engine.keeper_reach, 0.0) / max(time - DIVE.delay, 0.02)
         outside = abs(ball.x) < HALF_LENGTH - DIVE.before_line or least == math.inf
@@ -147,7 +147,7 @@ def follow_shot(match, player, goal_x):
         time = 0.0
     ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz = x, y, z, vx, vy, vz
     ball.spin_x, ball.spin_y, ball.curl = spin_x, spin_y, curl
-    return time, least, gap
+    return time, least, math.sqrt(gap)
 
 
 @kernel
