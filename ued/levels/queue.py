@@ -59,7 +59,6 @@ class LevelQueue(Resumable):
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
         self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
-        self._left = np.zeros((self.students, num_envs), np.int64)  # [S, N] episodes due there; below 1: it waits
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
@@ -80,13 +79,17 @@ class LevelQueue(Resumable):
         if self.once_per_rollout:  # what the others play is not counted
             first = self.needs_new_level[student, ended]
             ended, returns, success = ended[first], returns[first], success[first]
-        left = self._left[student, ended]  # this one included
+        envs, due = ended.tolist(), self._due[student]  # a few, of which lists are quicker
+        left = [due[env] for env in envs]  # this one included
         self._ended[student].append((self.playing[student, ended], left, returns, success))
-        self._left[student, ended] = left - 1
-        waiting = np.concatenate([ended[left < 1], ended[left == 1]])
+        for env in envs:
+            due[env] -= 1
+        waiting = [env for env in envs if due[env] < 0] + [env for env in envs if not due[env]]
         waiting = waiting[: max(0, self.max_lead - int(self.taken[student] - self.taken.min()))]
-        self.needs_new_level[student, waiting] = False
-        return waiting, self._take(student, waiting)
+        changing = np.array(waiting, np.int64)
+        if self.once_per_rollout:
+            self.needs_new_level[student, changing] = False
+        return changing, self._take(student, changing)
 
     def _take(self, student: int, envs: np.ndarray) -> np.ndarray:
         start = int(self.taken[student])
@@ -100,7 +103,8 @@ class LevelQueue(Resumable):
         records = self.records[start : start + len(envs)].copy()
         if len(envs):
             self.playing[student, envs] = np.arange(start, start + len(envs))
-            self._left[student, envs] = records["num_episodes"]
+            for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
+                self._due[student][env] = episodes
             self.taken[student] += len(envs)
         return records
 
@@ -126,17 +130,18 @@ class LevelQueue(Resumable):
         """
         if not self._ended[student]:
             return
-        rows, left, returns, success = map(np.concatenate, zip(*self._ended[student], strict=True))  # [E]
+        rows, due, returns, success = map(np.concatenate, zip(*self._ended[student], strict=True))  # [E]
         self._ended[student] = []
-        counted = left > 0
-        rows, left = rows[counted], left[counted]
+        counted = due > 0
+        rows, due = rows[counted], due[counted].astype(np.int64)
         for name, column in ({"returns": returns, "success": success} | stats).items():
-            self.records[name][rows, student, self.records["num_episodes"][rows] - left] = column[counted]
+            self.records[name][rows, student, self.records["num_episodes"][rows] - due] = column[counted]
         np.add.at(self.records["num_played"][:, student], rows, 1)
 
     def _forget_ended(self) -> None:
+        self._due = [[0] * self.num_envs for _ in range(self.students)]  # [S][N] episodes on what each plays
         # of the episodes that ended in each step [k]: record, episodes due, returns, success
-        self._ended: list[list[tuple[np.ndarray, ...]]] = [[] for _ in range(self.students)]
+        self._ended: list[list[tuple[Any, ...]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
         """Return for each record whether every student has played it often enough: bool `[R]`."""
@@ -161,7 +166,7 @@ class LevelQueue(Resumable):
         """Forget all records, finished or not; students begin again with `first`."""
         self.records = self.records[:0]
         self.taken[:] = 0
-        self.playing[:], self._left[:] = NONE, 0
+        self.playing[:] = NONE
         self._forget_ended()
 
     def state_dict(self) -> dict[str, Any]:
@@ -182,10 +187,10 @@ class LevelQueue(Resumable):
         _check_range("taken", self.taken, (students,), 0, rows)
         _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
         _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
-        left = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
-        left = np.concatenate([left, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
-        self._left = left[self.playing, np.arange(students)[:, None]]
         self._forget_ended()  # of an update that broke off
+        due = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
+        due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
+        self._due = due[self.playing, np.arange(students)[:, None]].tolist()
 
 
 def _check_range(name: str, numbers: np.ndarray, shape: tuple[int, ...], low: int, high: int) -> None:
