@@ -26,7 +26,7 @@ from ued.upomdp import level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
-BLOCK = 16  # episodes for which it is sought together: their distances stay in the processor's cache
+BLOCK = 8  # episodes for which it is sought together: their distances stay in the processor's cache
 
 
 class ALPGMM(Method):
@@ -120,8 +120,7 @@ class ALPLevels(Resumable):
         last, most = slice(-self.config.fit_every, None), self.config.max_components
         reach = max(float(np.ptp(self.returns[last])), 1e-6)
         data = np.column_stack([self.theta[last], 2 * self.progress[last] / reach])
-        fits = [fit(data, components, self.rng) for components in range(min(2, most), most + 1)]
-        best = min(fits, key=lambda mixture: mixture.aic(data))
+        best = min(fit(data, range(min(2, most), most + 1), self.rng), key=lambda mixture: mixture.aic(data))
         weight = np.maximum(best.means[:, -1], 0.0)
         weight = weight / weight.sum() if weight.sum() > 0 else np.full(len(weight), 1 / len(weight))
         self.mixture = {"weights": weight, "means": best.means[:, :-1], "covariances": best.covariances[:, :-1, :-1]}
@@ -149,11 +148,12 @@ def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
     The very first one is its own: int `[n - first]`.
     """
     nearest, half = [np.zeros(0, np.int64)], 0.5 * (theta**2).sum(1, keepdims=True)
-    rows, others = np.append(-theta, np.ones_like(half), 1), np.append(theta, half, 1)  # [n, D + 1]
+    others = np.ascontiguousarray(np.append(theta, half, 1).T)  # [D + 1, n]
     for start in range(first, len(theta), BLOCK):
         end = min(start + BLOCK, len(theta))
         oldest = max(0, end - REMEMBERED)
-        distance = rows[start:end] @ others[oldest:end].T  # half its square, but for a term that all of a row have
+        rows = np.append(-theta[start:end], np.ones((end - start, 1)), 1)  # [b, D + 1]
+        distance = rows @ others[:, oldest:end]  # half its square, but for a term that all of a row have
         later = distance[:, start - oldest :]
         later[np.triu_indices(len(later))] = np.inf
         nearest.append(oldest + distance.argmin(1))
