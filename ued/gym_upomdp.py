@@ -51,11 +51,20 @@ class _Levelled(gymnasium.Wrapper):
         rule = self.seed_episodes
         seed = rule(seed) if callable(rule) else seed if rule else None
         with self._telling("reset"):
-            return self.env.reset(seed=seed, options=options or None)
+            observation, info = self.env.reset(seed=seed, options=options or None)
+            return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         with self._telling("step"):
-            return self.env.step(action)
+            observation, reward, terminated, truncated, info = self.env.step(action)
+            return self._checked(observation), reward, terminated, truncated, info
+
+    def _checked(self, observation: Any) -> Any:
+        """Return an observation that has its space's shape. Raises `ValueError` for another."""
+        shape = self.env.observation_space.shape
+        if shape is not None and np.shape(observation) != shape:
+            raise ValueError(f"the observation has shape {np.shape(observation)}, observation_space says {shape}")
+        return observation
 
     @contextmanager
     def _telling(self, what: str) -> Iterator[None]:
@@ -65,13 +74,16 @@ class _Levelled(gymnasium.Wrapper):
         except LevelError:
             raise
         except Exception as error:
-            row = ", ".join(f"{x:.6g}" for x in self.theta[:32]) + ", …" * (len(self.theta) > 32)
-            values = str(self.theta_map.values(self.theta))
-            shown = values if len(values) < 1000 else values[:1000] + " …"
-            raise LevelError(
-                f"{self.env} failed in {what}: {type(error).__name__}: {error} "
-                f"(level: theta [{row}], that is {shown}; seed {self.seed})"
-            ) from error
+            level = level_in_words(self.theta_map, self.theta, self.seed)
+            raise LevelError(f"{self.env} failed in {what}: {type(error).__name__}: {error} ({level})") from error
+
+
+def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int | None) -> str:
+    """Return θ `[D]`, the values it stands for and the seed, for an error."""
+    row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
+    values = str(theta_map.values(theta))
+    shown = values if len(values) < 1000 else values[:1000] + " …"
+    return f"level: theta [{row}], that is {shown}; seed {seed}"
 
 
 class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs):
@@ -211,6 +223,9 @@ class GymUPOMDP(UPOMDP):
     ) -> None:
         if vectorization not in ("sync", "async"):
             raise ValueError(f"vectorization must be sync or async, got {vectorization!r}")
+        for name, function in {"make_env": make_env, "apply": apply}.items():
+            if not callable(function):
+                raise ValueError(f"{name} must be a function, got {function!r}")
         self.make_env, self.apply, self.seed_episodes = make_env, apply, seed_episodes
         self.theta_map = ThetaMap(theta, valid)
         self.family = self.theta_map.family
@@ -232,7 +247,10 @@ class GymUPOMDP(UPOMDP):
             def make() -> gymnasium.Env:
                 if os.getpid() != owner:  # a worker is ended by SIGTERM, whatever the handler that it was forked with
                     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-                env = _Slot(as_array(self.make_env()), self.apply, self.theta_map, self.seed_episodes)
+                made = self.make_env()
+                if not isinstance(made, gymnasium.Env):
+                    raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")
+                env = _Slot(as_array(made), self.apply, self.theta_map, self.seed_episodes)
                 env.index = index
                 return env
 
@@ -257,14 +275,25 @@ class GymUPOMDP(UPOMDP):
         if mask.any():
             options = {"reset_mask": mask, "theta": self.levels["theta"]}
             self._observations, _ = self.vector.reset(seed=seeds, options=options)
+            self._check_finite("an observation", self._observations)
         return self._observations.copy()
 
     def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         self._observations, rewards, terminated, truncated, told = self.vector.step(actions)
+        self._check_finite("a reward", rewards)
+        self._check_finite("an observation", self._observations)
         ended, final = terminated | truncated, self._observations
         observations = self._restart(np.flatnonzero(ended))
         info = {"final_obs": final.copy(), "_final_obs": ended, "success": self._success(told)}
         return observations, rewards, terminated, truncated, info
+
+    def _check_finite(self, what: str, numbers: np.ndarray) -> None:
+        """Raise `LevelError` where an environment gave NaN or infinity in its part of `[N, ...]`."""
+        if numbers.dtype.kind != "f" or np.isfinite(numbers).all():
+            return
+        index = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
+        level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index] % 2**31))
+        raise LevelError(f"environment {index} gave {what} that is not finite: {numbers[index]} ({level})")
 
     def _success(self, told: Mapping[str, Any]) -> np.ndarray:
         """Return `info["success"]` `[N]` from the infos of the environments, some of which may say nothing."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -40,8 +41,8 @@ class Range:
     cells = 0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.low) and math.isfinite(self.high)):
-            raise ValueError(f"the ends of a range must be two finite numbers, got {self.low} and {self.high}")
+        if not _finite(self.low, self.high):
+            raise ValueError(f"the ends of a range must be two finite numbers, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
     def value(self, x: float) -> float:
@@ -62,8 +63,8 @@ class LogRange:
     cells = 0
 
     def __post_init__(self) -> None:
-        if not (0 < self.low < math.inf and 0 < self.high < math.inf):
-            raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low} and {self.high}")
+        if not (_finite(self.low, self.high) and self.low > 0 and self.high > 0):
+            raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
     def value(self, x: float) -> float:
@@ -73,6 +74,10 @@ class LogRange:
     def place(self, value: float) -> float:
         """Return the x in [-1, 1] that stands for a value."""
         return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
+
+
+def _finite(*ends: Any) -> bool:
+    return all(isinstance(end, Real) and math.isfinite(end) for end in ends)
 
 
 def _check_order(low: float, high: float) -> None:
@@ -88,8 +93,9 @@ class Integer:
     high: int
 
     def __post_init__(self) -> None:
-        if int(self.low) != self.low or int(self.high) != self.high or self.low > self.high:
-            raise ValueError(f"an Integer goes from a whole number up to another, got {self.low} and {self.high}")
+        ends = (self.low, self.high)
+        if not _finite(*ends) or any(int(end) != end for end in ends) or self.low > self.high:
+            raise ValueError(f"an Integer goes from a whole number up to another, got {self.low!r} and {self.high!r}")
 
     @property
     def cells(self) -> int:
@@ -110,6 +116,9 @@ class Choice:
     def __init__(self, *values: Any) -> None:
         if not values:
             raise ValueError("a Choice needs at least one value")
+        for index, value in enumerate(values):
+            if any(_equal(value, other) for other in values[:index]):
+                raise ValueError(f"the values of a Choice must differ, got {value!r} twice")
         self.values = values
 
     def __repr__(self) -> str:
@@ -134,6 +143,13 @@ class Choice:
     def place(self, value: Any) -> float:
         """Return the x in [-1, 1] in the middle of those that stand for a value."""
         return middle_of(self.values.index(value), self.cells)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    try:
+        return bool(one == other)
+    except ValueError:  # arrays, entry by entry
+        return False
 
 
 Kind = Range | LogRange | Integer | Choice
@@ -206,6 +222,8 @@ class ThetaMap:
     def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
         self.program: ThetaProgram | None = None
         self.family: LevelFamily | None = None
+        if valid is not None and not callable(valid):
+            raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
         self._valid = valid
         if isinstance(theta, int):
             if theta < 0:
@@ -216,9 +234,14 @@ class ThetaMap:
         elif isinstance(theta, LevelFamily):
             self.family = theta
             self.draws = numbered("code", theta.size)
-        else:
+        elif hasattr(theta, "draws"):
             self.program = theta
             self.draws = theta.draws
+        else:
+            raise ValueError(
+                f"theta must be a number of dimensions, a mapping from name to parameter, a program or a LevelFamily, "
+                f"got {theta!r}"
+            )
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
@@ -242,13 +265,25 @@ class ThetaMap:
         return {"level": values} if self.family is not None else values
 
     def theta(self, values: Mapping[str, Any]) -> np.ndarray:
-        """Return the θ `[D]` of these values by name, or of a family's level. Raises `ValueError` for other names."""
+        """Return the θ `[D]` of these values by name, or of a family's level. Raises `ValueError` for others."""
         if self.family is not None:
             return np.asarray(self.family.encode(values), float)
         names = [draw.name for draw in self.draws]
         if self.program is not None or set(values) != set(names):
             raise ValueError(f"a level needs a value for each of {', '.join(names) or 'no name'}, got {dict(values)}")
-        return np.array([draw.kind.place(values[draw.name]) for draw in self.draws])  # type: ignore[attr-defined]
+        return np.array([_placed(draw, values[draw.name]) for draw in self.draws])  # type: ignore[arg-type]
+
+
+def _placed(column: Column, value: Any) -> float:
+    """Return the x in [-1, 1] that stands for a value of a column. Raises `ValueError` for what is none of its."""
+    try:
+        x = column.kind.place(value)
+        good = abs(x) <= 1 + 1e-9 and (not column.kind.cells or column.kind.value(x) == value)
+    except (TypeError, ValueError):  # no number, or none of the values of a choice
+        good = False
+    if not good:
+        raise ValueError(f"{column.name} must be of {column.kind}, got {value!r}")
+    return min(max(x, -1.0), 1.0)
 
 
 def numbered(name: str, count: int) -> tuple[Column, ...]:

@@ -36,3 +36,7 @@ class Task:
     make: Make
     tests: Mapping[str, Any] = field(default_factory=dict)
     painter: Callable[[UPOMDP], ScenePainter] | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.tests, Mapping):
+            raise ValueError(f"tests must map names to levels, got {self.tests!r}")

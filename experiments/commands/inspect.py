@@ -61,6 +61,8 @@ def main(argv: Sequence[str]) -> int:
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
     if tasks.is_task(config.program):
+        if config.engine == "scenic3":
+            raise UsageError("--engine says what reads a program; a task is Python")
         return inspect_task(config)
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")

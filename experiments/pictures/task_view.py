@@ -5,6 +5,7 @@ Read next: `commands.inspect`.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from ued.upomdp import UPOMDP
 
 DRAWS = 1024  # of which it is told how many are valid
 MOST_COLUMNS = 40  # that are listed
+MOST_OF_A_CHOICE = 60  # letters of its values
 MOST_LETTERS = 300  # of a level that is described
 
 
@@ -28,8 +30,9 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
         for index, draw in enumerate(upomdp.draws[:MOST_COLUMNS]):
             kind: Any = getattr(draw, "kind", "")
             told = kind if isinstance(kind, str) else type(kind).__name__
-            values = getattr(kind, "values", (f"{draw.low:g}", f"{draw.high:g}"))
-            rows.append([str(index), draw.name, told, str(values[0]), str(values[-1])])
+            values = getattr(kind, "values", None)
+            ends = (f"{draw.low:g}", f"{draw.high:g}") if values is None else (_listed(values), "")
+            rows.append([str(index), draw.name, told, *ends])
         parts.append(align(rows))
         drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
         parts.append(f"{upomdp.valid(drawn).mean():.0%} of θ are levels that can be played")
@@ -66,6 +69,11 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
             axes.set_axis_off()
         figure.tight_layout()
         plots.save(figure, path)
+
+
+def _listed(values: Sequence[Any]) -> str:
+    text = ", ".join(_short(value) for value in values)
+    return text if len(text) <= MOST_OF_A_CHOICE else f"{text[:MOST_OF_A_CHOICE]} …"
 
 
 def _short(value: Any) -> str:

@@ -52,6 +52,8 @@ def find_minigame(name: str) -> Minigame:
         if not path.is_file():
             raise UsageError(f"there is no program {name}")
         return Minigame(path.stem, path, (), "a program of yours")
+    if path.suffix == ".py" or ".py:" in name:
+        raise UsageError(f"a task of yours is called file.py:name, got {name!r}")
     raise UsageError(
         f"unknown minigame {name!r}{nearest(name, NAMED, 3)}; regista list shows all, or give a .scenic file"
     )

@@ -114,7 +114,7 @@ def _failed(error: BaseException, debug: bool) -> int:
     if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS and not debug:
         print(f"regista: this needs {error.name}: pip install 'regista[{EXTRAS[error.name]}]'", file=sys.stderr)
         return 1
-    code = _exit_code(error)
+    code = exit_code(error)
     if debug or not code:
         raise error
     # An error in a program begins with its place, file:line:column, where editors look for it.
@@ -122,7 +122,7 @@ def _failed(error: BaseException, debug: bool) -> int:
     return code
 
 
-def _exit_code(error: BaseException) -> int:
+def exit_code(error: BaseException) -> int:
     """Return the exit code of an error that is the user's business, 0 for one that is ours."""
     if isinstance(error, CommandError):
         return error.exit_code

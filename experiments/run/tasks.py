@@ -11,12 +11,16 @@ import importlib.util
 import inspect
 import re
 import sys
+import sysconfig
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from experiments.run.errors import CommandError, UsageError, nearest
+from experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,7 +103,8 @@ def load_task(name: str) -> tuple[Task, str]:
     from ued.task import Task
 
     place, _, attribute = name.rpartition(":")
-    module = _import(place)
+    with _yours(f"{place} cannot be imported"):
+        module = _import(place)
     if not hasattr(module, attribute):
         raise UsageError(f"{place} has no '{attribute}'{nearest(attribute, vars(module))}")
     task = getattr(module, attribute)
@@ -107,6 +112,29 @@ def load_task(name: str) -> tuple[Task, str]:
         raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {task!r}")
     file = getattr(module, "__file__", None)
     return task if isinstance(task, Task) else Task(task), Path(file).read_text() if file else ""
+
+
+@contextmanager
+def _yours(what: str) -> Iterator[None]:
+    """Raise what goes wrong in the user's code as a `CommandError` that tells its line."""
+    try:
+        yield
+    except Exception as error:
+        if exit_code(error) or (isinstance(error, ModuleNotFoundError) and error.name in EXTRAS):
+            raise
+        raise CommandError(f"{what}: {type(error).__name__}: {error}{_line_of(error)}; see --debug") from error
+
+
+def _line_of(error: Exception) -> str:
+    """Return the last line of an error's traceback that is in no installed package and not ours, or nothing."""
+    import ued
+
+    others = ("<", sysconfig.get_path("stdlib"), *(str(Path(file).parent) for file in (ued.__file__, __file__)))
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [
+        frame for frame in frames if not frame.filename.startswith(others) and "site-packages" not in frame.filename
+    ]
+    return f" ({lines[-1].filename}, line {lines[-1].lineno})" if lines else ""
 
 
 def _import(place: str) -> ModuleType:
@@ -132,13 +160,20 @@ def _import(place: str) -> ModuleType:
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules.setdefault(path.stem, module)  # dataclasses and pickles look a class's module up
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        if sys.modules[path.stem] is module:
+            del sys.modules[path.stem]  # half of it: the next attempt reads the file again
+        raise
     return module
 
 
 def load_scenes(name: str, training: str) -> dict[str, TaskScene]:
     """Return the scenes of a task by label: what is trained on, labelled `training`, then its tests."""
     task, source = load_task(name)
+    if training in task.tests:
+        raise CommandError(f"a test cannot be called '{training}', as what is trained on is called")
     scenes = {training: TaskScene(task, task.make, None, source)}
     for label, test in task.tests.items():
         scenes[label] = TaskScene(task, test) if callable(test) else TaskScene(task, task.make, test)
@@ -149,8 +184,10 @@ def make_upomdp(scene: TaskScene, num_envs: int, seed: int) -> UPOMDP:
     """Make `num_envs` environments of a scene, with seeded streams. Raises `CommandError` for what is no UPOMDP."""
     from ued.upomdp import UPOMDP
 
-    upomdp = scene.make(num_envs)
+    with _yours(f"make({num_envs}) failed"):
+        upomdp = scene.make(num_envs)
     if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
         raise CommandError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
-    upomdp.reset(seed=seed)
+    with _yours("the environments cannot be reset"):
+        upomdp.reset(seed=seed)
     return upomdp

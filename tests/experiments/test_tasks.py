@@ -211,7 +211,9 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
     [
         (["train", "{}/nowhere.py:push"], "there is no file"),
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
-        (["train", "{}/push_task.py:put", "--no-record", "--total-env-steps", "1"], None),
+        (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
+        (["train", "{}/push_task.py"], "a task of yours is called file.py:name"),
+        (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
@@ -219,12 +221,37 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
 )
 def test_what_is_no_task_is_told(command, message, task, tmp_path, capsys):
     words = [word.format(tmp_path) for word in command]
-    if message is None:
-        with pytest.raises(TypeError):
-            main(words + ["--out", str(tmp_path / "x")])
-        return
     assert main(words) in (1, 2)
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ("import no_such_package\n\nmake = None", "No module named 'no_such_package' ({}, line 1)"),
+        ("import ued\n\ndef make(n):\n    return ued.Range(2, 1)", "got 2 and 1 ({}, line 4)"),
+        ("import ued\n\nmake = ued.Task(1, ['a'])", "tests must map names to levels, got ['a'] ({}, line 3)"),
+        ("import ued\n\nmake = ued.Task(print, {'training distribution': 1})", "a test cannot be called 'training"),
+        ("def make(:", "SyntaxError"),
+    ],
+)
+def test_what_goes_wrong_in_a_file_of_yours_is_told_with_its_line(source, message, tmp_path, capsys):
+    file = tmp_path / "mine.py"
+    for text in (source, source + "\n"):  # a file that could not be read leaves nothing behind
+        file.write_text(text)
+        assert main(["train", f"{file}:make", "--out", str(tmp_path / "x")]) == 1
+        told = capsys.readouterr().err
+        assert message.format(file) in told and len(told.splitlines()) == 1
+
+
+def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
+    file = tmp_path / "grounds.py"
+    file.write_text(
+        "import gymnasium, ued\nkinds = {'ground': ued.Choice('grass', 'sand', 'ice')}\n"
+        "make = lambda n: ued.GymUPOMDP(lambda: gymnasium.make('CartPole-v1'), lambda env, values: None, kinds, n)"
+    )
+    assert main(["inspect", f"{file}:make"]) == 0
+    assert "grass, sand, ice" in capsys.readouterr().out
 
 
 def test_the_maze_is_a_task(tmp_path):

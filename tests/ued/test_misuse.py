@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import gymnasium
 import numpy as np
 import pytest
 
 from envs.football.vector_env import FootballVectorEnv
 from experiments.__main__ import main
 from ued import GymUPOMDP
-from ued.parameters import LogRange, Range
+from ued.gym_upomdp import LevelError
+from ued.parameters import Choice, Integer, LogRange, Range, ThetaMap
 from ued.probes import Frontier
 from ued.upomdp import ThetaError
 
@@ -90,3 +94,92 @@ def test_a_range_the_wrong_way_round(kind: type) -> None:
         kind(3, 2)
     with pytest.raises(ValueError):
         kind(1, np.nan)
+
+
+@pytest.mark.parametrize("kind", [Range, LogRange, Integer])
+def test_a_range_of_no_numbers(kind: type) -> None:
+    with pytest.raises(ValueError, match="got 'a' and 'b'"):
+        kind("a", "b")
+
+
+def test_a_choice_twice() -> None:
+    with pytest.raises(ValueError, match=r"must differ, got 0\.5 twice"):
+        Choice(0.5, 1.0, 0.5)
+    Choice(np.zeros(2), np.zeros(2))  # whether arrays are equal is not asked
+
+
+KINDS = {"length": Range(0.1, 2.0), "force": LogRange(1.0, 100.0), "poles": Integer(1, 3), "ground": Choice("a", "b")}
+GOOD = {"length": 0.1, "force": 100.0, "poles": 3, "ground": "b"}
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"length": 2.1},
+        {"length": np.nan},
+        {"length": "long"},
+        {"force": -1.0},
+        {"poles": 4},
+        {"poles": 1.5},
+        {"ground": "c"},
+    ],
+)
+def test_values_that_are_none_of_their_parameters(wrong: dict) -> None:
+    assert (np.abs(ThetaMap(KINDS).theta(GOOD)) <= 1).all()
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be of .*, got"):
+        ThetaMap(KINDS).theta(GOOD | wrong)
+
+
+def one() -> gymnasium.Env:
+    return gymnasium.make("CartPole-v1")
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        ("make_env must be a function", (one(), print, KINDS)),
+        (r"make_env\(\) must return a gymnasium.Env, got None", (lambda: None, print, KINDS)),
+        ("apply must be a function", (one, None, KINDS)),
+        ("theta must be a number of dimensions, a mapping", (one, print, ["length"])),
+        ("valid must be a function", (one, print, KINDS, 2, "sync", "yes")),
+    ],
+)
+def test_what_makes_no_upomdp(message: str, words: tuple) -> None:
+    with pytest.raises(ValueError, match=message):
+        GymUPOMDP(*words)
+
+
+class Odd(gymnasium.Wrapper):
+    """CartPole with something wrong: in its observations, rewards, or in what its functions return."""
+
+    def __init__(self, wrong: str) -> None:
+        super().__init__(one())
+        self.wrong = wrong
+
+    def reset(self, **words: Any) -> Any:
+        seen, info = self.env.reset(**words)
+        return seen if self.wrong == "old reset" else (seen, info)
+
+    def step(self, action: Any) -> Any:
+        seen, reward, *rest = self.env.step(action)
+        if self.wrong == "old step":
+            return seen, reward, False, {}
+        seen = {"shape": seen[:2], "nan": seen * np.nan}.get(self.wrong, seen)
+        return seen, np.inf if self.wrong == "reward" else reward, *rest
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("old reset", "failed in reset"),
+        ("old step", "failed in step"),
+        ("shape", r"the observation has shape \(2,\), observation_space says \(4,\)"),
+        ("nan", "environment 0 gave an observation that is not finite"),
+        ("reward", "environment 0 gave a reward that is not finite: inf"),
+    ],
+)
+def test_what_no_environment_may_give(wrong: str, message: str) -> None:
+    env = GymUPOMDP(lambda: Odd(wrong), lambda *_: None, {"length": (0.1, 2.0)}, 2)
+    with pytest.raises(LevelError, match=message + r".*\(level: theta \[.*'length': .*; seed \d+\)"):
+        env.reset(seed=0)
+        env.step(np.zeros(2, int))
