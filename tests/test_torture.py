@@ -121,7 +121,7 @@ def test_a_full_disk_an_io_error_and_a_kill_leave_a_run_that_goes_on(tmp_path):
     target = faults.attacked("train plr", tmp_path)
     changes = target.undisturbed.changes
     assert changes > 40 and set(target.tables) == {"metrics.csv", "levels.csv"}
-    covered = {faults.fault(number, changes) for number in range(4 * changes)}
+    covered = {faults.fault(number, [changes]) for number in range(4 * changes)}
     assert len(covered) == 4 * changes
     outcomes = [target.attempt(at=changes // 2 + k, kind=kind)[0] for k, kind in enumerate(faults.KINDS)]
     assert set(outcomes) <= {"went on", "went on after it"} and "went on after it" in outcomes

@@ -322,6 +322,7 @@ class GymUPOMDP(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self._check_state(state, "envs", "observations")
         self.levels[:] = state["levels"]
         set_stream(self.np_random, state["np_random"])
         self.vector = copy.deepcopy(state["envs"])

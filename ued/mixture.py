@@ -156,7 +156,7 @@ class Mixture(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
-        check_theta(state["levels"]["theta"], self.theta_dim)
+        self._check_state(state, "members", "idle", "observations")
         for member, saved, idle in zip(self.members, state["members"], state["idle"], strict=True):
             member.set_state(saved)
             member.idle[:] = idle

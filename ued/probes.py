@@ -104,10 +104,12 @@ class Frontier(UPOMDP):
         return state | {"np_random": self.np_random.bit_generator.state}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self._check_state(state, "place", "lost")
+        place = np.asarray(state["place"])
+        if not (place.shape == (self.num_envs,) and ((place >= 0) & (place < self.longest)).all()):
+            raise ValueError(f"place must be {self.num_envs} steps on paths of {self.longest}, got {place}")
         for name in ("place", "lost", "levels"):
             getattr(self, name)[:] = state[name]
-        if not ((self.place >= 0) & (self.place < self.length(self.levels["theta"]))).all():
-            raise ValueError(f"place must be on the paths of the levels, got {self.place}")
         set_stream(self.np_random, state["np_random"])
         return self._look()
 

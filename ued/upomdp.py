@@ -298,6 +298,16 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Take back what `get_state` returned; return the observations `[N, ...]` of that moment."""
         raise NotImplementedError(f"{type(self).__name__} cannot take a state")
 
+    def _check_state(self, state: Any, *names: str) -> None:
+        """Raise ValueError unless a state has these entries, and levels of this kind for all environments."""
+        missing = [name for name in ("levels", "np_random", *names) if not (isinstance(state, dict) and name in state)]
+        if missing:
+            raise ValueError(f"a state is what get_state returned, a dict with {missing[0]!r}, got {state!r:.100}")
+        levels, expected = state["levels"], (self.levels.shape, self.levels.dtype)
+        if not isinstance(levels, np.ndarray) or (levels.shape, levels.dtype) != expected:
+            raise ValueError(f"this state is one of other levels, or of another number of them than {self.num_envs}")
+        check_theta(levels["theta"], self.theta_dim)
+
     def copy(self) -> UPOMDP:
         """Return a second, independent UPOMDP of the same kind in the same state."""
         raise NotImplementedError(f"{type(self).__name__} cannot be copied")
@@ -360,7 +370,9 @@ class UPOMDP(LevelSpace, VectorEnv):
                 self._np_random = np.random.default_rng(seeds)  # one stream for all environments: the list is hashed
         elif seed is not None:
             super().reset(seed=seed)
-        options = options or {}
+        options = {} if options is None else options
+        if not isinstance(options, dict):
+            raise ValueError(f"reset takes a dict of options, or None, got {options!r:.100}")
         unknown = [name for name in options if name not in OPTIONS]
         if unknown:
             raise ValueError(f"reset has no option {unknown[0]!r}; its options are {' and '.join(map(repr, OPTIONS))}")

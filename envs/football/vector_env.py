@@ -247,7 +247,7 @@ class FootballVectorEnv(UPOMDP):
         for name, limits in self._limits.items():
             limits.check(state[name], name)
         check_theta(state["levels"]["theta"], self.theta_dim)
-        set_stream(self.np_random, state["np_random"])
+        set_stream(self.np_random, state.get("np_random"))
         for name, array in pairs.items():
             bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
         self._engine.set_state(state, batch)
@@ -307,7 +307,7 @@ def bytes_of(array: np.ndarray) -> np.ndarray:
 def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
     """Raise `StateError` unless the arrays of a state have the shapes and fields that are wanted."""
     for name, array in expected.items():
-        value = state.get(name)
+        value = state.get(name) if isinstance(state, dict) else None
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
         if isinstance(value, np.ndarray):
             if value.shape == array.shape and (value.dtype.fields or value.dtype) == kind:

@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 from tests.envs.hostile import attack_records, attack_states
 from tests.scenic_lite.dynamics.hostile import attack as attack_code
 from tests.torture import moments
+from tests.torture.calls import attack as attack_calls
 from tests.torture.faults import attack as inject_faults
 from tests.torture.files import attack as attack_folders
 from tests.torture.interrupts import attack as interrupt_commands
@@ -59,6 +60,7 @@ PARTS = {
     "code": Part("code or registers with a number changed", 5_000, lambda count, seed, _: attack_code(count, seed)),
     "records": Part("records of matches damaged", 1_000, attack_records),
     "folders": Part("run folders damaged", 500, attack_folders),
+    "calls": Part("calls of environments made wrongly", 500, lambda count, seed, _: attack_calls(count, seed)),
     "options": Part("command lines typed wrongly", 300, type_wrongly),
     "language": Part("texts of programs", 10_000, lambda count, seed, _: attack_language(count, seed)),
     "faults": Part("changes on the disk that failed, or were the last", 10, inject_faults),

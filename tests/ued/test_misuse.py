@@ -10,6 +10,7 @@ import pytest
 
 from envs.football.vector_env import FootballVectorEnv
 from experiments.__main__ import main
+from tests.torture.calls import attack
 from ued import GymUPOMDP
 from ued.gym_upomdp import LevelError
 from ued.parameters import Choice, Integer, LogRange, Range, ThetaMap
@@ -26,6 +27,32 @@ def make() -> Frontier:
 def test_an_option_that_does_not_exist() -> None:
     with pytest.raises(ValueError, match="reset has no option 'thetas'; its options are 'theta' and 'reset_mask'"):
         make().reset(options={"thetas": np.zeros((3, 2))})
+
+
+@pytest.mark.parametrize("options", [[], (), 0, "theta", iter(())])
+def test_options_that_are_none(options: object) -> None:
+    with pytest.raises(ValueError, match="reset takes a dict of options, or None, got"):
+        make().reset(options=options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("place", [9, 0, 0]), ("place", [0]), ("levels", np.zeros(3)), ("np_random", None)]
+)
+def test_a_state_that_is_none(name: str, value: object) -> None:
+    env = make()
+    state, before = env.get_state(), env.levels.copy()
+    with pytest.raises(ValueError):
+        env.set_state(state | {name: value})
+    with pytest.raises(ValueError, match=f"a state is what get_state returned, a dict with '{name}', got"):
+        env.set_state({key: part for key, part in state.items() if key != name})
+    for other in (19, None, []):
+        with pytest.raises(ValueError, match="a state is what get_state returned"):
+            env.set_state(other)  # type: ignore[arg-type]
+    assert (env.levels == before).all()
+
+
+def test_calls_that_are_made_wrongly() -> None:
+    assert sum(attack(60, 0).values()) == 60  # `make torture` goes on
 
 
 @pytest.mark.parametrize(

@@ -246,6 +246,7 @@ class ScenicUPOMDP(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self._check_state(state, "actions")
         self.levels[:] = state["levels"]
         set_stream(self.np_random, state["np_random"])
         for worker, level, actions in zip(self.workers, self.levels, state["actions"], strict=True):
