@@ -131,8 +131,8 @@ class Attacked:
 
     def compare(self, out: Path, what: str) -> None:
         """Raise AssertionError where tables are not those of a command that was left alone."""
-        found = contents(out)
-        differing = [name for name in found.keys() | self.tables.keys() if found.get(name) != self.tables.get(name)]
+        tables = contents(out)
+        differing = [name for name in tables.keys() | self.tables.keys() if tables.get(name) != self.tables.get(name)]
         assert not differing, f"{what}; {', '.join(differing)} came out differently"
         rest = [path.name for path in out.rglob("*") if path.name.endswith((".part", PARTIAL))]
         assert not rest, f"{what}; {', '.join(rest)} were left"
@@ -151,16 +151,16 @@ def contents(folder: Path) -> dict[str, object]:
 
     What a recording shows is none of them: episodes that were open at a checkpoint are in no replays.csv after it.
     """
-    found: dict[str, object] = {}
+    files: dict[str, object] = {}
     for path in sorted(folder.rglob("*")):
         if path.suffix == ".csv" and path.name != "replays.csv":
-            found[str(path.relative_to(folder))] = list(rows(path))
+            files[str(path.relative_to(folder))] = list(rows(path))
         elif path.suffix == ".html":
-            found[path.name] = path.read_text()
+            files[path.name] = path.read_text()
         elif path.suffix == ".npz":
             with np.load(path) as arrays:  # not bytes: what lies between the fields of a match is nobody's
-                found[str(path.relative_to(folder))] = {key: repr(arrays[key].tolist()) for key in arrays.files}
-    return found
+                files[str(path.relative_to(folder))] = {key: repr(arrays[key].tolist()) for key in arrays.files}
+    return files
 
 
 def rows(path: Path) -> Iterator[tuple[tuple[str, str], ...]]:

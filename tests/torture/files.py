@@ -258,15 +258,17 @@ class Target(Folder):
 
 def with_word(text: str, rng: np.random.Generator) -> str:
     """Return a text in which a word or number is another one."""
-    found = list(WORD.finditer(text))
-    if not found:
+    words = list(WORD.finditer(text))
+    if not words:
         return "x"
-    place = found[rng.integers(len(found))]
+    place = words[rng.integers(len(words))]
     return text[: place.start()] + str(rng.choice(WORDS)) + text[place.end() :]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {str(each.relative_to(folder)): each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+    """Return all files but those that tell what went wrong in another process, by name."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.suffix != ".log"]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
 @cache

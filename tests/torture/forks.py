@@ -277,10 +277,10 @@ def family() -> list[int]:
         if folder.name.isdecimal():
             with suppress(OSError):
                 parents[int(folder.name)] = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
-    found = [os.getpid()]
-    for each in found:
-        found += [pid for pid, parent in parents.items() if parent == each]
-    return found[1:]
+    descended = [os.getpid()]
+    for process in descended:
+        descended += [pid for pid, parent in parents.items() if parent == process]
+    return descended[1:]
 
 
 def bereaved() -> int:

@@ -50,15 +50,15 @@ def started(words: list[str], **settings: object) -> subprocess.Popen:
 
 def children(tag: str) -> list[int]:
     """Return the processes that carry a tag in their environment: whatever a command has started, and itself."""
-    found = []
+    pids = []
     for folder in Path("/proc").iterdir():
         if folder.name.isdecimal():
             try:
                 if f"REGISTA_TORTURE={tag}".encode() in (folder / "environ").read_bytes().split(b"\0"):
-                    found.append(int(folder.name))
+                    pids.append(int(folder.name))
             except OSError:
                 continue
-    return found
+    return pids
 
 
 def interrupt(name: str, out: Path, run: Path, seconds: float, number: int) -> str:

@@ -55,8 +55,8 @@ def programs() -> list[str]:
 @cache
 def pieces() -> list[list[str]]:
     """Return the pieces of all programs, each as its words: a line that is not indented and those beneath it."""
-    found = {piece for text in programs() for piece in re.split(r"\n(?=[^\s#])", text) if 0 < len(piece) <= LONGEST}
-    return [WORD.findall(piece) for piece in sorted(found)]
+    texts = {piece for text in programs() for piece in re.split(r"\n(?=[^\s#])", text) if 0 < len(piece) <= LONGEST}
+    return [WORD.findall(piece) for piece in sorted(texts)]
 
 
 def varied(rng: random.Random) -> str:
