@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
+import numba
 import numpy as np
 
 from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
@@ -48,6 +49,10 @@ class Simulator:
 
     def __init__(self, code: Code) -> None:
         self._code = code
+        self._compiled: Any = None  # `step_batch` for arrays of these types
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_compiled": None}  # machine code cannot be sent to another process
 
     def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
         """Put the matches `where` at their start."""
@@ -61,8 +66,18 @@ class Simulator:
     def step(
         self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
     ) -> None:
-        """Move all matches on."""
-        step_batch(batch, actions, outcome, seen, final, settings, self._code)
+        """Move all matches on.
+
+        Numba finds out the types of all arrays at every call, which takes longer than ten matches do: they stay what
+        they are, so it is asked once.
+        """
+        arguments = batch, actions, outcome, seen, final, settings, self._code
+        if self._compiled is not None:
+            self._compiled(*arguments)
+            return
+        step_batch(*arguments)
+        if hasattr(step_batch, "get_overload"):
+            self._compiled = step_batch.get_overload(tuple(map(numba.typeof, arguments)))
 
     def get_state(self) -> dict[str, np.ndarray]:
         """Return nothing."""
