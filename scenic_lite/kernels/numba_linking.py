@@ -18,23 +18,13 @@ from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
-from numba.core.typed_passes import InlineOverloads, NopythonRewrites
-from numba.core.untyped_passes import (
-    FindLiterallyCalls,
-    InlineClosureLikes,
-    InlineInlinables,
-    LiteralPropagationSubPipelinePass,
-    LiteralUnroll,
-    MakeFunctionToJitFunction,
-    RewriteDynamicRaises,
-    WithLifting,
-)
 
 # Stages for what no kernel has: contexts, closures, exceptions, expressions of arrays, functions to inline as source.
-NEEDLESS = (
-    *(WithLifting, InlineClosureLikes, RewriteDynamicRaises, MakeFunctionToJitFunction, InlineInlinables),
-    *(FindLiterallyCalls, LiteralUnroll, LiteralPropagationSubPipelinePass, InlineOverloads, NopythonRewrites),
-)
+NEEDLESS = {
+    *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
+    *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "InlineOverloads"),
+    "NopythonRewrites",
+}
 
 
 class _PartLibrary(JITCodeLibrary):
@@ -112,7 +102,7 @@ class _PartCompiler(Compiler):
     def define_pipelines(self) -> list[Any]:
         pipelines = super().define_pipelines()
         for pipeline in pipelines:
-            pipeline.passes = [(step, what) for step, what in pipeline.passes if step not in NEEDLESS]
+            pipeline.passes = [(step, what) for step, what in pipeline.passes if step.__name__ not in NEEDLESS]
             pipeline.finalize()
         return pipelines
 
