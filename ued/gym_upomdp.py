@@ -40,6 +40,7 @@ class _Levelled(gymnasium.Wrapper):
         self.apply, self.theta_map, self.seed_episodes = apply, theta_map, seed_episodes
         self.theta = np.zeros(len(theta_map.draws))
         self.seed: int | None = None
+        self._shape = env.observation_space.shape  # asked once: a chain of wrappers takes longer than the check
 
     def begin(self, theta: np.ndarray, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode on θ `[D]`; `seed` is the level's, None where an episode is played again."""
@@ -61,9 +62,9 @@ class _Levelled(gymnasium.Wrapper):
 
     def _checked(self, observation: Any) -> Any:
         """Return an observation that has its space's shape. Raises `ValueError` for another."""
-        shape = self.env.observation_space.shape
-        if shape is not None and np.shape(observation) != shape:
-            raise ValueError(f"the observation has shape {np.shape(observation)}, observation_space says {shape}")
+        shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
+        if shape != self._shape and self._shape is not None:
+            raise ValueError(f"the observation has shape {shape}, observation_space says {self._shape}")
         return observation
 
     @contextmanager
