@@ -12,9 +12,14 @@ Read next: `experiments.calls`, what `train` and `evaluate` do; `ued`, the metho
 """
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import minigames  # noqa: F401
+
+if TYPE_CHECKING:  # what editors and type checkers see
+    from experiments.calls import evaluate as evaluate
+    from experiments.calls import train as train
+    from ued import *  # noqa: F403
 
 _CALLS = {"train": "experiments.calls", "evaluate": "experiments.calls"}
 

@@ -58,6 +58,12 @@ def test_nothing_of_ours_lies_at_the_top_but_what_others_import(installed):
     assert list((installed / "regista" / "minigames").rglob("*.scenic"))
 
 
+def test_type_checkers_read_what_is_installed(installed):
+    """PEP 561: without its marker a package is `Any` to mypy and to editors."""
+    assert all((installed / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))
+    assert "from regista.experiments.calls import train" in (installed / "regista" / "__init__.py").read_text()
+
+
 def test_it_trains_and_compares_beside_an_envs_of_yours(installed, tmp_path):
     (tmp_path / "envs").mkdir()
     (tmp_path / "envs" / "__init__.py").touch()
