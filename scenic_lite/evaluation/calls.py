@@ -231,17 +231,14 @@ def new(scope: Scope, node: nodes.New) -> Value:
     if not isinstance(cls, ScenicClass):
         if not node.certain:
             return cls if node.operator is None else scope.value(node.operator)
-        hint = near(node.cls.id, classes_in(scope)) if isinstance(node.cls, ast.Name) else ""
+        classes = [name for name, value in scope.module_names.items() if isinstance(value, ScenicClass)]
+        hint = near(node.cls.id, classes) if isinstance(node.cls, ast.Name) else ""
         raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
     if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
     instance = Instance(cls, scope.place(node), scope.mode.owner)
     meanings = [meaning(scope, instance, specifier) for specifier in node.specifiers]
     return make(scope, cls, meanings, instance)
-
-
-def classes_in(scope: Scope) -> list[str]:
-    return [name for name, value in scope.module_names.items() if isinstance(value, ScenicClass)]
 
 
 def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> ResolvedSpecifier:

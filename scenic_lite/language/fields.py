@@ -61,7 +61,7 @@ def cells_field(
 
     Outside all cells `default`; if that is None the field has no heading there, and scenes that need it are rejected.
     """
-    pieces = [(region, otherwise if heading is None else constant_heading(heading)) for region, heading in cells]
+    pieces: list[Any] = [(region, otherwise if h is None else (lambda point, h=h: h)) for region, h in cells]
     field = patched(name, pieces, default)
 
     def heading_at(point: Vector) -> Value:
@@ -71,10 +71,6 @@ def cells_field(
         return result
 
     return VectorField(name, heading_at)
-
-
-def constant_heading(heading: Value) -> Callable[[Vector], Value]:
-    return lambda point: heading
 
 
 # ------------------------------------------------------------ following

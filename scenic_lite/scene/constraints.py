@@ -128,7 +128,8 @@ class Constraints:
             *(constraint for constraint, _ in nodes),
         )
         hard = [i for i, constraint in enumerate(self.all) if constraint.probability == 1]
-        self._hard = None if len(hard) == len(self.all) else np.array(hard, dtype=int)
+        # rows of failed [R, N] whose constraints are in force in every scene
+        self.hard: Any = ... if len(hard) == len(self.all) else np.array(hard, dtype=int)
         self._slots: list[bool | int] = []
 
     def read_from(self, tape: Tape) -> None:
@@ -145,10 +146,6 @@ class Constraints:
         for i, slot in enumerate(self._slots):
             failed[at + i] = (not slot) if isinstance(slot, bool) else np.logical_not(registers[slot])
         return failed
-
-    def hard_of(self, failed: np.ndarray) -> np.ndarray:
-        """Return the rows of failed [R, N] whose constraints are in force in every scene."""
-        return failed if self._hard is None else failed[self._hard]
 
     def members(self) -> Iterator[tuple[Constraint, tuple[int, ...]]]:
         """Yield the objects that each constraint of arrays is about."""

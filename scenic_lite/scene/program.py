@@ -194,7 +194,7 @@ class Program:
             outlines = self._plan.arrangement.outlines(registers, count)
             failed = self._constraints.failed(registers, outlines, count)  # [R, N]
             faults = CheckResults(self._checks, self.tape, registers, failed)
-            violated = self._constraints.hard_of(failed).any(axis=0)
+            violated = failed[self._constraints.hard].any(axis=0)
             placed = outlines.x.sum(axis=0) + outlines.y.sum(axis=0) + outlines.heading.sum(axis=0)
             ok = np.isfinite(placed) & ~violated & ~faults.in_values & known  # [N]
         return registers, outlines, ok, failed, faults

@@ -81,12 +81,11 @@ class Episode:
         self.suspending: dict[type, Callable[..., Any]] = {}
         self.scenario: Any = None  # the one whose statements run now
         self._own = [(container, container.copy()) for container in changeable(program)]
-        self._own += [(instance.properties, self._sampled(instance.properties)) for instance in program.instances]
+        for instance in program.instances:
+            own = {name: sampled(value, self.row) for name, value in instance.properties.items()}
+            self._own.append((instance.properties, own | {"lastActions": ()}))
         self.mode = self._mode()
         self.state = self.mode.state
-
-    def _sampled(self, properties: dict[str, Value]) -> dict[str, Value]:
-        return {name: sampled(value, self.row) for name, value in properties.items()} | {"lastActions": ()}
 
     def _mode(self) -> Mode:
         """Return how the nodes of this episode are evaluated; what its statements make is its own."""
