@@ -19,10 +19,11 @@ from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.resumable import Resumable
-from ued.upomdp import UPOMDP, successes
+from ued.upomdp import UPOMDP
 
-# Called with the environments `[k]` whose episodes have just ended, their returns `[k]` and success `[k]` (1 or 0);
-# returns the environments `[c]` that change their level and the level records `[c]` they get. The others play on.
+# Called with the environments `[k]` whose episodes have just ended, their returns and success `[k]` (1, 0, nan: not
+# known); returns the environments `[c]` that change their level and the level records `[c]` that they get. The others
+# play on.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
@@ -133,7 +134,8 @@ class RolloutWorker(Resumable):
         self.lengths[ended] = 0
         self.memory.numpy()[ended] = 0.0
         began = perf_counter()
-        envs, records = self.on_episode_end(ended, returns, successes(info, ended, returns))
+        success = np.asarray(info["success"], float)[ended] if "success" in info else np.full(len(ended), np.nan)
+        envs, records = self.on_episode_end(ended, returns, success)
         self.seconds["levels"] += perf_counter() - began
         if len(envs):
             began = perf_counter()
