@@ -27,6 +27,19 @@ BEAT_SECONDS = 10.0  # between signs of life
 SILENT_SECONDS = 60.0  # without one, after which an owner elsewhere counts as dead
 
 
+_held: set[int] = set()  # the locks of this process
+
+
+def _forget_locks() -> None:
+    """Close the locks in a forked process: an environment's worker would keep a run locked after a kill of its own."""
+    for handle in _held:
+        os.close(handle)
+    _held.clear()
+
+
+os.register_at_fork(after_in_child=_forget_locks)
+
+
 class BusyError(CommandError):
     """Somebody else trains this run just now."""
 
@@ -56,6 +69,7 @@ def owned(folder: Path) -> Iterator[None]:
 def _lock(folder: Path) -> Iterator[bool]:
     """Lock a folder itself, for what lies in it may be replaced; give whether its disk has locks."""
     handle = os.open(folder, os.O_RDONLY)
+    _held.add(handle)
     try:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -66,7 +80,9 @@ def _lock(folder: Path) -> Iterator[bool]:
             locked = False
         yield locked
     finally:
-        os.close(handle)
+        if handle in _held:
+            _held.remove(handle)
+            os.close(handle)
 
 
 def _claim(folder: Path, locked: bool) -> None:

@@ -219,3 +219,23 @@ def test_a_cluster_that_is_not_installed_is_an_extra(words, tmp_path, monkeypatc
     monkeypatch.setitem(sys.modules, "ray", None)
     assert main([*words, "--out", str(tmp_path / "out"), "--launcher", "ray"]) == 1
     assert "pip install 'regista[ray]'" in capsys.readouterr().err
+
+
+def test_a_process_that_was_forked_does_not_keep_a_run_locked(tmp_path):
+    """Workers of environments outlive a kill of the command by a moment; `--resume` may come at once."""
+    reader, writer = os.pipe()
+    with owner.owned(tmp_path):
+        child = os.fork()
+        if child == 0:
+            os.close(writer)
+            os.read(reader, 1)  # until the other one has been seen to get the lock
+            os._exit(0)
+        with pytest.raises(BusyError), owner.owned(tmp_path):
+            pass
+    try:
+        with owner.owned(tmp_path):
+            pass
+    finally:
+        os.close(writer)
+        os.close(reader)
+        os.waitpid(child, 0)
