@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from types import SimpleNamespace
 
@@ -174,9 +175,12 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"
 
 
-def test_a_stream_that_its_disk_has_failed_is_not_freed(tmp_path, monkeypatch):
+@pytest.mark.parametrize("hangs", [False, True])
+def test_a_stream_that_its_disk_has_failed_is_left_to_itself(tmp_path, monkeypatch, hangs):
     class Stream:
-        def flush(self, timeout_sec):
+        def flush(self):
+            if hangs:
+                threading.Event().wait()
             raise RuntimeError("Flush timed out")
 
         def __del__(self):  # Rerun's waits for its writer here
@@ -184,12 +188,13 @@ def test_a_stream_that_its_disk_has_failed_is_not_freed(tmp_path, monkeypatch):
 
     freed, left = [], []
     monkeypatch.setattr(rerun, "unregister_shutdown", lambda: left.append(True))
+    monkeypatch.setattr("ued.recorder.recorder.FLUSH_SECONDS", 0.5 if hangs else 60.0)
     recorder = CurriculumRecorder(Recording(tmp_path / "c.rrd", "regista-3", "probe 0", 3000, {}), None, DRAWS)
     recorder.record(1, 1000, batch(1, np.random.default_rng(0)), {"regret": 0.5})
     monkeypatch.setattr(recorder, "_send_metrics", lambda: None)
     recorder.stream.disconnect()
     recorder.stream = Stream()
-    with pytest.raises(RuntimeError, match="Flush timed out"):
+    with pytest.raises(RuntimeError, match="has not answered for" if hangs else "Flush timed out"):
         recorder.flush()
     del recorder
     gc.collect()

@@ -26,7 +26,8 @@ Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `reco
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence, Set
+import threading
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -130,11 +131,7 @@ class CurriculumRecorder:
         """
         if self._opened:
             self._send_metrics()
-            try:
-                self.stream.flush(timeout_sec=FLUSH_SECONDS)
-            except RuntimeError:
-                _abandon(self.stream)
-                raise
+            self._wait_for(self.stream.flush)
 
     def close(self) -> None:
         """Finish the file."""
@@ -142,9 +139,31 @@ class CurriculumRecorder:
             if self._pending:
                 self.theta.record_densities(self._pending[-1][0])
             self.flush()
-        self.stream.disconnect()
+        self._wait_for(self.stream.disconnect)
 
     # ------------------------------------------------------------ pieces
+
+    def _wait_for(self, act: Callable[[], object]) -> None:
+        """Do what waits for Rerun's writer, which answers no more where the disk has failed it.
+
+        Raises RuntimeError then. The stream is never freed: Rerun would wait once more, there or at the program's end.
+        """
+        failure: list[Exception] = [RuntimeError(f"its writer has not answered for {FLUSH_SECONDS:.0f} s")]
+
+        def wait() -> None:
+            try:
+                act()
+                failure.clear()
+            except Exception as error:
+                failure[:] = [error]
+
+        waiting = threading.Thread(target=wait, daemon=True)
+        waiting.start()
+        waiting.join(FLUSH_SECONDS)
+        if failure:
+            ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.stream))
+            rerun.unregister_shutdown()
+            raise failure[0]
 
     def _expect(self, update: int, env_steps: int) -> None:
         self.theta.expect(-(-self.recording.total_env_steps * update // max(env_steps, 1)))
@@ -155,7 +174,7 @@ class CurriculumRecorder:
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
             sinks.append(rerun.GrpcSink(f"rerun+http://{self.recording.connect}/proxy"))
-        self.stream.set_sinks(*sinks, default_blueprint=views)
+        self._wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=views))
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
@@ -231,9 +250,3 @@ class CurriculumRecorder:
             f"| θ | value | batch, 10 % to 90 % |\n|---|---|---|\n{rows}\n"
         )
         return rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)
-
-
-def _abandon(stream: rerun.RecordingStream) -> None:
-    """Never free a stream that its disk has failed: Rerun would wait for its writer, without end, then or at exit."""
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
-    rerun.unregister_shutdown()
