@@ -223,13 +223,15 @@ def test_a_cluster_that_is_not_installed_is_an_extra(words, tmp_path, monkeypatc
 
 def test_a_process_that_was_forked_does_not_keep_a_run_locked(tmp_path):
     """Workers of environments outlive a kill of the command by a moment; `--resume` may come at once."""
-    reader, writer = os.pipe()
+    (reader, writer), (heard, here) = os.pipe(), os.pipe()
     with owner.owned(tmp_path):
         child = os.fork()
         if child == 0:
             os.close(writer)
+            os.write(here, b"!")
             os.read(reader, 1)  # until the other one has been seen to get the lock
             os._exit(0)
+        os.read(heard, 1)  # until it runs, and has let go
         with pytest.raises(BusyError), owner.owned(tmp_path):
             pass
     try:
@@ -237,5 +239,6 @@ def test_a_process_that_was_forked_does_not_keep_a_run_locked(tmp_path):
             pass
     finally:
         os.close(writer)
-        os.close(reader)
         os.waitpid(child, 0)
+        for end in (reader, heard, here):
+            os.close(end)

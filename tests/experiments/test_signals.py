@@ -25,7 +25,11 @@ def ask(number: int = signal.SIGINT) -> None:
 @pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated"), (1, "hung up")])
 def test_a_signal_ends_a_command_with_one_line(number, word, capsys, monkeypatch):
     monkeypatch.setattr("experiments.run.signals.forget_terminal", lambda: None)
-    assert run_command(lambda _: ask(number) or 0, []) == 128 + number
+    before = signal.signal(number, signal.SIG_DFL)  # nohup may have started the tests
+    try:
+        assert run_command(lambda _: ask(number) or 0, []) == 128 + number
+    finally:
+        signal.signal(number, before)
     assert capsys.readouterr().err == f"regista: {word}\n"
 
 
