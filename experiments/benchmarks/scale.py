@@ -232,6 +232,7 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
 def _scale_axes(axes: Any, name: str) -> None:
     if name in ("environments", "columns", "buffer"):
         axes.set(xscale="log", yscale="log")
+        axes.margins(y=0.25)  # for the legend
     else:
         axes.set_ylim(bottom=0)
         axes.set_xticks(sorted({int(x) for line in axes.lines for x in line.get_xdata()}))

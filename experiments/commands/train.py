@@ -104,12 +104,13 @@ def open_reporters(
     run: RunFolder, program: Any, method: Any, progress: Progress, connect: str | None = None
 ) -> Reporters:
     """Return all who are told of the updates of a run: its tables, the terminal, its recording, and trackers."""
-    from experiments.run.recording import RunRecorder
     from experiments.run.trackers import make_tracker
 
     reporters = Reporters(run, method.upomdp)
     reporters.add("shown", lambda: Console(progress))
     if run.config.record:
+        from experiments.run.recording import RunRecorder
+
         reporters.add("recorded", lambda: RunRecorder(run, program, method, connect))
     for name in run.config.report:
         reporters.add(f"told to {name}", partial(make_tracker, name, run, method.env_steps))

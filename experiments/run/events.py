@@ -12,6 +12,7 @@ QUIET_UPDATES = 10  # without the end of an episode
 NARROW_UPDATES, NARROW = 5, 0.25  # share of the bins of θ that as many random levels would reach
 INVALID_UPDATES, INVALID = 3, 0.25  # share of proposals that describe no level
 FORGOTTEN = 0.5  # share of what had been gained on a test scene
+GAINED = 0.1  # share of a return, of which a gain is more than chance
 
 
 class Event(NamedTuple):
@@ -51,7 +52,8 @@ class Watch:
                 continue
             first = self._first.setdefault(name, value)
             best = self._best[name] = max(value, self._best.get(name, value))
-            lost = best - value > FORGOTTEN * (best - first) > 0
+            gained = best - first
+            lost = gained > GAINED * max(abs(best), abs(first)) and best - value > FORGOTTEN * gained
             if lost and name not in self._forgotten:
                 yield Event("forgetting", f"return on {name[5:]}: {value:.2f}, after {best:.2f} at best")
             (self._forgotten.add if lost else self._forgotten.discard)(name)

@@ -34,6 +34,7 @@ def test_forgetting_is_losing_half_of_what_was_gained():
     returns = [0.2, 0.8, 0.6, float("nan"), 0.4, float("nan"), 0.3, 0.7, 0.1]
     assert told([{"eval/hard": value} for value in returns]) == [(5, "forgetting"), (9, "forgetting")]
     assert told([{"eval/hard": value} for value in (0.5, 0.4, 0.1)]) == []  # nothing had been gained
+    assert told([{"eval/hard": value} for value in (-1290.0, -1253.0, -1287.0)]) == []  # nor more than by chance
 
 
 def test_collapse_and_invalid_proposals():
