@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,9 +21,11 @@ from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
+from ued.recorder.writer import Writer
 from ued.upomdp import level_dtype
 
 rerun = pytest.importorskip("rerun")
+ROOT = Path(__file__).resolve().parents[2]
 UPDATES = 30
 
 
@@ -176,9 +179,9 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("hangs", [False, True])
-def test_a_stream_that_its_disk_has_failed_is_left_to_itself(tmp_path, monkeypatch, hangs):
+def test_a_stream_that_its_disk_has_failed_is_left_to_itself(monkeypatch, hangs):
     class Stream:
-        def flush(self):
+        def disconnect(self):
             if hangs:
                 threading.Event().wait()
             raise RuntimeError("Flush timed out")
@@ -188,17 +191,29 @@ def test_a_stream_that_its_disk_has_failed_is_left_to_itself(tmp_path, monkeypat
 
     freed, left = [], []
     monkeypatch.setattr(rerun, "unregister_shutdown", lambda: left.append(True))
-    monkeypatch.setattr("ued.recorder.recorder.FLUSH_SECONDS", 0.5 if hangs else 60.0)
-    recorder = CurriculumRecorder(Recording(tmp_path / "c.rrd", "regista-3", "probe 0", 3000, {}), None, DRAWS)
-    recorder.record(1, 1000, batch(1, np.random.default_rng(0)), {"regret": 0.5})
-    monkeypatch.setattr(recorder, "_send_metrics", lambda: None)
-    recorder.stream.disconnect()
-    recorder.stream = Stream()
+    monkeypatch.setattr("ued.recorder.writer.PATIENCE", 0.5 if hangs else 60.0)
+    writer = Writer(Stream())
     with pytest.raises(RuntimeError, match="has not answered for" if hangs else "Flush timed out"):
-        recorder.flush()
-    del recorder
+        writer.finish()
+    del writer
     gc.collect()
     assert left and not freed
+
+
+def test_a_program_that_ends_in_an_error_waits_for_no_writer(tmp_path):
+    """Nor is a stream freed before: that would wait as well."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import threading, ued.recorder.writer as writer\n"
+        "class Stream:\n"
+        "    def disconnect(self):\n        print('waited'), threading.Event().wait()\n"
+        "    def __del__(self):\n        threading.Event().wait()\n"
+        "writer.PATIENCE = 0.2\n"
+        "def run():\n    writer.Writer(Stream())\n    raise ValueError('an error of the run')\n"
+        "run()\n"
+    )
+    ended = subprocess.run([sys.executable, script], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 1 and ended.stdout == "waited\n" and "an error of the run" in ended.stderr
 
 
 def test_a_viewer_is_there_or_not():

@@ -17,6 +17,7 @@ import rerun
 import rerun.blueprint as rrb
 
 from ued.recorder.shades import SOURCE_COLOURS, Colour
+from ued.recorder.writer import Writer
 
 PlayState = Literal["Paused", "Playing", "Following"]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
@@ -74,16 +75,17 @@ def layout(
 
 @contextmanager
 def recording(path: Path, kind: str, name: str, views: Any) -> Iterator[rerun.RecordingStream]:
-    """Open a recording at a path, y-up below /scene. Raises OSError if the file cannot be written."""
+    """Open a recording at a path, y-up below /scene. Raises OSError or RuntimeError if it cannot be written."""
     with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
         pass
     stream = rerun.RecordingStream(kind, recording_id=name)
     stream.set_log_time_enabled(False)
-    stream.save(path, default_blueprint=views)
+    writer = Writer(stream)
+    writer.wait_for(lambda: stream.save(path, default_blueprint=views))
     stream.send_recording_name(name)
     turn_y_up(stream)
     yield stream
-    stream.disconnect()
+    writer.finish()
 
 
 def turn_y_up(stream: rerun.RecordingStream) -> None:

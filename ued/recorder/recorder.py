@@ -25,9 +25,7 @@ Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `reco
 
 from __future__ import annotations
 
-import ctypes
-import threading
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,10 +42,10 @@ from ued.recorder.layout import ScenePainter, layout
 from ued.recorder.scene_log import Episodes, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
+from ued.recorder.writer import Writer
 from ued.upomdp import Parameter
 
 MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
-FLUSH_SECONDS = 60.0  # that the disk may take for what is pending
 
 
 @dataclass(frozen=True)
@@ -76,6 +74,7 @@ class CurriculumRecorder:
             ),
         )
         self.stream.set_log_time_enabled(False)
+        self.writer = Writer(self.stream)
         self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
         self.theta = ThetaLog(self.stream, draws)
         self.buffer = BufferLog(self.stream)
@@ -131,7 +130,7 @@ class CurriculumRecorder:
         """
         if self._opened:
             self._send_metrics()
-            self._wait_for(self.stream.flush)
+            self.writer.wait_for(self.stream.flush)
 
     def close(self) -> None:
         """Finish the file."""
@@ -139,31 +138,9 @@ class CurriculumRecorder:
             if self._pending:
                 self.theta.record_densities(self._pending[-1][0])
             self.flush()
-        self._wait_for(self.stream.disconnect)
+        self.writer.finish()
 
     # ------------------------------------------------------------ pieces
-
-    def _wait_for(self, act: Callable[[], object]) -> None:
-        """Do what waits for Rerun's writer, which answers no more where the disk has failed it.
-
-        Raises RuntimeError then. The stream is never freed: Rerun would wait once more, there or at the program's end.
-        """
-        failure: list[Exception] = [RuntimeError(f"its writer has not answered for {FLUSH_SECONDS:.0f} s")]
-
-        def wait() -> None:
-            try:
-                act()
-                failure.clear()
-            except Exception as error:
-                failure[:] = [error]
-
-        waiting = threading.Thread(target=wait, daemon=True)
-        waiting.start()
-        waiting.join(FLUSH_SECONDS)
-        if failure:
-            ctypes.pythonapi.Py_IncRef(ctypes.py_object(self.stream))
-            rerun.unregister_shutdown()
-            raise failure[0]
 
     def _expect(self, update: int, env_steps: int) -> None:
         self.theta.expect(-(-self.recording.total_env_steps * update // max(env_steps, 1)))
@@ -174,7 +151,7 @@ class CurriculumRecorder:
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
             sinks.append(rerun.GrpcSink(f"rerun+http://{self.recording.connect}/proxy"))
-        self._wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=views))
+        self.writer.wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=views))
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
