@@ -63,6 +63,8 @@ def owned(folder: Path) -> Iterator[None]:
             if _owner(folder) == _myself():
                 with suppress(OSError):  # the next one of this machine takes it over
                     (folder / OWNER).unlink()
+            with suppress(OSError):  # once more, if the disk did not do it before
+                _mine(folder).unlink()
 
 
 @contextmanager
@@ -87,7 +89,7 @@ def _lock(folder: Path) -> Iterator[bool]:
 
 def _claim(folder: Path, locked: bool) -> None:
     """Become the owner of a folder, or raise `BusyError`: two who try at the same time cannot both become it."""
-    mine = folder / f".owner.{platform.node()}.{os.getpid()}{PARTIAL}"
+    mine = _mine(folder)
     try:
         if locked:  # whoever of this machine was killed in these lines holds no lock any more
             for left in folder.glob(f".owner.{escape(platform.node())}.*{PARTIAL}"):
@@ -108,6 +110,11 @@ def _claim(folder: Path, locked: bool) -> None:
     finally:
         with suppress(OSError):
             mine.unlink()
+
+
+def _mine(folder: Path) -> Path:
+    """Return where a claim is written before it is made."""
+    return folder / f".owner.{platform.node()}.{os.getpid()}{PARTIAL}"
 
 
 def _owner(folder: Path) -> dict | None:

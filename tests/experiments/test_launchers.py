@@ -1,5 +1,6 @@
 """Whoever trains the runs of a comparison: the same tables, number for number. One who trains a run is its owner."""
 
+import errno
 import json
 import os
 import signal
@@ -242,3 +243,17 @@ def test_a_process_that_was_forked_does_not_keep_a_run_locked(tmp_path):
         os.waitpid(child, 0)
         for end in (reader, heard, here):
             os.close(end)
+
+
+def test_what_the_disk_did_not_remove_at_first_is_removed_in_the_end(tmp_path, monkeypatch):
+    unlink, failures = Path.unlink, iter([OSError(errno.EIO, "broken")])
+
+    def broken_once(self, missing_ok=False):
+        if self.name.endswith(".partial") and (failure := next(failures, None)):
+            raise failure
+        unlink(self, missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", broken_once)
+    with owner.owned(tmp_path):
+        assert any(path.name.endswith(".partial") for path in tmp_path.iterdir())
+    assert not list(tmp_path.iterdir())
