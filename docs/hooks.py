@@ -26,6 +26,7 @@ ELSEWHERE = {  # page of the site: the file that it is
     "grf-data.md": "experiments/grf/data/README.md",
     "oracle.md": "tests/oracle/README.md",
     "results.md": "RESULTS.md",
+    "transfer.md": "TRANSFER.md",
     "benchmark.md": "BENCHMARK.md",
     "reliability.md": "RELIABILITY.md",
     "contributing.md": "CONTRIBUTING.md",
