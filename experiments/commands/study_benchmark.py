@@ -25,12 +25,17 @@ from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, t
 from ued.config import FineTuningConfig, setting
 
 HERE = Path(__file__).parent.parent
+TEAMS = ("multi", "teams")  # studies of teams alone
+AGENTS = {  # of a study that trains several on each game, as in the tables
+    "teams": ("ppo", "shared_ppo", "shared_mappo"),
+    "demonstrations": ("ppo", "pretrained"),
+}
 BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
 
 
 @dataclass(frozen=True)
 class BenchmarkStudyConfig(StudyConfig):
-    """What is typed after `regista study single`, `generalisation`, `multi` or `demonstrations`."""
+    """What is typed after `regista study single`, `generalisation`, `multi`, `teams` or `demonstrations`."""
 
     preset: Literal["fast", "thesis"] = setting(
         "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
@@ -60,16 +65,28 @@ class PlannedRun(NamedTuple):
     seed: int
 
     @property
+    def cloned(self) -> bool:
+        """Whether it begins with a clone."""
+        return self.agent.endswith("pretrained")
+
+    @property
     def kind(self) -> str:
-        """What its folder is called behind its game: nothing of a run that begins anew."""
-        return "pretrained-" if self.agent.endswith("pretrained") else ""
+        """What its folder is called behind its game: nothing where every agent has a policy of its own from nothing."""
+        name = self.agent.removeprefix(measuring.TEAM)
+        return "" if name == "ppo" else f"{name}-"
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """The settings that it is chosen for, by dotted path."""
+        shape = self.agent.removeprefix(measuring.TEAM)
+        return {"env.control": self.control} | measuring.SHAPES.get(shape, {})
 
 
 class BenchmarkStudy:
     """One of the studies.
 
     Args:
-        name: single, generalisation, multi or demonstrations.
+        name: single, generalisation, multi, teams or demonstrations.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """
@@ -113,11 +130,13 @@ class BenchmarkStudy:
 
     def planned(self) -> Iterator[PlannedRun]:
         """Yield the runs of the study, one seed of everything after the other."""
-        agents = ("ppo", "pretrained") if self.name == "demonstrations" else ("ppo",)
+        typed = arguments.replace_paths(self.runs.base, self.typed).ppo
+        agents = AGENTS.get(self.name)
         for seed in range(self.config.seeds):
             for game, control in self.games():
-                team = "" if control == build.find_minigame(game).control else measuring.TEAM
-                yield from (PlannedRun(game, team + agent, control, seed) for agent in agents)
+                single = control == build.find_minigame(game).control
+                team, shape = ("", "ppo") if single else (measuring.TEAM, measuring.shape_of(typed))
+                yield from (PlannedRun(game, team + agent, control, seed) for agent in agents or (shape,))
 
     def games(self) -> list[tuple[str, str]]:
         """Return the games, each with whom its agents move: a team of each kind, or one agent."""
@@ -130,12 +149,12 @@ class BenchmarkStudy:
             controls = [control for other, control in known if other == game.name]
             if "env.control" in self.typed:
                 controls = [self.typed["env.control"]]
-            elif self.name == "multi":
+            elif self.name in TEAMS:
                 controls = controls or [*game.team_control]
             elif self.name != "demonstrations":
                 controls = [game.control]
             if not controls:
-                what = "team" if self.name == "multi" else "semi-expert program"
+                what = "team" if self.name in TEAMS else "semi-expert program"
                 raise UsageError(f"no {what} is known for {game.name}; say whom its agents move with --control")
             pairs += [(game.name, control) for control in controls]
         return pairs
@@ -147,10 +166,10 @@ class BenchmarkStudy:
         clones: list[RunFolder] = []
         runs: list[RunFolder] = []
         for plan in planned:
-            made = self.make_clone(plan, stop) if plan.kind else None
-            if plan.kind and made is None:
+            made = self.make_clone(plan, stop) if plan.cloned else None
+            if plan.cloned and made is None:
                 break
-            runs.append(self.runs.open(plan.game, plan.seed, {"env.control": plan.control}, plan.kind))
+            runs.append(self.runs.open(plan.game, plan.seed, plan.chosen, plan.kind))
             if made is not None:
                 clones.append(RunFolder.open(made))
                 if not runs[-1].begun():
@@ -194,7 +213,7 @@ class BenchmarkStudy:
         Raises `ConfigError` that names the run, the setting and both values.
         """
         for plan in planned:
-            path, config = self.runs.plan(plan.game, plan.seed, {"env.control": plan.control}, plan.kind)
+            path, config = self.runs.plan(plan.game, plan.seed, plan.chosen, plan.kind)
             if (path / "config.json").exists():
                 RunFolder.create_or_extend(path, config)
 

@@ -19,9 +19,16 @@ from experiments.run.provenance import commit
 from experiments.studies.rows import TRAIN, Row
 
 TEAM = "team_"  # before the names of agents
+SHAPES: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing
+    "ppo": {},  # a policy and a critic each, as in the thesis
+    "shared_ppo": {"ppo.team": "shared"},
+    "mappo": {"ppo.critic": "central"},
+    "shared_mappo": {"ppo.team": "shared", "ppo.critic": "central"},
+}
 
 if TYPE_CHECKING:
     from minigames.suites import Minigame
+    from ued.config import PPOConfig
     from ued.evaluation import Evaluation
 
 
@@ -36,8 +43,15 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
 
 def agent_of(run: RunFolder) -> str:
     """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
-    single = run.config.env.control == build.find_minigame(run.config.minigame).control
-    return ("" if single else TEAM) + {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label, "ppo")
+    trained = {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label)
+    if run.config.env.control == build.find_minigame(run.config.minigame).control:
+        return trained or "ppo"
+    return TEAM + (trained or shape_of(run.config.ppo))
+
+
+def shape_of(config: PPOConfig) -> str:
+    """Return what a team that learns so is called: whether one policy serves all, and whether the critic sees all."""
+    return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:

@@ -36,6 +36,11 @@ PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "single": tuple((game, BENCHMARK[game].control) for game in FIGURE_2_7),
     "generalisation": tuple((game.name, game.control) for game in BENCHMARK.values()),
     "multi": tuple((row.game, row.control) for row in published() if row.source == "Table 3.1"),
+    "teams": (  # an attack that the thesis's teams do not learn, one that they do, and a defence
+        ("offense/hard_crossing", "allNonGK"),
+        ("grf/pass_and_shoot_with_keeper", "allNonGK"),
+        ("defense/2vs2", "all"),
+    ),
     "demonstrations": tuple((row.game, row.control) for row in published() if row.agent.endswith("pretrained")),
 }
 
@@ -88,6 +93,7 @@ is drawn by `regista study` from small tables; what is missing in them it makes,
 regista study single --seeds 5 --hours 3           # the 13 games of Figure 2.7; after three hours call it again
 regista study generalisation --seeds 3 --hours 3   # all 22, and the tests of 20
 regista study multi --seeds 3                      # teams, one policy per agent: the 15 rows of Table 3.1
+regista study teams --seeds 3                      # a policy each, one for all, MAPPO: three of these rows
 regista study demonstrations --seeds 3             # semi-experts, their clones, and training on from these
 regista study single --preset thesis               # stacked SMM and the thesis's network
 ```"""
@@ -168,6 +174,25 @@ def teams(measured: Measured, folder: Path, pictures: Path) -> str:
     return _paragraphs([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
 
 
+def shapes(measured: Measured, folder: Path, pictures: Path) -> str:
+    """Return the section of teams that share a policy, or have a critic that sees all, beside those of the thesis."""
+    known = {name: TEAM + name for name in SHAPE_TITLES}
+    pairs = dict.fromkeys((row.game, row.control) for row in measured.rows if row.agent in [*known.values()][1:])
+    if not pairs:
+        return ""
+    head = ["game", "moved", *(word for title in SHAPE_TITLES.values() for word in (title, "runs"))]
+    rows = [[*pair, *(cell for agent in known.values() for cell in _trained(measured, agent, *pair))] for pair in pairs]
+    return "\n\n".join(["### One policy each, one for all, and a critic that sees all", as_markdown([head, *rows])])
+
+
+SHAPE_TITLES = {
+    "ppo": "a policy and a critic each",
+    "shared_ppo": "one of both for all",
+    "mappo": "a policy each, a critic that sees all",
+    "shared_mappo": "one policy, a critic that sees all (MAPPO)",
+}
+
+
 def demonstrations(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of Figure 2.10 and Table 3.2: semi-experts, their clones, and what training adds to these."""
     pairs = [pair for pair in PAIRS["demonstrations"] if _with_demonstrations(measured, *pair, "pretrained")]
@@ -233,7 +258,7 @@ def networks(measured: Measured, folder: Path, pictures: Path) -> str:
 
 
 Section = Callable[[Measured, Path, Path], str]
-SECTIONS: tuple[Section, ...] = (single, generalisation, teams, demonstrations, networks)
+SECTIONS: tuple[Section, ...] = (single, generalisation, teams, shapes, demonstrations, networks)
 
 
 def ranks(measured: Measured, games: Sequence[str], split: str) -> str:
@@ -282,8 +307,7 @@ def _tested_row(measured: Measured, game: str) -> list[str]:
 
 
 def _team_row(measured: Measured, game: str, control: str) -> list[str]:
-    keys, team = (measured.estimate(game, agent, TRAIN, control) for agent in ("random", "team_ppo"))
-    told = [_cell(keys), _cell(team), _runs(measured.of(game, "team_ppo", TRAIN, control))]
+    told = [_cell(measured.estimate(game, "random", TRAIN, control)), *_trained(measured, "team_ppo", game, control)]
     theirs = _plain(find_published(game, "team_ppo", control=control))
     experts = [
         _cell(measured.estimate(game, "team_expert")),
@@ -292,8 +316,15 @@ def _team_row(measured: Measured, game: str, control: str) -> list[str]:
     return [game, control, *told, theirs, *experts]
 
 
+def _trained(measured: Measured, agent: str, game: str, control: str) -> list[str]:
+    """Return what an agent reaches on training scenes, and in how many runs."""
+    return [_cell(measured.estimate(game, agent, TRAIN, control)), _runs(measured.of(game, agent, TRAIN, control))]
+
+
 def _runs(rows: Sequence[Row]) -> str:
-    """Return how many runs there are, and after how many steps they were played."""
+    """Return how many runs there are, and after how many steps they were played; nothing of none."""
+    if not rows:
+        return ""
     steps = dict.fromkeys(count(row.env_steps) for row in sorted(rows, key=lambda row: row.env_steps))
     return f"{len(rows)} × {' to '.join(steps)}"
 

@@ -150,6 +150,28 @@ def test_teams_are_moved_as_the_games_have_it(single, tmp_path):
     assert main(words) == 0 and len(begun) == 1
 
 
+def test_teams_share_a_policy_or_a_critic_beside_those_of_the_thesis(single, tmp_path):
+    words, begun = single
+    words[1:5] = ["teams", "--games", "offense/hard_crossing"]
+    assert main(words) == 0
+    stem = "offense_hard_crossing-allNonGK-"
+    assert begun == [f"{stem}{kind}features-0" for kind in ("", "shared_ppo-", "shared_mappo-")]
+    learned = [RunFolder.open(tmp_path / "fast" / name).config.ppo for name in begun]
+    assert [(ppo.team, ppo.critic) for ppo in learned] == [
+        ("independent", "own"),
+        ("shared", "own"),
+        ("shared", "central"),
+    ]
+    measured = {row.agent for row in rows.load(tmp_path / "results" / "fast.csv")}
+    assert measured == {"team_ppo", "team_shared_ppo", "team_shared_mappo", "random"}
+    text = (tmp_path / "BENCHMARK.md").read_text()
+    assert "### One policy each, one for all" in text and text.count("| 1 × 64 |") == 4  # and one beside the published
+    assert main(words) == 0 and len(begun) == 3
+    words[1:4] = ["multi", "--games", "offense/hard_crossing"]
+    assert main([*words, "--team", "shared"]) == 0 and len(begun) == 3  # it is the second of these
+    assert len(BenchmarkStudy("teams", BenchmarkStudyConfig(), {}).games()) == 3
+
+
 def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
     pytest.importorskip("minari")
     words, begun = single
