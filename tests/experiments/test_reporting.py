@@ -53,7 +53,7 @@ def test_a_continued_run_says_what_it_would_have_said(tmp_path, capsys):
 
 
 def test_rolling_returns_outlast_updates_without_an_episode():
-    none = Episodes(np.zeros(0), np.zeros(0), np.zeros(0))
+    none = Episodes(np.zeros(0), np.zeros(0))
     assert np.isnan(episode_metrics("student", none, np.zeros(0))["return_100/student"])
     metrics = episode_metrics("student", none, np.array([1.0, 0.0]))
     assert metrics["return_100/student"] == 0.5 and np.isnan(metrics["return/student"])

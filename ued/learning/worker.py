@@ -29,9 +29,8 @@ OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, 
 
 @dataclass(frozen=True)
 class Episodes:
-    """Finished episodes, in the order in which they ended: `level` `[E]` records, `returns` `[E]`, `lengths` `[E]`."""
+    """Finished episodes, in the order in which they ended: `returns` `[E]`, `lengths` `[E]`."""
 
-    level: np.ndarray
     returns: np.ndarray
     lengths: np.ndarray
 
@@ -71,7 +70,7 @@ class RolloutWorker(Resumable):
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self.tape: ActionTape | None = None  # until somebody wants to see episodes again
-        self._ended: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        self._ended: list[tuple[np.ndarray, np.ndarray]] = []
 
     def start(self, records: np.ndarray) -> None:
         """Begin an episode on the level of each of these records `[N]`."""
@@ -129,7 +128,7 @@ class RolloutWorker(Resumable):
 
     def _end_episodes(self, ended: np.ndarray, info: dict[str, Any]) -> None:
         returns = self.returns[ended]
-        self._ended.append((self.upomdp.levels[ended], returns, self.lengths[ended]))
+        self._ended.append((returns, self.lengths[ended]))
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         self.memory.numpy()[ended] = 0.0
@@ -157,9 +156,9 @@ class RolloutWorker(Resumable):
         """Return the episodes that ended since the last call."""
         ended, self._ended = self._ended, []
         if not ended:
-            return Episodes(self.upomdp.levels[:0].copy(), np.zeros(0), np.zeros(0, np.int64))
-        level, returns, lengths = (np.concatenate(column) for column in zip(*ended, strict=True))
-        return Episodes(level, returns, lengths)
+            return Episodes(np.zeros(0), np.zeros(0, np.int64))
+        returns, lengths = (np.concatenate(column) for column in zip(*ended, strict=True))
+        return Episodes(returns, lengths)
 
     def pop_seconds(self) -> dict[str, float]:
         """Return the seconds spent since the last call, simulating, asking the network, and choosing levels."""

@@ -284,95 +284,106 @@ class Adversary(Resumable):
         target = self.scale(regret).astype(np.float32)
         self.optimizer.zero_grad()
         written_out = self.network.distribution is Squashed and not self.network.heads[-1]
-        passes = (WrittenOut if written_out else Autograd)(self.network, self.generator)
-        logs = [self._epoch(passes, proposals, target) for _ in range(self.config.update_epochs)]
-        losses = np.mean(logs, (0, 2), np.float64) * np.array([-1.0, 0.5, 1.0, 1.0])
+        passes = (WrittenOut if written_out else Autograd)(self.network, self.generator, proposals)
+        logs = np.empty((self.config.update_epochs, len(LOSSES), len(target)), np.float32)
+        for log in logs:
+            self._epoch(passes, proposals.log_prob, target, log)
+        losses = logs.mean((0, 2), np.float64) * np.array([-1.0, 0.5, 1.0, 1.0])
         return dict(zip(LOSSES, losses.tolist(), strict=True))
 
-    def _epoch(self, passes: Autograd | WrittenOut, proposals: Proposals, target: np.ndarray) -> np.ndarray:
+    def _epoch(self, passes: Autograd | WrittenOut, before: np.ndarray, target: np.ndarray, log: np.ndarray) -> None:
         """Take a step down the gradient of: policy_loss - ent_coef * entropy + vf_coef * value_loss.
 
-        Returns `[4, B]` what LOSSES are means of: -1, 1/2, 1 and 1 times.
+        `before` `[B]` are log-densities as proposed. Writes `[4, B]` what LOSSES are means of: -1, 1/2, 1 and 1 times.
         """
-        config, count = self.config, np.float32(len(target))
-        now, entropy, value = passes.forward(proposals.z, proposals.raw)
-        log_ratio = now - proposals.log_prob  # tanh's Jacobian is the same above and below
+        config, count = self.config, len(target)
+        now, entropy, value = passes.forward()
+        log_ratio = now - before  # tanh's Jacobian is the same above and below
         bounded = log_ratio.clip(-MOST_LOG_RATIO, MOST_LOG_RATIO)
         ratio, advantage = np.exp(bounded), target - value
         gain = advantage * ratio
         worse = np.minimum(gain, advantage * ratio.clip(1 - config.clip_coef, 1 + config.clip_coef))  # [B]
         by_log_prob = gain * (gain == worse) * (bounded == log_ratio) / -count  # 0 where anything is clipped
-        by_entropy = np.full_like(value, -config.ent_coef / count)
-        passes.backward(by_log_prob, by_entropy, advantage * (-config.vf_coef / count))
+        passes.backward(by_log_prob, -config.ent_coef / count, advantage * (-config.vf_coef / count))
         norm = self.optimizer.clip_norm(config.max_grad_norm)
         self.optimizer.step()
-        return np.stack([worse, advantage**2, entropy, np.full_like(value, norm.item())])
+        log[0], log[1], log[2], log[3] = worse, advantage**2, entropy, norm.item()
 
 
 class Autograd:
     """What an adversary's network says of proposals, and the gradient of its weights: for any distribution."""
 
-    def __init__(self, network: AdversaryNetwork, generator: torch.Generator) -> None:
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, proposals: Proposals) -> None:
         self.network, self.generator = network, generator
+        self.z, self.raw = torch.as_tensor(proposals.z), torch.as_tensor(proposals.raw)
 
-    def forward(self, z: np.ndarray, raw: np.ndarray) -> list[np.ndarray]:
-        """Return the log-density of `raw` `[B, D]`, the entropy of θ and the regret to expect `[B]`, given `z`."""
-        policy, value = self.network(torch.as_tensor(z))
-        self.outputs = policy.log_prob(torch.as_tensor(raw)), policy.theta_entropy(self.generator), value
+    def forward(self) -> list[np.ndarray]:
+        """Return the log-density of `raw`, the entropy of θ and the regret to expect, given `z`: `[B]` each."""
+        policy, value = self.network(self.z)
+        self.outputs = policy.log_prob(self.raw), policy.theta_entropy(self.generator), value
         return [output.detach().numpy() for output in self.outputs]
 
-    def backward(self, *gradients: np.ndarray) -> None:
-        """Write down the gradient of all weights, given those `[B]` by what `forward` returned last."""
+    def backward(self, by_log_prob: np.ndarray, by_entropy: float, by_value: np.ndarray) -> None:
+        """Write down the gradient of all weights, given those by what `forward` returned last: of entropy the same for
+        each row, of the others `[B]`.
+        """
         self.network.zero_grad(set_to_none=False)
+        gradients = by_log_prob, np.full_like(by_value, by_entropy), by_value
         torch.autograd.backward(self.outputs, [torch.as_tensor(gradient) for gradient in gradients])
 
 
 class WrittenOut:
-    """The same for `Squashed`, by hand and in numpy, whose calls are a third as long as torch's."""
+    """The same for `Squashed`, by hand and in numpy, whose calls are a third as long as torch's.
 
-    def __init__(self, network: AdversaryNetwork, generator: torch.Generator) -> None:
+    Each column of θ is a row here, `[D, B]`: over many short rows calls take several times as long.
+    """
+
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, proposals: Proposals) -> None:
         self.generator, layers = generator, (network.first, network.second, network.last)
         self.weights = [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in layers]
         parts = [(layer.weight.grad, layer.bias.grad) for layer in layers]  # of the optimizer's vector
         self.gradients = [tuple(part.numpy() for part in pair if part is not None) for pair in parts]
-        self.dim = network.heads[0]
+        self.dim, self.z, self.raw = network.heads[0], proposals.z, np.ascontiguousarray(proposals.raw.T)
+        self.ones = np.ones(len(self.z), np.float32)  # sums over rows are products with them: a fifth of the time
 
-    def forward(self, z: np.ndarray, raw: np.ndarray) -> list[np.ndarray]:
+    def forward(self) -> list[np.ndarray]:
         """See `Autograd` and `Squashed`."""
-        self.seen = [z]  # by each layer
+        self.seen = [self.z]  # by each layer
         for weight, bias in self.weights[:-1]:
-            self.seen.append(np.tanh(self.seen[-1] @ weight.T + bias))
+            free = self.seen[-1] @ weight.T
+            free += bias
+            self.seen.append(np.tanh(free, out=free))
         weight, bias = self.weights[-1]
-        outputs = self.seen[-1] @ weight.T + bias
-        one, other, value = outputs[:, : self.dim], outputs[:, self.dim : -1], outputs[:, -1]
+        outputs = weight @ self.seen[-1].T + bias[:, None]  # [2 D + 1, B]
+        one, other, value = outputs[: self.dim], outputs[self.dim : -1], outputs[-1]
         self.bent, free = np.tanh(one / MEAN_RANGE), UNIFORM_LOG_STD + other
         log_std = free.clip(*LOG_STD_RANGE)
         self.std, self.unclipped = np.exp(log_std), free == log_std
         mean = MEAN_RANGE * self.bent
-        self.standard = (raw - mean) / self.std
-        self.deviation = self.std * torch.empty(raw.shape).normal_(generator=self.generator).numpy()
+        self.standard = (self.raw - mean) / self.std
+        noise = torch.empty(self.raw.shape[::-1]).normal_(generator=self.generator).numpy()  # as `Squashed` draws it
+        self.deviation = self.std * noise.T
         drawn = mean + self.deviation
         self.theta = np.tanh(drawn)
-        log_prob = -0.5 * LOG_2_PI * self.dim - (log_std + 0.5 * self.standard**2).sum(1)
-        entropy = (log_std - 2 * np.log(2 * np.cosh(drawn))).sum(1) + ENTROPY * self.dim
+        log_prob = -0.5 * LOG_2_PI * self.dim - (log_std + 0.5 * self.standard**2).sum(0)
+        entropy = (log_std - 2 * np.log(2 * np.cosh(drawn))).sum(0) + ENTROPY * self.dim
         return [log_prob, entropy, value]
 
-    def backward(self, by_log_prob: np.ndarray, by_entropy: np.ndarray, by_value: np.ndarray) -> None:
+    def backward(self, by_log_prob: np.ndarray, by_entropy: float, by_value: np.ndarray) -> None:
         """See `Autograd`.
 
         The derivatives of log N by mean and log σ are s / σ and s² - 1, s = (raw - mean) / σ. That of log(1 - tanh² x)
         is -2 tanh x, and those of x = mean + σ noise are 1 and σ noise.
         """
-        by_log_prob, by_entropy = by_log_prob[:, None], by_entropy[:, None]
         slope = -2 * by_entropy * self.theta
         by_mean = by_log_prob * self.standard / self.std + slope
         by_log_std = by_log_prob * (self.standard**2 - 1) + slope * self.deviation + by_entropy
         by_one = by_mean * (1 - self.bent**2)
-        gradient = np.concatenate([by_one, by_log_std * self.unclipped, by_value[:, None]], 1)
+        gradient = np.concatenate([by_one, by_log_std * self.unclipped, by_value[None]]).T
         for layer in (2, 1, 0):
             by_weight, by_bias = self.gradients[layer]
             np.matmul(gradient.T, self.seen[layer], out=by_weight)
-            gradient.sum(0, out=by_bias)
+            np.matmul(self.ones, gradient, out=by_bias)
             if layer:
                 gradient = gradient @ self.weights[layer][0] * (1 - self.seen[layer] ** 2)
 

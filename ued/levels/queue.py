@@ -9,6 +9,7 @@ train it but do not count. Read next: `method`, whose `play` hides this queue.
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from ued.curriculum import Curriculum
 from ued.levels.record import NONE, number
 from ued.resumable import Resumable
+from ued.upomdp import whole
 
 # Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
 # of their number, for one request of many levels costs hardly more than one of one.
@@ -85,7 +87,8 @@ class LevelQueue(Resumable):
         for env in envs:
             due[env] -= 1
         waiting = [env for env in envs if due[env] < 0] + [env for env in envs if not due[env]]
-        waiting = waiting[: max(0, self.max_lead - int(self.taken[student] - self.taken.min()))]
+        taken = self.taken.tolist()
+        waiting = waiting[: max(0, self.max_lead - (taken[student] - min(taken)))]
         changing = np.array(waiting, np.int64)
         if self.once_per_rollout:
             self.needs_new_level[student, changing] = False
@@ -99,8 +102,9 @@ class LevelQueue(Resumable):
             self.next_id = number(proposals, self.next_id)
             proposals["turn"] = self.next_turn + np.arange(len(proposals))
             self.next_turn += len(proposals)
-            self.records = np.concatenate([self.records, proposals])
-        records = self.records[start : start + len(envs)].copy()
+            joined = np.concatenate([whole(self.records), whole(proposals)])
+            self.records = joined.view(self.records.dtype)
+        records = whole(self.records[start : start + len(envs)]).copy().view(self.records.dtype)
         if len(envs):
             self.playing[student, envs] = np.arange(start, start + len(envs))
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
@@ -130,10 +134,12 @@ class LevelQueue(Resumable):
         """
         if not self._ended[student]:
             return
-        rows, due, returns, success = map(np.concatenate, zip(*self._ended[student], strict=True))  # [E]
+        playing, left, *told = zip(*self._ended[student], strict=True)
         self._ended[student] = []
+        rows, returns, success = map(np.concatenate, (playing, *told))  # [E]
+        due = np.array([*chain.from_iterable(left)], np.int64)  # [E]
         counted = due > 0
-        rows, due = rows[counted], due[counted].astype(np.int64)
+        rows, due = rows[counted], due[counted]
         for name, column in ({"returns": returns, "success": success} | stats).items():
             self.records[name][rows, student, self.records["num_episodes"][rows] - due] = column[counted]
         np.add.at(self.records["num_played"][:, student], rows, 1)
@@ -152,15 +158,15 @@ class LevelQueue(Resumable):
     def pop_finished(self) -> np.ndarray:
         """Remove and return the finished records `[L]`, in the order of play; drop proposals that have become stale."""
         finished = self.finished()
-        popped, before = self.records[finished], np.cumsum(finished) - finished
+        records, before = whole(self.records), np.cumsum(finished) - finished
         index = np.where(finished, NONE, np.arange(len(self.records)) - before)
         index = np.append(index, NONE)  # so that NONE, the last, stays NONE
         self.playing = index[self.playing]
         self.taken = self.taken - np.array([finished[:count].sum() for count in self.taken])
-        self.records = self.records[~finished]
+        self.records = records[~finished].view(self.curriculum.dtype)
         if self.drop_stale_proposals:
             self.records = self.records[: int(self.taken.max())]
-        return popped
+        return records[finished].view(self.curriculum.dtype)
 
     def clear(self) -> None:
         """Forget all records, finished or not; students begin again with `first`."""

@@ -15,7 +15,7 @@ from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.parameters import categories_of
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import UPOMDP, level_dtype, whole
 
 
 class Teacher(Resumable):
@@ -59,7 +59,8 @@ class Teacher(Resumable):
         records["origin"][~self.space.valid(theta)] = Origin.REPLACED
         records["origin"][self.mix.random(count) < self.config.dr_fraction] = Origin.RANDOM
         random = records["origin"] != Origin.PROPOSED
-        records["level"][random] = self.space.sample_levels(int(random.sum()))
+        if random.any():
+            records["level"][random] = self.space.sample_levels(int(random.sum()))
         return records
 
     def _view(self) -> UPOMDP | None:
@@ -86,12 +87,12 @@ class Teacher(Resumable):
         It waits until there are enough of them. Returns the means of its losses, none while it waits.
         """
         levels["score"] = score
-        proposals = levels[levels["origin"] == Origin.PROPOSED]
+        proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
             refused = levels[levels["origin"] == Origin.REPLACED]  # what was played in their place is not theirs
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
-        self.pending_proposals = np.concatenate([self.pending_proposals, proposals])
+        self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
         if len(self.pending_proposals) < self.config.adversary.min_batch:
             return {}
         batch, self.pending_proposals = self.pending_proposals, self.pending_proposals[:0]
