@@ -1,9 +1,12 @@
 """Mixtures of Gaussians: densities by hand, clusters that are found again, how many there are."""
 
+import tracemalloc
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from ued.levels.gaussian_mixture import GaussianMixture, fit, products_of
+from ued.levels.gaussian_mixture import GaussianMixture, _clusters, aic, fit, products_of
 
 CENTRES = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
 
@@ -18,8 +21,8 @@ def test_densities_by_hand():
     mixture = GaussianMixture(np.array([0.25, 0.75]), np.array([[0.0], [2.0]]), np.array([[[1.0]], [[4.0]]]))
     root = np.sqrt(2 * np.pi)
     wanted = [0.25 * np.exp(-0.5) / root, 0.75 * np.exp(-1 / 8) / (2 * root)]
-    assert np.exp(mixture.log_densities(products_of(np.array([[1.0]]))))[:, 0] == pytest.approx(wanted)
-    assert mixture.aic(np.array([[1.0]])) == pytest.approx(2 * 5 - 2 * np.log(sum(wanted)))
+    assert np.exp(mixture.log_densities(products_of(np.array([[1.0]]), True)))[:, 0] == pytest.approx(wanted)
+    assert aic([mixture], np.array([[1.0]])) == pytest.approx(2 * 5 - 2 * np.log(sum(wanted)))
 
 
 def test_what_was_drawn_is_found():
@@ -33,8 +36,55 @@ def test_what_was_drawn_is_found():
 
 
 def test_akaike_tells_how_many():
-    criterion = [0.0, *(mixture.aic(drawn()) for mixture in fit(drawn(), (1, 2, 3), np.random.default_rng(1)))]
-    assert criterion[3] < criterion[2] < criterion[1]
+    one, two, three = aic(fit(drawn(), (1, 2, 3), np.random.default_rng(1)), drawn())
+    assert three < two < one
+
+
+def test_diagonal_covariances_are_full_ones_without_the_rest():
+    rng = np.random.default_rng(2)
+    variances = rng.uniform(0.1, 2.0, (3, 4))
+    diagonal = GaussianMixture(np.array([0.2, 0.3, 0.5]), rng.standard_normal((3, 4)), variances)
+    full = replace(diagonal, covariances=variances[:, :, None] * np.eye(4))
+    data = rng.standard_normal((5, 4))
+    densities = [mixture.log_densities(products_of(data, mixture.full)) for mixture in (diagonal, full)]
+    assert densities[0] == pytest.approx(densities[1])
+    assert aic([full], data) - aic([diagonal], data) == pytest.approx(2 * 3 * 6)  # of 4 columns 6 pairs
+    assert full.marginal(2).covariances == pytest.approx(diagonal.marginal(2).covariances[:, :, None] * np.eye(2))
+
+
+@pytest.mark.parametrize("full", [True, False])
+def test_rows_that_are_drawn_have_its_moments(full):
+    covariances = np.array([[[1.0, 0.6], [0.6, 0.5]], [[0.1, 0.0], [0.0, 0.2]]])
+    covariances = covariances if full else np.diagonal(covariances, axis1=1, axis2=2)
+    mixture = GaussianMixture(np.array([0.7, 0.3]), np.array([[0.0, 0.0], [50.0, 50.0]]), covariances)
+    rows = mixture.sample(40_000, np.random.default_rng(3))
+    near = rows[:, 0] < 25
+    assert near.mean() == pytest.approx(0.7, abs=0.01)
+    assert np.cov(rows[near].T) == pytest.approx(np.array([[1.0, 0.6 * full], [0.6 * full, 0.5]]), abs=0.03)
+
+
+def test_covariances_are_diagonal_where_a_gaussian_has_fewer_rows_than_columns():
+    def fitted(rows: int, columns: int) -> GaussianMixture:
+        data = np.random.default_rng(0).standard_normal((rows, columns))
+        return fit(data, (1, 2), np.random.default_rng(0))[1]
+
+    assert fitted(20, 10).full and not fitted(20, 11).full and not fitted(500, 65).full
+
+
+def test_a_thousand_columns_take_megabytes():
+    data = np.random.default_rng(0).uniform(-1, 1, (250, 1001))
+    tracemalloc.start()
+    mixtures = fit(data, range(2, 11), np.random.default_rng(0))
+    aic(mixtures, data)
+    assert tracemalloc.get_traced_memory()[1] < 50e6
+    tracemalloc.stop()
+    assert all(np.isfinite(mixture.sample(3, np.random.default_rng(0))).all() for mixture in mixtures)
+
+
+def test_rows_as_near_to_two_clusters_belong_to_both():
+    shares = _clusters(np.array([[0.0], [0.0], [1.0]]), (3,), np.random.default_rng(0))
+    assert shares.sum(0) == pytest.approx(1.0)
+    assert sorted(shares[:, 0]) == [0.0, 0.5, 0.5] and sorted(shares[:, 2]) == [0.0, 0.0, 1.0]
 
 
 def test_rows_that_are_alike_can_be_fitted():

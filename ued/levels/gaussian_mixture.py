@@ -2,7 +2,11 @@
 
 The steps are those of scikit-learn, which takes a dozen calls for each Gaussian; for a few hundred rows these calls are
 nearly all of the time. Densities are quadratic forms of a row, and moments are sums over rows: with the products of a
-row's entries at hand, each of the two is one product of matrices. Read next: `methods.alp_gmm`.
+row's entries at hand, each of the two is one product of matrices.
+
+Covariances are full as in the paper's code, as long as a Gaussian has as many rows as columns to learn them from; else
+they are singular, and diagonal ones take their place (scikit-learn's "diag"): of D² products of a row D are left.
+Read next: `methods.alp_gmm`.
 """
 
 from __future__ import annotations
@@ -10,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,11 +22,12 @@ MOST_STEPS = 100
 TOLERANCE = 1e-3  # of the mean log-likelihood, below which another step is not worth it
 REGULARISER = 1e-5  # added to variances: none is 0
 LEAST_LOG_SHARE = -50.0  # of a Gaussian in a row: below, numpy's exponential takes ten times as long
+MOST_FULL = 64  # columns with full covariances, however many rows there are: products of a row are 4,225 numbers
 
 
 @dataclass(frozen=True)
 class GaussianMixture:
-    """K Gaussians in D dimensions: weights `[K]`, means `[K, D]`, covariances `[K, D, D]`."""
+    """K Gaussians in D dimensions: weights `[K]`, means `[K, D]`, covariances `[K, D, D]`, or diagonals `[K, D]`."""
 
     weights: np.ndarray
     means: np.ndarray
@@ -31,30 +37,61 @@ class GaussianMixture:
         """Return these of its Gaussians: bool `[K]`."""
         return GaussianMixture(self.weights[which], self.means[which], self.covariances[which])
 
+    @property
+    def full(self) -> bool:
+        """Whether columns depend on each other."""
+        return self.covariances.ndim == 3
+
+    def marginal(self, dim: int) -> GaussianMixture:
+        """Return its distribution over the first columns alone."""
+        inner = (slice(None), *[slice(dim)] * (self.covariances.ndim - 1))
+        return GaussianMixture(self.weights, self.means[:, :dim], self.covariances[inner])
+
+    @cached_property
+    def _roots(self) -> np.ndarray:
+        return np.linalg.cholesky(self.covariances) if self.full else np.sqrt(self.covariances)
+
+    def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw rows `[count, D]`."""
+        which = rng.choice(len(self.weights), count, p=self.weights)
+        noise, roots = rng.standard_normal((count, self.means.shape[1])), self._roots[which]
+        return self.means[which] + ((roots @ noise[:, :, None])[:, :, 0] if self.full else roots * noise)
+
     def log_densities(self, products: np.ndarray) -> np.ndarray:
-        """Return for each row, given its products `[n, (1 + D)²]`, the logarithm of what each Gaussian adds to its
-        density, `[K, n]`.
+        """Return for each row, given its products `[n, P]`, the logarithm of what each Gaussian adds to its density,
+        `[K, n]`.
         """
         count, dim = self.means.shape
-        root = np.linalg.cholesky(self.covariances)  # [K, D, D]
-        inverse = np.linalg.inv(root)
-        standard = np.concatenate([-inverse @ self.means[:, :, None], inverse], 2)  # [K, D, 1 + D], of (1, row)
-        log_det = np.log(np.diagonal(root, axis1=1, axis2=2)).sum(1)
-        constant = np.log(self.weights) - log_det - 0.5 * dim * math.log(2 * math.pi)
-        return constant[:, None] - 0.5 * (standard.mT @ standard).reshape(count, -1) @ products.T
-
-    def aic(self, data: np.ndarray) -> float:
-        """Return Akaike's criterion on data `[n, D]`: the smaller, the better."""
-        count, dim = self.means.shape
-        parameters = count * dim * (dim + 1) / 2 + count * dim + count - 1
-        likelihood = _share(self.log_densities(products_of(data)), np.zeros(count, np.int64))[1][0] * len(data)
-        return 2 * parameters - 2 * float(likelihood)
+        if self.full:
+            root = self._roots
+            inverse = np.linalg.inv(root)
+            standard = np.concatenate([-inverse @ self.means[:, :, None], inverse], 2)  # [K, D, 1 + D], of (1, row)
+            form, scales = (standard.mT @ standard).reshape(count, -1), np.diagonal(root, axis1=1, axis2=2)
+        else:
+            form, scales = 1 / self.covariances, self._roots
+            slope = -2 * form * self.means
+            form = np.concatenate([-0.5 * (slope * self.means).sum(1, keepdims=True), slope, form], 1)
+        constant = np.log(self.weights) - np.log(scales).sum(1) - 0.5 * dim * math.log(2 * math.pi)
+        return constant[:, None] - 0.5 * form @ products.T
 
 
-def products_of(data: np.ndarray) -> np.ndarray:
-    """Return the products of all pairs of entries of (1, row) for each row of data `[n, D]`: `[n, (1 + D)²]`."""
+def products_of(data: np.ndarray, full: bool) -> np.ndarray:
+    """Return the products of all pairs of entries of (1, row) for each row of data `[n, D]`, `[n, (1 + D)²]`, or only
+    the entries of 1, row and row², `[n, 1 + 2 D]`.
+    """
     rows = np.concatenate([np.ones((len(data), 1)), data], 1)
+    if not full:
+        return np.concatenate([rows, data**2], 1)
     return (rows[:, :, None] * rows[:, None]).reshape(len(data), -1)
+
+
+def aic(mixtures: Sequence[GaussianMixture], data: np.ndarray) -> np.ndarray:
+    """Return Akaike's criterion `[M]` of mixtures, all full or none, on data `[n, D]`: the smaller, the better."""
+    counts, dim = np.array([len(mixture.weights) for mixture in mixtures]), data.shape[1]
+    together = _joined(mixtures)
+    parameters = counts * (dim * (dim + 1) // 2 if together.full else dim) + counts * dim + counts - 1
+    densities = together.log_densities(products_of(data, together.full))
+    return 2 * parameters - 2 * len(data) * _share(densities, np.repeat(np.arange(len(counts)), counts))[1]
 
 
 def fit(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> list[GaussianMixture]:
@@ -62,22 +99,31 @@ def fit(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> li
 
     They take their steps together, K Gaussians in all, each mixture until it is good enough.
     """
-    products = products_of(data)
-    share = np.concatenate([np.eye(count)[:, _clusters(data, count, rng)] for count in counts])  # [K, n]
+    products = products_of(data, data.shape[1] <= min(MOST_FULL, len(data) // max(counts)))
+    share, dim = _clusters(data, counts, rng), data.shape[1]  # [K, n]
     owner = np.repeat(np.arange(len(counts)), counts)  # [K] the mixture that each belongs to
-    fitted, before, mixtures = dict[int, GaussianMixture](), np.full(len(counts), -math.inf), _maximise(products, share)
+    fitted, before = dict[int, GaussianMixture](), np.full(len(counts), -math.inf)
+    mixtures = _maximise(products, share, dim)
     for step in range(1, MOST_STEPS + 1):
         share, likelihood = _share(mixtures.log_densities(products), owner)
-        mixtures = _maximise(products, share)
-        good = abs(likelihood - before[np.unique(owner)]) < TOLERANCE
-        for k in np.unique(owner)[good | (step == MOST_STEPS)]:
+        mixtures = _maximise(products, share, dim)
+        left = np.unique(owner)
+        good = abs(likelihood - before[left]) < TOLERANCE
+        before[left] = likelihood
+        if not good.any() and step < MOST_STEPS:
+            continue
+        for k in left[good | (step == MOST_STEPS)]:
             fitted[k] = mixtures[owner == k]
-        before[np.unique(owner)] = likelihood
-        left = ~np.isin(owner, list(fitted))
-        mixtures, owner = mixtures[left], owner[left]
+        goes_on = ~np.isin(owner, list(fitted))
+        mixtures, owner = mixtures[goes_on], owner[goes_on]
         if not len(owner):
             break
     return [fitted[k] for k in range(len(counts))]
+
+
+def _joined(mixtures: Sequence[GaussianMixture]) -> GaussianMixture:
+    parts = ("weights", "means", "covariances")
+    return GaussianMixture(*(np.concatenate([getattr(mixture, part) for mixture in mixtures]) for part in parts))
 
 
 def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -86,41 +132,53 @@ def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray
     """
     starts, sizes = np.unique(owner, return_index=True, return_counts=True)[1:]
     largest = np.maximum.reduceat(parts, starts)
-    share = np.exp(np.maximum(parts - np.repeat(largest, sizes, 0), LEAST_LOG_SHARE))
+    share = parts - np.repeat(largest, sizes, 0)
+    np.exp(np.maximum(share, LEAST_LOG_SHARE, out=share), out=share)
     total = np.add.reduceat(share, starts)
-    return share / np.repeat(total, sizes, 0), (largest + np.log(total)).mean(1)
+    share /= np.repeat(total, sizes, 0)
+    return share, (largest + np.log(total)).mean(1)
 
 
-def _maximise(products: np.ndarray, share: np.ndarray) -> GaussianMixture:
-    """Return the likeliest mixtures where each Gaussian has this share `[K, n]` of the rows with these products."""
-    size = math.isqrt(products.shape[1])  # 1 + D
-    moments = (share @ products).reshape(-1, size, size)  # [K, 1 + D, 1 + D]
-    total = moments[:, 0, 0] + 10 * np.finfo(float).eps  # [K]
-    moments = moments / total[:, None, None]
-    means = moments[:, 0, 1:]
-    covariances = moments[:, 1:, 1:] - means[:, :, None] * means[:, None]
-    return GaussianMixture(total / len(products), means, covariances + REGULARISER * np.eye(size - 1))
+def _maximise(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
+    """Return the likeliest mixtures where each Gaussian has this share `[K, n]` of the rows with these products, which
+    are of D = `dim` columns.
+    """
+    moments = share @ products  # [K, P]
+    total = moments[:, 0] + 10 * np.finfo(float).eps  # [K]
+    moments = moments / total[:, None]
+    means, squares = moments[:, 1 : 1 + dim], moments[:, 1 + dim :]
+    if products.shape[1] == 1 + 2 * dim:
+        return GaussianMixture(total / len(products), means, squares - means**2 + REGULARISER)
+    squares = moments.reshape(-1, 1 + dim, 1 + dim)[:, 1:, 1:]
+    covariances = squares - means[:, :, None] * means[:, None] + REGULARISER * np.eye(dim)
+    return GaussianMixture(total / len(products), means, covariances)
 
 
-def _clusters(data: np.ndarray, components: int, rng: np.random.Generator) -> np.ndarray:
-    """Return to which of so many clusters each row of data `[n, D]` belongs: k-means from k-means++, int `[n]`."""
-    squares, centres = (data**2).sum(1), data[rng.integers(len(data), size=1)]
-    far = np.full(len(data), math.inf)
-    while len(centres) < components:  # each new one is likely far from those that are there (Arthur et al. 2007)
-        far = np.minimum(far, squares - data @ (2 * centres[-1]) + (centres[-1] ** 2).sum())  # [n]
-        likely = np.maximum(far, np.finfo(float).tiny)
-        centres = np.concatenate([centres, data[rng.choice(len(data), 1, p=likely / likely.sum())]])
-    nearest = _nearest(data, centres)
+def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
+    """Return the share `[K, n]` of each cluster in each row of data `[n, D]`, for each of these numbers of clusters.
+
+    k-means from k-means++, the first of the same centres for all. Rows as near to two clusters belong to both.
+    """
+    seeds, starts = _far_apart(data, max(counts), rng), np.array([0, *counts]).cumsum()[:-1]
+    centres = np.concatenate([seeds[:count] for count in counts])  # [K, D]
+    share = np.zeros((len(centres), len(data)))
     for _ in range(MOST_STEPS):
-        mine = np.eye(components)[:, nearest]  # [K, n]
-        count = mine.sum(1)[:, None]
-        centres = np.where(count > 0, mine @ data / np.maximum(count, 1), centres)
-        before, nearest = nearest, _nearest(data, centres)
-        if (nearest == before).all():
+        distance = 0.5 * (centres**2).sum(1)[:, None] - centres @ data.T  # half its square, but for a term of the row's
+        mine = distance == np.repeat(np.minimum.reduceat(distance, starts), counts, 0)
+        before, share = share, mine / np.repeat(np.add.reduceat(mine, starts, dtype=float), counts, 0)
+        if (share == before).all():
             break
-    return nearest
+        total = share.sum(1)[:, None]
+        centres = np.where(total > 0, share @ data / np.maximum(total, 1), centres)
+    return share
 
 
-def _nearest(data: np.ndarray, centres: np.ndarray) -> np.ndarray:
-    """Return which of these centres `[K, D]` is the nearest to each row of data `[n, D]`: int `[n]`."""
-    return (0.5 * (centres**2).sum(1)[:, None] - centres @ data.T).argmin(0)
+def _far_apart(data: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Return so many rows of data `[n, D]`, each likely far from those before it (Arthur and Vassilvitskii 2007)."""
+    squares, chosen = (data**2).sum(1), data[rng.integers(len(data), size=1)]
+    far = np.full(len(data), math.inf)
+    while len(chosen) < count:
+        far = np.minimum(far, squares - data @ (2 * chosen[-1]) + (chosen[-1] ** 2).sum())  # [n]
+        likely = np.maximum(far, np.finfo(float).tiny)
+        chosen = np.concatenate([chosen, data[rng.choice(len(data), 1, p=likely / likely.sum())]])
+    return chosen

@@ -17,7 +17,7 @@ import numpy as np
 
 from ued.config import ALPGMMConfig
 from ued.curriculum import LevelSpace, RandomLevelPool, need_vector
-from ued.levels.gaussian_mixture import fit
+from ued.levels.gaussian_mixture import GaussianMixture, aic, fit
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
@@ -27,6 +27,9 @@ from ued.upomdp import level_dtype
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
 BLOCK = 8  # episodes for which it is sought together: their distances stay in the processor's cache
+LATER = np.triu(
+    np.ones((BLOCK, BLOCK), bool)
+)  # [BLOCK, BLOCK] whether an episode is no earlier than another of a block
 
 
 class ALPGMM(Method):
@@ -75,7 +78,7 @@ class ALPLevels(Resumable):
         self.returns = np.zeros(0)
         self.progress = np.zeros(0)  # ALP of each
         self.unfitted = 0  # episodes since the last fit
-        self.mixture: dict[str, np.ndarray] | None = None  # weights [K], means [K, D], covariances [K, D, D]
+        self.mixture: dict[str, np.ndarray] | None = None  # weights, means and covariances
 
     def propose(self, count: int) -> np.ndarray:
         """Draw levels from the mixture, some uniformly."""
@@ -120,24 +123,23 @@ class ALPLevels(Resumable):
         last, most = slice(-self.config.fit_every, None), self.config.max_components
         reach = max(float(np.ptp(self.returns[last])), 1e-6)
         data = np.column_stack([self.theta[last], 2 * self.progress[last] / reach])
-        best = min(fit(data, range(min(2, most), most + 1), self.rng), key=lambda mixture: mixture.aic(data))
+        mixtures = fit(data, range(min(2, most), most + 1), self.rng)
+        best = mixtures[aic(mixtures, data).argmin()]
         weight = np.maximum(best.means[:, -1], 0.0)
         weight = weight / weight.sum() if weight.sum() > 0 else np.full(len(weight), 1 / len(weight))
-        self.mixture = {"weights": weight, "means": best.means[:, :-1], "covariances": best.covariances[:, :-1, :-1]}
+        self.mixture = vars(best.marginal(self.space.theta_dim)) | {"weights": weight}
         self.unfitted = 0
 
     def _from_mixture(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Draw θ `[count, D]` within the box; return it and which rows are valid: bool `[count]`."""
         assert self.mixture is not None
         theta, valid = np.zeros((count, self.space.theta_dim)), np.zeros(count, bool)
-        roots = np.linalg.cholesky(self.mixture["covariances"])
+        mixture = GaussianMixture(**self.mixture)
         for _ in range(TRIES):
             rows = np.flatnonzero(~valid)
             if not len(rows):
                 break
-            which = self.rng.choice(len(self.mixture["weights"]), len(rows), p=self.mixture["weights"])
-            noise = self.rng.standard_normal((len(rows), theta.shape[1], 1))
-            theta[rows] = np.clip(self.mixture["means"][which] + (roots[which] @ noise)[:, :, 0], -1.0, 1.0)
+            theta[rows] = np.clip(mixture.sample(len(rows), self.rng), -1.0, 1.0)
             valid[rows] = self.space.valid(theta[rows])
         return theta, valid
 
@@ -145,16 +147,16 @@ class ALPLevels(Resumable):
 def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
     """Return for each episode from `first` on which one before it, of the last REMEMBERED, has the nearest θ `[n, D]`.
 
-    The very first one is its own: int `[n - first]`.
+    The very first one is its own: int `[n - first]`. Numbers of half the length are sought in half the time.
     """
-    nearest, half = [np.zeros(0, np.int64)], 0.5 * (theta**2).sum(1, keepdims=True)
-    others = np.ascontiguousarray(np.append(theta, half, 1).T)  # [D + 1, n]
+    nearest, last = [np.zeros(0, np.int64)], theta[first:]
+    others = np.column_stack([theta, 0.5 * (theta**2).sum(1)]).astype(np.float32).T.copy()  # [D + 1, n]
+    rows = np.column_stack([-last, np.ones(len(last))]).astype(np.float32)  # [n - first, D + 1]
     for start in range(first, len(theta), BLOCK):
         end = min(start + BLOCK, len(theta))
-        oldest = max(0, end - REMEMBERED)
-        rows = np.append(-theta[start:end], np.ones((end - start, 1)), 1)  # [b, D + 1]
-        distance = rows @ others[:, oldest:end]  # half its square, but for a term that all of a row have
-        later = distance[:, start - oldest :]
-        later[np.triu_indices(len(later))] = np.inf
+        oldest, count = max(0, end - REMEMBERED), end - start
+        # half its square, but for a term that all of a row have
+        distance = rows[start - first : end - first] @ others[:, oldest:end]
+        np.copyto(distance[:, -count:], np.inf, where=LATER[:count, :count])
         nearest.append(oldest + distance.argmin(1))
     return np.concatenate(nearest)
