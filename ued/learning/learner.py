@@ -18,6 +18,7 @@ from ued.config import PPOConfig
 from ued.learning.ppo import PPO, FadingKL, KLRegularizer
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
+from ued.learning.upload import Upload
 from ued.learning.value_stats import EpisodeValues
 from ued.learning.worker import Episodes, OnEpisodeEnd, RolloutWorker
 from ued.seeding import SeedStream, torch_generator
@@ -73,10 +74,13 @@ class Learner:
         self.origin = FadingKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
 
     def to(self, device: torch.device) -> None:
-        """Move the networks to a device. The simulator, rollouts and all random streams stay on the host."""
+        """Move the networks to a device, and what they see; all else of a rollout, the simulator and all random streams
+        stay on the host.
+        """
         if self.student is not None and device.type != "cpu":
             self.student.to(device)
-            self.rollout.observation = self.rollout.observation.pin_memory()
+            self.worker.send = Upload(self.rollout.observation[0])
+            self.rollout.observation = self.rollout.observation.to(device)
 
     @property
     def rollout(self) -> Rollout:

@@ -210,12 +210,15 @@ class Batch:
         return cls(past, *(column.flatten(0, 1) for column in columns))
 
     def to(self, device: torch.device) -> Batch:
-        """Return it on a device, from pinned memory: the copies of all columns are on their way at once."""
+        """Return it on a device, from pinned memory: the copies of all columns are on their way at once.
+
+        Observations are there already; see `learning.upload`.
+        """
         if device.type == "cpu":
             return self
-        past, *rest = (getattr(self, field.name) for field in fields(self))
+        past, observation, *rest = (getattr(self, field.name) for field in fields(self))
         past, rest = ([part.pin_memory().to(device, non_blocking=True) for part in columns] for columns in (past, rest))
-        return Batch(Past(*past), *rest)
+        return Batch(Past(*past), observation.to(device), *rest)
 
     def minibatches(self, sequences: Tensor, size: int) -> Iterator[Batch]:
         """Yield S sequences of L rows each, `[S, L]`, so many at a time, each minibatch step by step.

@@ -229,7 +229,6 @@ class Student(nn.Module):
         memory = self.empty_memory(len(observation)) if memory is None else memory
         return self._value(self.normaliser(self._sent(observation)), Past(self._sent(memory)))[0].cpu()
 
-    @torch.inference_mode()
     def act(
         self, observation: Tensor, generator: torch.Generator, memory: Tensor | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
@@ -237,11 +236,21 @@ class Student(nn.Module):
 
         `memory` is brought up to date.
         """
+        return self.draw(*self.judge(observation, memory), generator)
+
+    @torch.inference_mode()
+    def judge(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
+        """Do the first half of `act`: return policy and values where the weights are; a GPU may still be at work."""
         past = None if memory is None else Past(self._sent(memory))
-        there, value, remembered = self._judge(self._sent(observation), past)
+        policy, value, remembered = self._judge(self._sent(observation), past)
         if memory is not None:
             memory.copy_(remembered)
-        policy = self._fetched(there)
+        return policy, value
+
+    @torch.inference_mode()
+    def draw(self, policy: Policy, value: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor, Tensor]:
+        """Do the second half of `act`."""
+        policy = self._fetched(policy)
         action = policy.sample(generator)
         return action, policy.log_prob(action), value.cpu()
 

@@ -18,6 +18,7 @@ from gymnasium.spaces import Discrete
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
+from ued.learning.upload import write
 from ued.resumable import Resumable
 from ued.upomdp import UPOMDP
 
@@ -70,6 +71,7 @@ class RolloutWorker(Resumable):
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self.tape: ActionTape | None = None  # until somebody wants to see episodes again
+        self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to where the student is
         self._ended: list[tuple[np.ndarray, np.ndarray]] = []
 
     def start(self, records: np.ndarray) -> None:
@@ -86,10 +88,18 @@ class RolloutWorker(Resumable):
         """Begin a rollout: note what the student remembers of the open episodes."""
         self.rollout.memory.copy_(self.memory)
 
+    def look(self, t: int) -> None:
+        """Let the student begin to judge what it sees before step t; on a GPU it does so while the host goes on."""
+        assert self.observation is not None
+        began, seen = perf_counter(), self.rollout.observation[t]
+        self.send(self.observation, seen)
+        if self.student is not None:
+            self.judged = self.student.judge(seen, self.memory)
+        self.seconds["forward"] += perf_counter() - began
+
     def step(self, t: int) -> None:
-        """Take step t of the rollout in all environments."""
+        """Take step t of the rollout in all environments, at which the student has looked."""
         rollout, began = self.rollout, perf_counter()
-        rollout.observation[t] = torch.as_tensor(self.observation)
         actions = self._act(t)
         rollout.train[t] = torch.as_tensor(self.training)
         if self.tape is not None:
@@ -114,7 +124,7 @@ class RolloutWorker(Resumable):
         if self.student is None:
             space = self.upomdp.agent_action_space
             return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
-        action, log_prob, value = self.student.act(self.rollout.observation[t], self.generator, self.memory)
+        action, log_prob, value = self.student.draw(*self.judged, self.generator)
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
         return self.student.to_environment(action)
 
@@ -193,10 +203,15 @@ class RolloutWorker(Resumable):
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
-    """Fill the workers' rollouts, one step of each in turn."""
+    """Fill the workers' rollouts, one step of each in turn.
+
+    All look before the first one acts: on a GPU the others' networks are at work while its environments are simulated.
+    """
     for worker in workers:
         worker.begin()
     for t in range(len(workers[0].rollout.reward)):
+        for worker in workers:
+            worker.look(t)
         for worker in workers:
             worker.step(t)
     for worker in workers:
