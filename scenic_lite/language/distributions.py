@@ -16,19 +16,9 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import EPISODE, DrawnPoint, Requirement
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
+from scenic_lite.values import operations
 from scenic_lite.values.geometry import Vector, is_scalar
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, apply, is_number
-from scenic_lite.values.operations import (
-    CEILING,
-    CLIP,
-    FLOOR,
-    INTEGER,
-    LESS_EQUAL,
-    MAXIMUM,
-    MINIMUM,
-    NORMAL_CDF,
-    NORMAL_QUANTILE,
-)
 from scenic_lite.values.regions import Filtered, Region
 
 
@@ -106,7 +96,7 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
     With random ends, a scene whose range is empty is rejected.
     """
     check_numbers("DiscreteRange", low, high)
-    first, last = apply(CEILING, low), apply(FLOOR, high)
+    first, last = apply(operations.CEILING, low), apply(operations.FLOOR, high)
     fixed = is_number(first) and is_number(last)
     if fixed and last < first:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
@@ -114,10 +104,10 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
         return weighted_integers(scope, node, range(first, last + 1), weights)
     column = scope.draw("integers", scope.place(node))
     if not fixed:
-        filled = apply(LESS_EQUAL, first, last)
+        filled = apply(operations.LESS_EQUAL, first, last)
         scope.state.requirements.append(Requirement("a DiscreteRange contains an integer", column.place, filled))
-    count = apply(MAXIMUM, last - first + 1, 1)
-    value = apply(MINIMUM, apply(INTEGER, column * count), count - 1) + first
+    count = apply(operations.MAXIMUM, last - first + 1, 1)
+    value = apply(operations.MINIMUM, apply(operations.INTEGER, column * count), count - 1) + first
     return column.show(value, *((float(first), float(last)) if fixed else (math.nan, math.nan)))
 
 
@@ -135,7 +125,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
     column = scope.draw("normal", scope.place(node))
-    return column.show(mean + spread * apply(NORMAL_QUANTILE, column))
+    return column.show(mean + spread * apply(operations.NORMAL_QUANTILE, column))
 
 
 def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
@@ -146,9 +136,12 @@ def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Valu
     if not low < high:
         raise ScenicError("value", f"the low end {low} of TruncatedNormal must be below the high end {high}")
     column = scope.draw("normal", scope.place(node))
-    start, end = apply(NORMAL_CDF, (low - mean) / spread), apply(NORMAL_CDF, (high - mean) / spread)
-    raw = mean + spread * apply(NORMAL_QUANTILE, start + (end - start) * column)
-    return column.show(apply(CLIP, raw, float(low), float(high)), float(low), float(high))
+    start, end = (
+        apply(operations.NORMAL_CDF, (low - mean) / spread),
+        apply(operations.NORMAL_CDF, (high - mean) / spread),
+    )
+    raw = mean + spread * apply(operations.NORMAL_QUANTILE, start + (end - start) * column)
+    return column.show(apply(operations.CLIP, raw, float(low), float(high)), float(low), float(high))
 
 
 def point_in(scope: Scope, node: ast.AST, region: Value) -> tuple[Vector, Value]:

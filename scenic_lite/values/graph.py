@@ -15,23 +15,8 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.values.operations import (
-    ABSOLUTE,
-    ADD,
-    AND,
-    DIVIDE,
-    FLOOR_DIVIDE,
-    MODULO,
-    MULTIPLY,
-    NEGATE,
-    OR,
-    POWER,
-    SELECT,
-    SUBTRACT,
-    Operation,
-    quietly,
-    to_integers,
-)
+from scenic_lite.values import operations
+from scenic_lite.values.operations import Operation, quietly, to_integers
 
 MOST_NUMBERS = 1 << 28  # alive at once while a tape runs: 2 GB
 Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
@@ -62,36 +47,36 @@ class RandomExpr:
         raise ScenicError("random-control-flow", "control flow cannot depend on a random value")
 
     def __add__(self, other: Value) -> Value:
-        return self if is_number(other) and other == 0 else arithmetic(ADD, self, other)
+        return self if is_number(other) and other == 0 else arithmetic(operations.ADD, self, other)
 
     def __radd__(self, other: Value) -> Value:
-        return self if is_number(other) and other == 0 else arithmetic(ADD, other, self)
+        return self if is_number(other) and other == 0 else arithmetic(operations.ADD, other, self)
 
     def __sub__(self, other: Value) -> Value:
-        return self if is_number(other) and other == 0 else arithmetic(SUBTRACT, self, other)
+        return self if is_number(other) and other == 0 else arithmetic(operations.SUBTRACT, self, other)
 
     def __rsub__(self, other: Value) -> Value:
-        return arithmetic(SUBTRACT, other, self)
+        return arithmetic(operations.SUBTRACT, other, self)
 
     def __mul__(self, other: Value) -> Value:
-        return scaled(self, other) if is_number(other) else arithmetic(MULTIPLY, self, other)
+        return scaled(self, other) if is_number(other) else arithmetic(operations.MULTIPLY, self, other)
 
     def __rmul__(self, other: Value) -> Value:
-        return scaled(self, other) if is_number(other) else arithmetic(MULTIPLY, other, self)
+        return scaled(self, other) if is_number(other) else arithmetic(operations.MULTIPLY, other, self)
 
-    __truediv__, __rtruediv__ = both_ways(DIVIDE)
-    __floordiv__, __rfloordiv__ = both_ways(FLOOR_DIVIDE)
-    __mod__, __rmod__ = both_ways(MODULO)
-    __pow__, __rpow__ = both_ways(POWER)
+    __truediv__, __rtruediv__ = both_ways(operations.DIVIDE)
+    __floordiv__, __rfloordiv__ = both_ways(operations.FLOOR_DIVIDE)
+    __mod__, __rmod__ = both_ways(operations.MODULO)
+    __pow__, __rpow__ = both_ways(operations.POWER)
 
     def __neg__(self) -> Value:
-        return arithmetic(NEGATE, self)
+        return arithmetic(operations.NEGATE, self)
 
     def __pos__(self) -> Value:
         return self
 
     def __abs__(self) -> Value:
-        return arithmetic(ABSOLUTE, self)
+        return arithmetic(operations.ABSOLUTE, self)
 
 
 class ThetaColumn(RandomExpr):
@@ -148,11 +133,11 @@ def truth_by(test: Callable[..., Any], *operands: Value) -> Value:
 
 
 def all_of(*truths: Value) -> Value:
-    return reduce(lambda some, truth: apply(AND, some, truth), truths)
+    return reduce(lambda some, truth: apply(operations.AND, some, truth), truths)
 
 
 def any_of(*truths: Value) -> Value:
-    return reduce(lambda some, truth: apply(OR, some, truth), truths)
+    return reduce(lambda some, truth: apply(operations.OR, some, truth), truths)
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:
@@ -160,7 +145,7 @@ def arithmetic(operation: Operation, *operands: Value) -> Value:
     kinds = {kind_of(operand) for operand in operands}
     if kinds <= {"number", "truth"}:
         return apply(operation, *(as_number(operand) for operand in operands))
-    if kinds == {"text"} and operation is ADD:
+    if kinds == {"text"} and operation is operations.ADD:
         return RandomExpr(operation.array, operands, "text")
     raise TypeError("arithmetic needs numbers")
 
@@ -183,7 +168,7 @@ def kind_of(value: Value) -> str:
 def scaled(value: RandomExpr, factor: float) -> Value:
     if factor == 1:
         return value
-    return 0.0 if factor == 0 and value.kind == "number" else arithmetic(MULTIPLY, value, factor)
+    return 0.0 if factor == 0 and value.kind == "number" else arithmetic(operations.MULTIPLY, value, factor)
 
 
 class Table:
@@ -203,7 +188,7 @@ def select(index: RandomExpr, options: tuple) -> RandomExpr:
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
     if any(isinstance(option, RandomExpr) for option in options):
-        return RandomExpr(SELECT.array, (index, *options), kind)
+        return RandomExpr(operations.SELECT.array, (index, *options), kind)
     return RandomExpr(Table(options), (index,), kind)
 
 

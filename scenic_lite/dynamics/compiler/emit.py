@@ -21,31 +21,13 @@ from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import distributions
+from scenic_lite.values import operations
 from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, apply
-from scenic_lite.values.operations import (
-    ALWAYS,
-    AND,
-    CLIP,
-    DEGREES,
-    KEPT,
-    MAXIMUM,
-    MINIMUM,
-    MODULO,
-    MULTIPLY,
-    NEGATE,
-    NOT,
-    NOT_EQUAL,
-    OR,
-    RADIANS,
-    SELECT,
-    TRUTH,
-    WHERE,
-    Operation,
-    row_of,
-)  # fmt: skip
+from scenic_lite.values.operations import Operation, row_of
 from scenic_lite.values.polygons import Holds
 
-MINUS_ZEROS = (MULTIPLY, MODULO, NEGATE)  # which give -0.0 of registers, but 0 of Python's integers
+# What gives -0.0 of registers, but 0 of Python's integers.
+MINUS_ZEROS = (operations.MULTIPLY, operations.MODULO, operations.NEGATE)
 
 
 def opcode_of(row: Operation) -> int:
@@ -117,7 +99,7 @@ def can_fail(node: RandomExpr) -> bool:
             continue
         if row.fails is not None and not _harmless(row, value.inputs[-1]):
             return True
-        if row not in (AND, OR):
+        if row not in (operations.AND, operations.OR):
             pending.extend(value.inputs)
     return False
 
@@ -225,14 +207,17 @@ def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int
 
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] = (
     (Table, select),
-    (SELECT.array, select),
+    (operations.SELECT.array, select),
     (distributions.Cut, bucketize),
     (Holds, in_shape),
-    (CLIP.array, by(lambda x, low, high: apply(MINIMUM, apply(MAXIMUM, x, low), high))),
-    (WHERE.array, by(lambda test, yes, no: RandomExpr(SELECT.array, (test, no, yes)))),
-    (TRUTH.array, by(lambda x: apply(NOT_EQUAL, x, 0))),
-    (RADIANS.array, by(lambda x: apply(MULTIPLY, x, math.pi / 180))),
-    (DEGREES.array, by(lambda x: apply(MULTIPLY, x, 180 / math.pi))),
+    (
+        operations.CLIP.array,
+        by(lambda x, low, high: apply(operations.MINIMUM, apply(operations.MAXIMUM, x, low), high)),
+    ),
+    (operations.WHERE.array, by(lambda test, yes, no: RandomExpr(operations.SELECT.array, (test, no, yes)))),
+    (operations.TRUTH.array, by(lambda x: apply(operations.NOT_EQUAL, x, 0))),
+    (operations.RADIANS.array, by(lambda x: apply(operations.MULTIPLY, x, math.pi / 180))),
+    (operations.DEGREES.array, by(lambda x: apply(operations.MULTIPLY, x, 180 / math.pi))),
 )
 
 
@@ -247,13 +232,13 @@ def is_whole(value: Value) -> bool:
     operation = value.operation
     if isinstance(operation, Table):
         return operation.options.dtype.kind == "i"
-    if operation is SELECT.array:
+    if operation is operations.SELECT.array:
         return all(map(is_whole, value.inputs[1:]))
     if isinstance(operation, distributions.Cut):
         return True
     row = table_row(operation)
-    if row is None or row.integers != KEPT:
-        return row is not None and row.integers == ALWAYS
+    if row is None or row.integers != operations.KEPT:
+        return row is not None and row.integers == operations.ALWAYS
     return all(map(is_whole, value.inputs))
 
 
@@ -274,7 +259,7 @@ def jump(code: Assembler, test: Value, target: Label, when: bool) -> None:
             code.row(op.JUMP, c=target)
         return
     row = table_row(test.operation)
-    if row is NOT:
+    if row is operations.NOT:
         jump(code, test.inputs[0], target, not when)
     elif row is not None and row.opcode and opcode_of(row) in JUMPS and is_live(test) and id(test) not in code.known:
         holds, fails = JUMPS[opcode_of(row)]
