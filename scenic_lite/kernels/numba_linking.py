@@ -11,13 +11,19 @@ Read next: `kernels.jit`, which makes kernels.
 from __future__ import annotations
 
 import fcntl
-from contextlib import ExitStack, suppress
+import gc
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from typing import Any
 
+from numba.core import errors
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.compiler import Compiler
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
+from numba.core.types.functions import BaseFunction
 
 # Stages for what no kernel has: contexts, closures, exceptions, expressions of arrays, functions to inline as source.
 NEEDLESS = {
@@ -25,6 +31,7 @@ NEEDLESS = {
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "InlineOverloads"),
     "NopythonRewrites",
 }
+GARBAGE = 100_000  # objects made, fewer those freed, before young ones are looked through; Python's 700 cost a tenth
 
 
 class _PartLibrary(JITCodeLibrary):
@@ -40,23 +47,29 @@ class _PartLibrary(JITCodeLibrary):
     def _get_module_for_linking(self) -> Any:
         self._ensure_finalized()
         if self._shared_module is None:
-            module = self._own_module().clone()
-            for library in _below(self):
-                own = isinstance(library, _PartLibrary)
-                module.link_in(library._own_module() if own else library._get_module_for_linking(), preserve=True)
-            self._shared_module = module
+            libraries = _below(self)
+            modules = [library._own_module() for library in libraries if isinstance(library, _PartLibrary)]
+            while len(modules) > 1:  # in pairs: each time LLVM reads all of the module that it links another into
+                for module, other in zip(modules[::2], modules[1::2], strict=False):
+                    module.link_in(other)
+                modules = modules[::2]
+            for library in libraries:
+                if not isinstance(library, _PartLibrary):
+                    modules[0].link_in(library._get_module_for_linking(), preserve=True)
+            self._shared_module = modules[0]
         return self._shared_module
 
     def _own_module(self) -> Any:
-        """Return the module of this part alone, whose functions several programs may hold."""
-        for function in self._final_module.functions:
+        """Return a copy of the module of this part alone, whose functions several programs may hold."""
+        module = self._final_module.clone()
+        for function in module.functions:
             if not function.is_declaration and function.linkage.name == "external":
-                function.linkage = "linkonce_odr"
-        return self._final_module
+                function.linkage = "weak_odr"  # which stays while nobody calls it yet
+        return module
 
 
 def _below(top: _PartLibrary) -> list[Any]:
-    """Return all libraries that a part needs, each once."""
+    """Return a part and all libraries that it needs, each once."""
     libraries: dict[int, Any] = {id(top): top}
     pending = list(top._linking_libraries)
     while pending:
@@ -65,7 +78,7 @@ def _below(top: _PartLibrary) -> list[Any]:
             libraries[id(library)] = library
             if isinstance(library, _PartLibrary):
                 pending += library._linking_libraries
-    return [library for library in libraries.values() if library is not top]
+    return list(libraries.values())
 
 
 class _ProgramLibrary(JITCodeLibrary):
@@ -73,7 +86,7 @@ class _ProgramLibrary(JITCodeLibrary):
 
     def _optimize_final_module(self) -> None:
         for function in self._final_module.functions:
-            if not function.is_declaration and function.linkage.name == "linkonce_odr":
+            if not function.is_declaration and function.linkage.name in ("linkonce_odr", "weak_odr"):
                 function.linkage = "internal"
         super()._optimize_final_module()
 
@@ -104,7 +117,14 @@ class _PartCompiler(Compiler):
         for pipeline in pipelines:
             pipeline.passes = [(step, what) for step, what in pipeline.passes if step.__name__ not in NEEDLESS]
             pipeline.finalize()
+            pipeline._runPass = partial(_run_pass, pipeline._analysis)
         return pipelines
+
+
+def _run_pass(analysis: Any, _: int, step: Any, state: Any) -> None:
+    """Run one pass without Numba's report of it, which writes out the types of all arguments."""
+    step.analysis = analysis
+    step.run_pass(state)
 
 
 class _ProgramCompiler(_PartCompiler):
@@ -114,6 +134,30 @@ class _ProgramCompiler(_PartCompiler):
         library = self.state.library = _ProgramLibrary(self.state.targetctx.codegen().usual, func.__qualname__)
         library.enable_object_caching()
         return super().compile_extra(func)
+
+
+@contextmanager
+def _in_haste() -> Iterator[None]:
+    """Spare Numba what it does again and again: typing an operator, colouring errors that it drops, seeking garbage."""
+    operators: Any = BaseFunction
+    colours: Any = type(errors.termcolor())
+    typed, coloured, thresholds = operators.get_call_type, colours.errmsg, gc.get_threshold()
+    signatures: dict[Any, Any] = {}
+
+    def typed_once(function: Any, context: Any, args: Any, kws: dict[str, Any]) -> Any:
+        key = function, context, args, *kws.items()
+        if key not in signatures:
+            signatures[key] = typed(function, context, args, kws)
+        return signatures[key]
+
+    with global_compiler_lock:
+        operators.get_call_type, colours.errmsg = typed_once, lambda _, message: message
+        gc.set_threshold(GARBAGE, *thresholds[1:])
+        try:
+            yield
+        finally:
+            operators.get_call_type, colours.errmsg = typed, coloured
+            gc.set_threshold(*thresholds)
 
 
 class _Part(CPUDispatcher):
@@ -146,4 +190,5 @@ class Kernel(CPUDispatcher):
             with suppress(OSError):  # a folder that nobody may write into, or that knows no locks
                 name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
                 fcntl.flock(held.enter_context(open(name, "w")), fcntl.LOCK_EX)
+            held.enter_context(_in_haste())
             return super().compile(sig)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import fnmatch
+import gc
 import os
 import shutil
 import subprocess
@@ -13,8 +14,11 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
+from numba.core import errors
+from numba.core.types.functions import BaseFunction
 
 from scenic_lite.kernels import jit
+from scenic_lite.kernels.numba_linking import Kernel
 from scenic_lite.kernels.rng import streams, uniform
 from tests.floors import imported, modules
 
@@ -213,6 +217,24 @@ def test_a_kernel_that_only_kernels_call_is_no_program_of_its_own() -> None:
     assert not twice.signatures
     assert twice(3) == 6
     assert len(twice.signatures) == 1
+
+
+def test_numba_is_left_as_it_was_also_after_an_error() -> None:
+    if not hasattr(twice, "signatures"):
+        pytest.skip("kernels run uncompiled")
+
+    def state() -> tuple:
+        return BaseFunction.get_call_type, type(errors.termcolor()).errmsg, gc.get_threshold()
+
+    before, during = state(), []
+
+    watched = Kernel(lambda x: x.no_such_attribute, {"nopython": True})
+    usual = watched._compiler.compile
+    watched._compiler.compile = lambda *args: (during.append(state()), usual(*args))[1]
+    with pytest.raises(errors.TypingError, match="no_such_attribute"):
+        watched(1)
+    assert all(now != then for now, then in zip(during[0], before, strict=True))
+    assert state() == before
 
 
 def test_compiled_functions_of_others_can_call_kernels() -> None:
