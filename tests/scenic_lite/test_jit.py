@@ -18,7 +18,6 @@ from numba.core import errors
 from numba.core.types.functions import BaseFunction
 
 from scenic_lite.kernels import jit
-from scenic_lite.kernels.numba_linking import Kernel
 from scenic_lite.kernels.rng import streams, uniform
 from tests.floors import imported, modules
 
@@ -228,7 +227,7 @@ def test_numba_is_left_as_it_was_also_after_an_error() -> None:
 
     before, during = state(), []
 
-    watched = Kernel(lambda x: x.no_such_attribute, {"nopython": True})
+    watched = jit.kernel(lambda x: x.no_such_attribute)
     usual = watched._compiler.compile
     watched._compiler.compile = lambda *args: (during.append(state()), usual(*args))[1]
     with pytest.raises(errors.TypingError, match="no_such_attribute"):
