@@ -72,7 +72,7 @@ class RolloutWorker(Resumable):
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
         self.tape: ActionTape | None = None  # until somebody wants to see episodes again
         self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to where the student is
-        self._ended: list[tuple[np.ndarray, np.ndarray]] = []
+        self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of episodes, a few in each step
 
     def start(self, records: np.ndarray) -> None:
         """Begin an episode on the level of each of these records `[N]`."""
@@ -138,7 +138,8 @@ class RolloutWorker(Resumable):
 
     def _end_episodes(self, ended: np.ndarray, info: dict[str, Any]) -> None:
         returns = self.returns[ended]
-        self._ended.append((returns, self.lengths[ended]))
+        self._ended[0].extend(returns.tolist())
+        self._ended[1].extend(self.lengths[ended].tolist())
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         self.memory.numpy()[ended] = 0.0
@@ -164,11 +165,8 @@ class RolloutWorker(Resumable):
 
     def pop_episodes(self) -> Episodes:
         """Return the episodes that ended since the last call."""
-        ended, self._ended = self._ended, []
-        if not ended:
-            return Episodes(np.zeros(0), np.zeros(0, np.int64))
-        returns, lengths = (np.concatenate(column) for column in zip(*ended, strict=True))
-        return Episodes(returns, lengths)
+        (returns, lengths), self._ended = self._ended, ([], [])
+        return Episodes(np.array(returns, np.float64), np.array(lengths, np.int64))
 
     def pop_seconds(self) -> dict[str, float]:
         """Return the seconds spent since the last call, simulating, asking the network, and choosing levels."""
@@ -193,7 +191,7 @@ class RolloutWorker(Resumable):
         for name in ("training", "returns", "lengths", "memory"):
             if len(getattr(self, name)) != self.upomdp.num_envs:
                 raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
-        self._ended = []  # of an update that broke off
+        self._ended = [], []  # of an update that broke off
         if state["upomdp"] is None:
             self.upomdp.np_random.bit_generator.state = state["np_random"]
             self.observation, _ = self.upomdp.reset_to_levels(state["levels"])

@@ -27,7 +27,8 @@ def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) 
     metrics |= {f"levels/{origin.name.lower()}": float(counts[origin]) for origin in Origin}
     if not len(levels):
         return metrics
-    metrics["success"] = float(np.nanmean(solved(levels)[:, 0]))
+    success = solved(levels)[:, 0]
+    metrics["success"] = float(success[~np.isnan(success)].mean())
     score = levels["score"][~np.isnan(levels["score"])]
     if len(score):
         metrics["score"] = float(score.mean())
