@@ -220,9 +220,10 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
                 axes.plot(x, y, "o-", markersize=4, color=plots.METHOD_COLOURS.get(curve), label=curve)
-            axes.set(title=panel.title, xlabel=panel.x, ylabel=panel.y)
+            axes.set(xlabel=panel.x, ylabel=panel.y)
+            axes.set_title(panel.title, pad=24)  # above the legend
             _scale_axes(axes, name)
-            axes.legend()
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4, fontsize=8, handlelength=1.0)
         figure.tight_layout()
         path = folder / "scale.png"
         plots.save(figure, path)
@@ -232,9 +233,9 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
 def _scale_axes(axes: Any, name: str) -> None:
     if name in ("environments", "columns", "buffer"):
         axes.set(xscale="log", yscale="log")
-        axes.margins(y=0.25)  # for the legend
     else:
         axes.set_ylim(bottom=0)
+        axes.yaxis.set_major_formatter("{x:,.0f}")
         axes.set_xticks(sorted({int(x) for line in axes.lines for x in line.get_xdata()}))
 
 

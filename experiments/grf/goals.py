@@ -13,17 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.constants import GK, HALF_LENGTH, LEFT, RIGHT
+from envs.football.constants import GK, HALF_LENGTH, LEFT, RIGHT, STEP
 from envs.football.kick_off import Roster
 from experiments.grf.episodes import Episodes
 
 FAR = (11.0, 20.0, 30.0)  # m from the middle of the goal: penalty spot, edge of the box, beyond
+JOLT = 4.0  # m/s by which a ball's velocity changes within a step where somebody has played it
+REACH = 2.0  # m off the ball of who has
 OUT = (2.0, 5.5, 16.5)  # m of the keeper off his line: on it, in the goal area, in the box, beyond
 
 
 @dataclass(frozen=True)
 class Goals:
-    """The left team's goals, G of them, at the moment when one of it had the ball last.
+    """The left team's goals, G of them, at the moment when one of it played the ball last.
 
     `keeper_out` and `keeper_wide` are the right keeper's place, in m off his goal line and off the middle; nan where
     there is none.
@@ -54,17 +56,28 @@ def goals_of(episodes: Episodes, roster: Roster) -> Goals:
     """Find the left team's goals, the last of each episode, and what they came from."""
     teams, roles = np.asarray(roster.teams), np.asarray(roster.roles)
     keepers = np.flatnonzero((teams == RIGHT) & (roles == GK))
-    moments = []
-    for row in np.flatnonzero(episodes.scored):
-        owner = episodes.owner[row]
-        owned = np.flatnonzero((owner >= 0) & (teams[np.maximum(owner, 0)] == LEFT))
-        moments.append((row, int(owned[-1]) if len(owned) else 0))
-    rows, steps = np.array(moments, int).reshape(-1, 2).T
+    rows = np.flatnonzero(episodes.scored)
+    steps = np.array([last_kick(episodes, int(row), teams) for row in rows], int)
     ball = episodes.ball[rows, steps]
     keeper = np.full((len(rows), 2), np.nan)
     if len(keepers):
         keeper = episodes.places[rows, steps, keepers[0]]
     return Goals(np.hypot(HALF_LENGTH - ball[:, 0], ball[:, 1]), HALF_LENGTH - keeper[:, 0], np.abs(keeper[:, 1]))
+
+
+def last_kick(episodes: Episodes, row: int, teams: np.ndarray) -> int:
+    """Return the step of an episode in which the left team, by the players' `teams` `[P]`, played the ball last.
+
+    Who kicks first time never owns the ball: it is seen by the jolt that it gets beside him.
+    """
+    length = int(episodes.lengths[row])
+    owner, ball = episodes.owner[row, : length + 1], episodes.ball[row, : length + 1, :2]
+    played = (owner >= 0) & (teams[np.maximum(owner, 0)] == LEFT)
+    jolt = np.linalg.norm(np.diff(ball, 2, axis=0), axis=1) / STEP  # [length - 1] m/s
+    away = np.linalg.norm(episodes.places[row, : length + 1] - ball[:, None], axis=2)  # [length + 1, P] m
+    beside = (away.min(1) <= REACH) & (teams[away.argmin(1)] == LEFT)
+    played[1:-1] |= (jolt > JOLT) & beside[1:-1]
+    return int(np.flatnonzero(played)[-1]) if played.any() else 0
 
 
 def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:

@@ -107,7 +107,8 @@ def test_features_leave_ours_by_more_than_a_tenth_of_their_unit():
 def test_goals_come_from_where_the_left_team_had_the_ball_last():
     ball, places = np.zeros((3, STEPS + 1, 3)), np.zeros((3, STEPS + 1, 3, 2))
     owner = np.tile([-1, 1, 1, 2, -1], (3, 1))  # the keeper has touched it, too
-    ball[:, 2, 0], places[:, 2, 2, 0] = (44.0, 20.0, 44.0), (54.0, 30.0, 54.0)
+    ball[:, 2:, 0] = np.array([[44.0], [20.0], [44.0]])
+    places[:, 2, 2, 0] = 54.0, 30.0, 54.0
     found = goals_of(episodes(2, 3, ball=ball, places=places, owner=owner), ROSTER)
     np.testing.assert_allclose(found.distance, [11, 35])
     np.testing.assert_allclose(found.keeper_out, [1, 25])
@@ -118,6 +119,15 @@ def test_goals_come_from_where_the_left_team_had_the_ball_last():
     alone = goals_of(episodes(2, 3, ball=ball, places=places, owner=owner), Roster([0, 0, 1], [GK, CB, CB]))
     assert "no keeper" in goals.line(alone.summary())
     assert goals.line(goals_of(episodes(0, 3), ROSTER).summary()) == "no goal"
+
+
+def test_a_goal_comes_from_who_has_kicked_first_time_and_not_from_who_has_passed():
+    ball, places = np.zeros((2, STEPS + 1, 3)), np.full((2, STEPS + 1, 3, 2), -40.0)
+    owner = np.tile([1, -1, -1, -1, -1], (2, 1))
+    ball[:, :, 0], ball[:, :, 1] = (30.0, 32.0, 34.0, 36.5, 39.0), (20.0, 15.0, 10.0, 10.0, 10.0)
+    places[0, 2, 0], places[1, 2, 2] = (34.5, 10.0), (34.5, 10.0)  # a mate beside the ball; an opponent
+    scored = goals_of(episodes(2, 2, ball=ball, places=places, owner=owner), ROSTER)
+    np.testing.assert_allclose(scored.distance, [np.hypot(55 - 34, 10), np.hypot(55 - 30, 20)])
 
 
 def test_joined_episodes_stay_where_they_ended():
