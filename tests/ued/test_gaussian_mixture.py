@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ued.levels.gaussian_mixture import GaussianMixture, _clusters, aic, fit, products_of
+from ued.levels.gaussian_mixture import GaussianMixture, _clusters, _far_apart, aic, fit, products_of
 
 CENTRES = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
 
@@ -79,6 +79,15 @@ def test_a_thousand_columns_take_megabytes():
     assert tracemalloc.get_traced_memory()[1] < 50e6
     tracemalloc.stop()
     assert all(np.isfinite(mixture.sample(3, np.random.default_rng(0))).all() for mixture in mixtures)
+
+
+def test_clusters_begin_at_rows_drawn_by_the_square_of_their_distance_for_each_mixture_apart():
+    first, second = (
+        _far_apart(np.array([[0.0], [1.0], [3.0]]), (2,) * 20_000, np.random.default_rng(0)).reshape(-1, 2).T
+    )
+    assert [np.mean(first == x) for x in (0, 1, 3)] == pytest.approx([1 / 3] * 3, abs=0.015)
+    assert np.mean(second[first == 0] == 3) == pytest.approx(0.9, abs=0.015)  # 9 of 1 + 9
+    assert np.mean(second[first == 1] == 3) == pytest.approx(0.8, abs=0.015)  # 4 of 1 + 4
 
 
 def test_rows_as_near_to_two_clusters_belong_to_both():

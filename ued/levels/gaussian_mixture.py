@@ -157,10 +157,9 @@ def _maximise(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixt
 def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
     """Return the share `[K, n]` of each cluster in each row of data `[n, D]`, for each of these numbers of clusters.
 
-    k-means from k-means++, the first of the same centres for all. Rows as near to two clusters belong to both.
+    k-means from k-means++. Rows as near to two clusters belong to both.
     """
-    seeds, starts = _far_apart(data, max(counts), rng), np.array([0, *counts]).cumsum()[:-1]
-    centres = np.concatenate([seeds[:count] for count in counts])  # [K, D]
+    centres, starts = _far_apart(data, counts, rng), np.array([0, *counts]).cumsum()[:-1]  # [K, D]
     share = np.zeros((len(centres), len(data)))
     for _ in range(MOST_STEPS):
         distance = 0.5 * (centres**2).sum(1)[:, None] - centres @ data.T  # half its square, but for a term of the row's
@@ -173,12 +172,15 @@ def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator)
     return share
 
 
-def _far_apart(data: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
-    """Return so many rows of data `[n, D]`, each likely far from those before it (Arthur and Vassilvitskii 2007)."""
-    squares, chosen = (data**2).sum(1), data[rng.integers(len(data), size=1)]
-    far = np.full(len(data), math.inf)
-    while len(chosen) < count:
-        far = np.minimum(far, squares - data @ (2 * chosen[-1]) + (chosen[-1] ** 2).sum())  # [n]
-        likely = np.maximum(far, np.finfo(float).tiny)
-        chosen = np.concatenate([chosen, data[rng.choice(len(data), 1, p=likely / likely.sum())]])
-    return chosen
+def _far_apart(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
+    """Return for each of these numbers so many rows of data `[n, D]`, one after the other `[K, D]`: each of a number's
+    likely far from those before it (Arthur and Vassilvitskii 2007), drawn for each number apart.
+    """
+    squares, chosen = (data**2).sum(1), [rng.integers(len(data), size=len(counts))]  # [M] rows
+    far = np.full((len(counts), len(data)), math.inf)
+    while len(chosen) < max(counts):
+        last = chosen[-1]
+        far = np.minimum(far, squares - 2 * data[last] @ data.T + squares[last, None])  # [M, n]
+        likely = np.maximum(far, np.finfo(float).tiny).cumsum(1)
+        chosen.append((likely <= rng.random((len(counts), 1)) * likely[:, -1:]).sum(1))
+    return np.concatenate([data[rows[:count]] for rows, count in zip(np.transpose(chosen), counts, strict=True)])
