@@ -134,7 +134,7 @@ class FootballVectorEnv(UPOMDP):
 
     def sample_theta(self, count: int) -> np.ndarray:
         """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
-        return self.program.sample(count, self.np_random)[0]
+        return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch, rows = self._batch, self._starts.rows(levels, self.upcoming)

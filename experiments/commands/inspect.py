@@ -136,7 +136,7 @@ def inspect_scenic3(path: Path, config: InspectConfig) -> int:
 def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
     """Return the θ that was typed, or valid random ones: `[n, D]`."""
     if not config.theta:
-        return program.sample(config.n, np.random.default_rng(config.seed))[0]
+        return program.sample_theta(config.n, np.random.default_rng(config.seed))
     theta = np.array(config.theta)
     if len(theta) != program.dim or np.abs(theta).max() > 1:
         raise UsageError(

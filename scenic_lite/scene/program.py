@@ -202,7 +202,12 @@ class Program:
     # ------------------------------------------------------------ sampling
 
     def sample(self, n: int, rng: np.random.Generator) -> tuple[np.ndarray, Scenes]:
-        """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes.
+        """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes; see `sample_theta`."""
+        theta = self.sample_theta(n, rng)
+        return theta, self.instantiate(theta)
+
+    def sample_theta(self, n: int, rng: np.random.Generator) -> np.ndarray:
+        """Draw theta [n, D] of n valid scenes, uniform by rejection.
 
         A soft requirement is in force in its share of the scenes, decided once for each. Raises ScenicError of kind
         `rejection` with the report if no draw is valid, of another if a requirement fails in a scene.
@@ -236,7 +241,7 @@ class Program:
             first_valid = np.arange(len(pending)) * tries + valid.argmax(axis=1)  # [P], rows of the candidates
             theta[pending[solved]] = candidates[first_valid[solved]]
             pending = pending[~solved]
-        return theta, self.instantiate(theta)
+        return theta
 
     def report(self, n: int, rng: np.random.Generator) -> RejectionReport:
         """Return what share of n uniform draws each constraint rejects."""

@@ -30,7 +30,7 @@ class Crowd:
 
     def __init__(self, queue, lengths, returns):
         self.queue, self.lengths, self.returns = queue, lengths, returns
-        self.level = [queue.first(s)["level"]["program"] for s in (0, 1)]
+        self.level = [queue.first(s)["level"]["program"].copy() for s in (0, 1)]
         self.age = np.zeros((2, queue.num_envs), int)
         self.played = [{}, {}]
         self.cut = 0

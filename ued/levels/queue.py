@@ -64,7 +64,7 @@ class LevelQueue(Resumable):
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
-        """Return the records `[N]` that a student starts with."""
+        """Return the records `[N]` that a student starts with, to be read at once: they are no copy."""
         return self._take(student, np.arange(self.num_envs))
 
     def begin_rollout(self) -> None:
@@ -76,7 +76,8 @@ class LevelQueue(Resumable):
     ) -> tuple[np.ndarray, np.ndarray]:
         """Note returns and success `[k]` of the episodes that ended in the environments `ended` `[k]`.
 
-        Return the environments `[c]` that change their level, and their new records `[c]`; the others play on.
+        Return the environments `[c]` that change their level, and their new records `[c]`, as `first` does; the others
+        play on.
         """
         if self.once_per_rollout:  # what the others play is not counted
             first = self.needs_new_level[student, ended]
@@ -104,7 +105,7 @@ class LevelQueue(Resumable):
             self.next_turn += len(proposals)
             joined = np.concatenate([whole(self.records), whole(proposals)])
             self.records = joined.view(self.records.dtype)
-        records = whole(self.records[start : start + len(envs)]).copy().view(self.records.dtype)
+        records = self.records[start : start + len(envs)]
         if len(envs):
             self.playing[student, envs] = np.arange(start, start + len(envs))
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
