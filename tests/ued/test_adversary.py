@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from ued.config import AdversaryConfig
-from ued.levels.adversary import Adversary, Beta, Composed, RunningScale, Squashed
+from ued.levels.adversary import Adversary, Autograd, Beta, Composed, RunningScale, Squashed, WrittenOut
 from ued.seeding import torch_generator
 
 PEAK = 0.5
@@ -149,6 +149,16 @@ def test_gradients_are_those_of_the_loss(distribution, columns, program_dims):
     wanted = [-gain, error, entropy, torch.cat([weight.grad.flatten() for weight in reference.parameters()]).norm()]
     assert list(losses.values()) == pytest.approx([value.item() for value in wanted], rel=1e-4, abs=1e-5)
     assert ((ratio - 1).abs() > config.clip_coef).float().mean() > 0.05
+
+
+def test_proposals_by_hand_are_those_of_torch():
+    network = Adversary(3, AdversaryConfig(context_size=5), torch_generator(0)).network
+    for weight in network.parameters():
+        weight.data += 0.3 * torch.randn(weight.shape, generator=torch_generator(1))
+    z = np.random.default_rng(0).standard_normal((64, 5), np.float32)
+    (raw, log_prob), theirs = (way(network, torch_generator(2), z).sample() for way in (WrittenOut, Autograd))
+    assert raw.dtype == log_prob.dtype == np.float32 and raw.flags.c_contiguous
+    assert raw == pytest.approx(theirs[0], abs=1e-5) and log_prob == pytest.approx(theirs[1], abs=1e-4)
 
 
 @pytest.mark.slow

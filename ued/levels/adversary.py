@@ -263,16 +263,16 @@ class Adversary(Resumable):
         self.optimizer = Adam(self.network.parameters(), config.learning_rate, config.adam_eps)
         self.scale = RunningScale()
 
-    @torch.inference_mode()
     def propose(self, count: int, context: np.ndarray | None = None) -> Proposals:
         """Draw `count` proposals, from random vectors or from this context `[count, context_size]`."""
         if context is None:
-            z = torch.empty(count, self.context_size).normal_(generator=self.generator)
-        else:
-            z = torch.as_tensor(context, dtype=torch.float32)
-        policy, _ = self.network(z)
-        raw = policy.sample(self.generator)
-        return Proposals(z.numpy(), raw.numpy(), policy.log_prob(raw).numpy())
+            context = torch.empty(count, self.context_size).normal_(generator=self.generator).numpy()
+        z = np.asarray(context, np.float32)
+        return Proposals(z, *self._passes(z).sample())
+
+    def _passes(self, z: np.ndarray) -> Autograd | WrittenOut:
+        written_out = self.network.distribution is Squashed and not self.network.heads[-1]
+        return (WrittenOut if written_out else Autograd)(self.network, self.generator, z)
 
     def theta(self, proposals: Proposals) -> np.ndarray:
         """Return the proposed θ, float64 `[n, D]` in [-1, 1]."""
@@ -283,8 +283,8 @@ class Adversary(Resumable):
         self.scale.track(regret)
         target = self.scale(regret).astype(np.float32)
         self.optimizer.zero_grad()
-        written_out = self.network.distribution is Squashed and not self.network.heads[-1]
-        passes = (WrittenOut if written_out else Autograd)(self.network, self.generator, proposals)
+        passes = self._passes(proposals.z)
+        passes.look_at(proposals.raw)
         logs = np.empty((self.config.update_epochs, len(LOSSES), len(target)), np.float32)
         for log in logs:
             self._epoch(passes, proposals.log_prob, target, log)
@@ -311,14 +311,26 @@ class Adversary(Resumable):
 
 
 class Autograd:
-    """What an adversary's network says of proposals, and the gradient of its weights: for any distribution."""
+    """What an adversary's network proposes given `z`, what it says of proposals, and the gradient of its weights: for
+    any distribution.
+    """
 
-    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, proposals: Proposals) -> None:
-        self.network, self.generator = network, generator
-        self.z, self.raw = torch.as_tensor(proposals.z), torch.as_tensor(proposals.raw)
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, z: np.ndarray) -> None:
+        self.network, self.generator, self.z = network, generator, torch.as_tensor(z)
+
+    @torch.inference_mode()
+    def sample(self) -> tuple[np.ndarray, np.ndarray]:
+        """Draw `raw` `[B, D]`; return it and its log-density `[B]`."""
+        policy, _ = self.network(self.z)
+        raw = policy.sample(self.generator)
+        return raw.numpy(), policy.log_prob(raw).numpy()
+
+    def look_at(self, raw: np.ndarray) -> None:
+        """Take these `raw` `[B, D]` as proposed."""
+        self.raw = torch.as_tensor(raw)
 
     def forward(self) -> list[np.ndarray]:
-        """Return the log-density of `raw`, the entropy of θ and the regret to expect, given `z`: `[B]` each."""
+        """Return the log-density of `raw`, the entropy of θ and the regret to expect: `[B]` each."""
         policy, value = self.network(self.z)
         self.outputs = policy.log_prob(self.raw), policy.theta_entropy(self.generator), value
         return [output.detach().numpy() for output in self.outputs]
@@ -338,16 +350,35 @@ class WrittenOut:
     Each column of θ is a row here, `[D, B]`: over many short rows calls take several times as long.
     """
 
-    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, proposals: Proposals) -> None:
-        self.generator, layers = generator, (network.first, network.second, network.last)
-        self.weights = [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in layers]
-        parts = [(layer.weight.grad, layer.bias.grad) for layer in layers]  # of the optimizer's vector
+    def __init__(self, network: AdversaryNetwork, generator: torch.Generator, z: np.ndarray) -> None:
+        self.generator, self.layers = generator, (network.first, network.second, network.last)
+        self.weights = [(layer.weight.detach().numpy(), layer.bias.detach().numpy()) for layer in self.layers]
+        self.dim, self.z = network.heads[0], z
+
+    def sample(self) -> tuple[np.ndarray, np.ndarray]:
+        """See `Autograd` and `Squashed`."""
+        mean, log_std, _ = self._outputs()
+        raw = mean + self.std * self._noise()
+        return np.ascontiguousarray(raw.T), self._log_prob(raw, mean, log_std)
+
+    def look_at(self, raw: np.ndarray) -> None:
+        """See `Autograd`."""
+        self.raw = np.ascontiguousarray(raw.T)
+        parts = [(layer.weight.grad, layer.bias.grad) for layer in self.layers]  # of the optimizer's vector
         self.gradients = [tuple(part.numpy() for part in pair if part is not None) for pair in parts]
-        self.dim, self.z, self.raw = network.heads[0], proposals.z, np.ascontiguousarray(proposals.raw.T)
-        self.ones = np.ones(len(self.z), np.float32)  # sums over rows are products with them: a fifth of the time
+        self.ones = np.ones(len(raw), np.float32)  # sums over rows are products with them: a fifth of the time
 
     def forward(self) -> list[np.ndarray]:
         """See `Autograd` and `Squashed`."""
+        mean, log_std, value = self._outputs()
+        self.deviation = self.std * self._noise()
+        drawn = mean + self.deviation
+        self.theta = np.tanh(drawn)
+        entropy = (log_std - 2 * np.log(2 * np.cosh(drawn))).sum(0) + ENTROPY * self.dim
+        return [self._log_prob(self.raw, mean, log_std), entropy, value]
+
+    def _outputs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return mean and log deviation before tanh `[D, B]` and the regret to expect `[B]`."""
         self.seen = [self.z]  # by each layer
         for weight, bias in self.weights[:-1]:
             free = self.seen[-1] @ weight.T
@@ -359,15 +390,15 @@ class WrittenOut:
         self.bent, free = np.tanh(one / MEAN_RANGE), UNIFORM_LOG_STD + other
         log_std = free.clip(*LOG_STD_RANGE)
         self.std, self.unclipped = np.exp(log_std), free == log_std
-        mean = MEAN_RANGE * self.bent
-        self.standard = (self.raw - mean) / self.std
-        noise = torch.empty(self.raw.shape[::-1]).normal_(generator=self.generator).numpy()  # as `Squashed` draws it
-        self.deviation = self.std * noise.T
-        drawn = mean + self.deviation
-        self.theta = np.tanh(drawn)
-        log_prob = -0.5 * LOG_2_PI * self.dim - (log_std + 0.5 * self.standard**2).sum(0)
-        entropy = (log_std - 2 * np.log(2 * np.cosh(drawn))).sum(0) + ENTROPY * self.dim
-        return [log_prob, entropy, value]
+        return MEAN_RANGE * self.bent, log_std, value
+
+    def _noise(self) -> np.ndarray:
+        """Draw it as `Squashed` does: `[D, B]`."""
+        return torch.empty(len(self.z), self.dim).normal_(generator=self.generator).numpy().T
+
+    def _log_prob(self, raw: np.ndarray, mean: np.ndarray, log_std: np.ndarray) -> np.ndarray:
+        self.standard = (raw - mean) / self.std
+        return -0.5 * LOG_2_PI * self.dim - (log_std + 0.5 * self.standard**2).sum(0)
 
     def backward(self, by_log_prob: np.ndarray, by_entropy: float, by_value: np.ndarray) -> None:
         """See `Autograd`.
