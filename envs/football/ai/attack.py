@@ -15,7 +15,7 @@ from envs.football.ai.shooting import consider_shot
 from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.possession import forget_kick, time_to_meet
+from envs.football.physics.possession import forget_kick
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
@@ -61,7 +61,8 @@ def play_ball(match, i):
 
 @kernel
 def meet_free_ball(match, i):
-    """Run for a free ball, and just before it comes decide whether to shoot it or pass it on without stopping it.
+    """Run for a free ball, at which i is his team's first, and just before it comes decide whether to shoot it or pass
+    it on without stopping it.
 
     In the original's matches two of five shots and a fifth of the passes are played like that.
     """
@@ -70,7 +71,7 @@ def meet_free_ball(match, i):
     if not kicks_himself(match, player):
         return
     forget_kick(player)
-    if time_to_meet(match, i) > FREE_BALL.at_once:
+    if match.arrival[player.team] > FREE_BALL.at_once:
         return
     if uniform(match) > FREE_BALL.volley_fits or not consider_shot(match, i):
         consider_first_time_pass(match, i)

@@ -49,7 +49,8 @@ def remember_ball(match):
 def mean_ball(match, seconds, axis):
     """Return the ball's x (axis 0) or y in m, averaged over the last seconds, at most 4, since play was stopped."""
     steps = min(max(int(seconds / STEP + 0.5), 1), BALL_MEMORY - 1, match.remembered)
-    now, then = match.remembered % BALL_MEMORY, (match.remembered - steps) % BALL_MEMORY
+    now = match.remembered % BALL_MEMORY
+    then = now - steps if now >= steps else now - steps + BALL_MEMORY
     return (match.ball_sums[now, axis] - match.ball_sums[then, axis]) / steps
 
 

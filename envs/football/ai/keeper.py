@@ -17,7 +17,7 @@ from envs.football.constants import (
 )
 from envs.football.physics.ball import MEAN_DRAG
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import ball_speed, fall_time, man_on_ball, time_to_meet, travelled
+from envs.football.physics.possession import fall_time, look_ahead, man_on_ball, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.hands import HOLD_STEPS, has_hands
 from envs.football.skills.saves import dive
@@ -193,7 +193,8 @@ def goes_for_loose_ball(match, i):
     rival = match.chaser[1 - player.team]
     if rival == NOBODY:
         return True
-    return time_to_meet(match, i) + OUT.claim_margin < time_to_meet(match, rival)
+    ahead = look_ahead(ball)
+    return time_to_meet(match, i, ahead) + OUT.claim_margin < time_to_meet(match, rival, ahead)
 
 
 @kernel
@@ -358,10 +359,9 @@ def stand(match, i):
 @kernel
 def led_ball(match, i):
     """Return where keeper i sees the ball: where it rolls or flies to meanwhile."""
-    ball = match.ball
-    speed = ball_speed(ball)
-    time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i)
-    share = travelled(speed, fall_time(ball), time) / max(speed, 1e-9)
+    ball, ahead = match.ball, look_ahead(match.ball)
+    time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i, ahead)
+    share = travelled(ahead, time) / max(ahead.speed, 1e-9)
     return ball.x + share * ball.vx, ball.y + share * ball.vy
 
 

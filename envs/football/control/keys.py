@@ -36,7 +36,7 @@ from envs.football.constants import (
 from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import forget_kick, owns, time_to_meet
+from envs.football.physics.possession import forget_kick, look_ahead, owns, time_to_meet
 from envs.football.physics.vectors import apart, length
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
@@ -150,7 +150,7 @@ def may_slide(match, i):
         return False
     if match.carrier == NOBODY and is_ours(match, player.team) and match.chaser[player.team] == i:
         return False
-    return in_time_by(match, player, time_to_meet(match, i)) < ASK.slide
+    return in_time_by(match, player, time_to_meet(match, i, look_ahead(match.ball))) < ASK.slide
 
 
 @kernel
@@ -162,7 +162,7 @@ def may_ask(match, i, button):
     least = ASK.high_pass if button == HIGH_PASS else ASK.in_time
     if match.ball.z > ASK.high:
         least -= ASK.high_ease
-    return in_time_by(match, player, time_to_meet(match, i)) >= least
+    return in_time_by(match, player, time_to_meet(match, i, look_ahead(match.ball))) >= least
 
 
 @kernel

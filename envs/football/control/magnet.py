@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
 from envs.football.physics.pitch import forward
-from envs.football.physics.possession import ball_speed, fall_time, travelled
+from envs.football.physics.possession import ball_speed, look_ahead, travelled
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.shots import eased
 from envs.football.skills.steering import chase
@@ -100,13 +100,13 @@ def awaits(match, i):
     speed, time = ball_speed(ball), match.arrival[player.team]
     if match.carrier == i or speed < AWAIT.rolling or in_time_by(match, player, time) < AWAIT.in_time:
         return False
-    flight, ux, uy = fall_time(ball), ball.vx / speed, ball.vy / speed
-    first, last = travelled(speed, flight, time), (player.x - ball.x) * ux + (player.y - ball.y) * uy
+    ahead, ux, uy = look_ahead(ball), ball.vx / speed, ball.vy / speed
+    first, last = travelled(ahead, time), (player.x - ball.x) * ux + (player.y - ball.y) * uy
     if last <= first:
         return False
     latest = last / speed
     for _ in range(2):
-        latest *= last / travelled(speed, flight, latest)
+        latest *= last / travelled(ahead, latest)
     if latest > AWAIT.longest:
         return False
     best = -1.0

@@ -60,10 +60,10 @@ def write_features(match, agent, row):
     at = _write_self(me, side, row, 0)
     at = _write_ball(match, me, side, row, at)
     at = _write_owner(match, i, row, at)
-    at = _write_goal(me, side, row, at)
+    goal_x, goal_y, distance = _way_to_goal(me, side)
+    at = _write_goal(me, side, goal_x, goal_y, distance, row, at)
     at = _write_command(me, row, at)
     row[at] = 1.0 - match.step / match.game_duration
-    goal_x, goal_y, _ = _way_to_goal(me, side)
     at = _write_team(match, i, me.team, side, goal_x, goal_y, row, at + 1)
     _write_team(match, i, 1 - me.team, side, goal_x, goal_y, row, at)
 
@@ -115,8 +115,8 @@ def _way_to_goal(me, side):
 
 
 @kernel
-def _write_goal(me, side, row, at):
-    row[at], row[at + 1], distance = _way_to_goal(me, side)
+def _write_goal(me, side, ux, uy, distance, row, at):
+    row[at], row[at + 1] = ux, uy
     row[at + 2] = CLOSE / (CLOSE + distance)
     dy, ahead = -side * me.y, max(HALF_LENGTH - side * me.x, 1.0)
     row[at + 3] = _limited((dy + GOAL_HALF_WIDTH) / ahead)

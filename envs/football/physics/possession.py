@@ -69,10 +69,11 @@ def fall_time(ball):
 
 
 @kernel
-def travelled(speed, flight, time):
-    """Estimate in m how far a ball goes in `time` s: through the air for `flight` s, then over the ground."""
-    way, left = flown(speed, min(time, flight))
-    return way if time <= flight else way + rolled(left, time - flight)
+def travelled(ahead, time):
+    """Estimate in m how far a ball that goes on as it is seen `ahead` gets in `time` s."""
+    if time < ahead.flight:
+        return flown(ahead.speed, time)[0]
+    return ahead.air + rolled(ahead.left, time - ahead.flight)
 
 
 @kernel
@@ -148,12 +149,12 @@ def consider_chaser(match, i, ahead):
 
 
 @kernel
-def time_to_meet(match, i):
+def time_to_meet(match, i, ahead):
     """Return `meeting_time` of player i in s, which is known of those who have just been found to be chasers."""
     player = match.players[i]
     if match.chaser[player.team] == i and match.carrier != i and player.down_wait == 0.0:
         return match.arrival[player.team]
-    return meeting_time(match.ball, look_ahead(match.ball), player)
+    return meeting_time(match.ball, ahead, player)
 
 
 @kernel

@@ -9,7 +9,7 @@ import math
 
 from envs.football.constants import NOBODY
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, fall_time, time_to_meet, travelled
+from envs.football.physics.possession import look_ahead, time_to_meet, travelled
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
@@ -34,11 +34,10 @@ def slide(match, i):
 @kernel
 def chase(match, i, speed):
     """Want to run at this speed to where the ball can be met."""
-    player, ball = match.players[i], match.ball
-    rolling = ball_speed(ball)
+    player, ball, ahead = match.players[i], match.ball, look_ahead(match.ball)
     share = 0.0
-    if rolling > 0.5:
-        share = travelled(rolling, fall_time(ball), time_to_meet(match, i)) / rolling
+    if ahead.speed > 0.5:
+        share = travelled(ahead, time_to_meet(match, i, ahead)) / ahead.speed
     run_to(player, ball.x + share * ball.vx, ball.y + share * ball.vy, speed)
 
 
