@@ -153,7 +153,10 @@ def _filled(levels: int) -> Curriculum:
 
 
 def _levels_per_second(curriculum: Curriculum, seconds: float) -> float:
-    """Ask for levels and tell what came of them, over and over."""
+    """Ask for levels and tell what came of them, over and over, with one thread for networks as training has it."""
+    import torch
+
+    torch.set_num_threads(1)
     rng, numbers = np.random.default_rng(0), iter(range(10**9, 10**15))
 
     def turn(count: int) -> None:
