@@ -176,13 +176,15 @@ def teams(measured: Measured, folder: Path, pictures: Path) -> str:
 
 def shapes(measured: Measured, folder: Path, pictures: Path) -> str:
     """Return the section of teams that share a policy, or have a critic that sees all, beside those of the thesis."""
-    known = {name: TEAM + name for name in SHAPE_TITLES}
-    pairs = dict.fromkeys((row.game, row.control) for row in measured.rows if row.agent in [*known.values()][1:])
+    rows = [row for row in measured.rows if row.agent.removeprefix(TEAM) in SHAPE_TITLES and row.agent.startswith(TEAM)]
+    pairs = dict.fromkeys((row.game, row.control) for row in rows if row.agent != f"{TEAM}ppo")
     if not pairs:
         return ""
-    head = ["game", "moved", *(word for title in SHAPE_TITLES.values() for word in (title, "runs"))]
-    rows = [[*pair, *(cell for agent in known.values() for cell in _trained(measured, agent, *pair))] for pair in pairs]
-    return "\n\n".join(["### One policy each, one for all, and a critic that sees all", as_markdown([head, *rows])])
+    agents = {row.agent for row in rows}
+    titles = {f"{TEAM}{shape}": title for shape, title in SHAPE_TITLES.items() if f"{TEAM}{shape}" in agents}
+    head = ["game", "moved", *(word for title in titles.values() for word in (title, "runs"))]
+    cells = [[*pair, *(cell for agent in titles for cell in _trained(measured, agent, *pair))] for pair in pairs]
+    return "\n\n".join(["### One policy each, one for all, and a critic that sees all", as_markdown([head, *cells])])
 
 
 SHAPE_TITLES = {
@@ -219,7 +221,7 @@ def demonstrations(measured: Measured, folder: Path, pictures: Path) -> str:
     head = ["game", "moved", *(word for label in labels for word in (label, "published")), "gain of pretraining"]
     rows = [[game, control, *cells[game, control]] for game, control in pairs]
     parts = ["### With demonstrations (Figure 2.10, Table 3.2)", f"![With demonstrations]({path.relative_to(folder)})"]
-    return "\n\n".join([*parts, as_markdown([head, *rows])])
+    return "\n\n".join([*parts, as_markdown([head, *rows]), _budgets(measured, pairs)])
 
 
 DEMONSTRATED = {  # label, colours of ours and of the published
@@ -228,6 +230,17 @@ DEMONSTRATED = {  # label, colours of ours and of the published
     "cloned": ("cloned", "#2f855a", "#b2dfc4"),
     "pretrained": ("cloned, then PPO", TEST_OURS, TEST_THEIRS),
 }
+
+
+def _budgets(measured: Measured, pairs: Sequence[tuple[str, str]]) -> str:
+    """Return after how many steps those were played who have learned by playing: gains are fair where all are equal."""
+    said = []
+    for agent in ("ppo", "pretrained"):
+        rows = [row for pair in pairs for row in measured.of(pair[0], _named(*pair, agent), TRAIN, pair[1])]
+        steps = dict.fromkeys(count(row.env_steps) for row in sorted(rows, key=lambda row: row.env_steps))
+        if steps:
+            said.append(f"{DEMONSTRATED[agent][0]} after {' or '.join(steps)} steps")
+    return f"Measured: {'; '.join(said)}."
 
 
 def _named(game: str, control: str, agent: str) -> str:

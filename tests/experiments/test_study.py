@@ -186,6 +186,7 @@ def test_demonstrations_are_played_cloned_and_trained_on_from(single, tmp_path):
     assert [found[agent].env_steps for agent in ("ppo", "cloned", "pretrained")] == [64, 0, 64]
     text = (tmp_path / "BENCHMARK.md").read_text()
     assert "(Figure 2.10, Table 3.2)" in text and "| +0.89 ± 0.03 |" in text
+    assert "Measured: PPO after 64 steps; cloned, then PPO after 64 steps." in text
     assert main([*words, "--kl-to-clone", "0.25"]) == 0 and len(begun) == 2
     assert main([*words, "--kl-to-clone", "0.25", "--publish"]) == 2
 
