@@ -256,13 +256,13 @@ def test_the_regularizer_brings_policies_together():
     for coef in (0.0, 5.0):
         config = PairedConfig(kl="both_ways", kl_every=1, kl_coef=coef)
         method = Paired(frontier(), PPO, config)
-        for _ in range(15):
+        for _ in range(40):  # before, both have hardly left where they began
             method.update()
         seen = method.learners[0].rollout.observation.flatten(0, 1)
         with torch.no_grad():
             one, other = (student(seen)[0] for student in method.students.values())
             distances.append(float(one.kl(other).mean()))
-    assert distances[1] < 0.5 * distances[0]
+    assert distances[1] < 0.2 * distances[0]
 
 
 @pytest.mark.slow
