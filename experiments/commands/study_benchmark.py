@@ -78,8 +78,8 @@ class PlannedRun(NamedTuple):
     @property
     def chosen(self) -> dict[str, Any]:
         """The settings that it is chosen for, by dotted path."""
-        shape = self.agent.removeprefix(measuring.TEAM)
-        return {"env.control": self.control} | measuring.SHAPES.get(shape, {})
+        kind = self.agent.removeprefix(measuring.TEAM)
+        return {"env.control": self.control} | measuring.TEAM_SETTINGS.get(kind, {})
 
 
 class BenchmarkStudy:
@@ -135,8 +135,8 @@ class BenchmarkStudy:
         for seed in range(self.config.seeds):
             for game, control in self.games():
                 single = control == build.find_minigame(game).control
-                team, shape = ("", "ppo") if single else (measuring.TEAM, measuring.shape_of(typed))
-                yield from (PlannedRun(game, team + agent, control, seed) for agent in agents or (shape,))
+                team, kind = ("", "ppo") if single else (measuring.TEAM, measuring.team_kind(typed))
+                yield from (PlannedRun(game, team + agent, control, seed) for agent in agents or (kind,))
 
     def games(self) -> list[tuple[str, str]]:
         """Return the games, each with whom its agents move: a team of each kind, or one agent."""

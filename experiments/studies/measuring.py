@@ -19,8 +19,8 @@ from experiments.run.provenance import commit
 from experiments.studies.rows import TRAIN, Row
 
 TEAM = "team_"  # before the names of agents
-SHAPES: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing
-    "ppo": {},  # a policy and a critic each, as in the thesis
+TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
+    "ppo": {},  # independent policies and critics, as in the thesis
     "shared_ppo": {"ppo.team": "shared"},
     "mappo": {"ppo.critic": "central"},
     "shared_mappo": {"ppo.team": "shared", "ppo.critic": "central"},
@@ -46,11 +46,11 @@ def agent_of(run: RunFolder) -> str:
     trained = {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label)
     if run.config.env.control == build.find_minigame(run.config.minigame).control:
         return trained or "ppo"
-    return TEAM + (trained or shape_of(run.config.ppo))
+    return TEAM + (trained or team_kind(run.config.ppo))
 
 
-def shape_of(config: PPOConfig) -> str:
-    """Return what a team that learns so is called: whether one policy serves all, and whether the critic sees all."""
+def team_kind(config: PPOConfig) -> str:
+    """Return what a team that learns so is called: whether policies are shared, and what the critic sees."""
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 

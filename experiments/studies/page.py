@@ -93,7 +93,7 @@ is drawn by `regista study` from small tables; what is missing in them it makes,
 regista study single --seeds 5 --hours 3           # the 13 games of Figure 2.7; after three hours call it again
 regista study generalisation --seeds 3 --hours 3   # all 22, and the tests of 20
 regista study multi --seeds 3                      # teams, one policy per agent: the 15 rows of Table 3.1
-regista study teams --seeds 3                      # a policy each, one for all, MAPPO: three of these rows
+regista study teams --seeds 3                      # independent policies, parameter sharing, MAPPO: three rows
 regista study demonstrations --seeds 3             # semi-experts, their clones, and training on from these
 regista study single --preset thesis               # stacked SMM and the thesis's network
 ```"""
@@ -174,24 +174,24 @@ def teams(measured: Measured, folder: Path, pictures: Path) -> str:
     return _paragraphs([*parts, correlation(dict(zip(names, zip(ours, theirs, strict=True), strict=True)))])
 
 
-def shapes(measured: Measured, folder: Path, pictures: Path) -> str:
-    """Return the section of teams that share a policy, or have a critic that sees all, beside those of the thesis."""
-    rows = [row for row in measured.rows if row.agent.removeprefix(TEAM) in SHAPE_TITLES and row.agent.startswith(TEAM)]
+def sharing(measured: Measured, folder: Path, pictures: Path) -> str:
+    """Return the section of teams with shared parameters or a centralised critic, beside those of the thesis."""
+    rows = [row for row in measured.rows if row.agent.removeprefix(TEAM) in SHARING and row.agent.startswith(TEAM)]
     pairs = dict.fromkeys((row.game, row.control) for row in rows if row.agent != f"{TEAM}ppo")
     if not pairs:
         return ""
     agents = {row.agent for row in rows}
-    titles = {f"{TEAM}{shape}": title for shape, title in SHAPE_TITLES.items() if f"{TEAM}{shape}" in agents}
+    titles = {f"{TEAM}{kind}": title for kind, title in SHARING.items() if f"{TEAM}{kind}" in agents}
     head = ["game", "moved", *(word for title in titles.values() for word in (title, "runs"))]
     cells = [[*pair, *(cell for agent in titles for cell in _trained(measured, agent, *pair))] for pair in pairs]
-    return "\n\n".join(["### One policy each, one for all, and a critic that sees all", as_markdown([head, *cells])])
+    return "\n\n".join(["### Parameter sharing, and a centralised critic", as_markdown([head, *cells])])
 
 
-SHAPE_TITLES = {
-    "ppo": "a policy and a critic each",
-    "shared_ppo": "one of both for all",
-    "mappo": "a policy each, a critic that sees all",
-    "shared_mappo": "one policy, a critic that sees all (MAPPO)",
+SHARING = {
+    "ppo": "independent policies and critics",
+    "shared_ppo": "shared policy and critic (parameter sharing)",
+    "mappo": "independent policies, centralised critic",
+    "shared_mappo": "shared policy, centralised critic (MAPPO)",
 }
 
 
@@ -271,7 +271,7 @@ def networks(measured: Measured, folder: Path, pictures: Path) -> str:
 
 
 Section = Callable[[Measured, Path, Path], str]
-SECTIONS: tuple[Section, ...] = (single, generalisation, teams, shapes, demonstrations, networks)
+SECTIONS: tuple[Section, ...] = (single, generalisation, teams, sharing, demonstrations, networks)
 
 
 def ranks(measured: Measured, games: Sequence[str], split: str) -> str:

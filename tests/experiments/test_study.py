@@ -165,7 +165,9 @@ def test_teams_share_a_policy_or_a_critic_beside_those_of_the_thesis(single, tmp
     measured = {row.agent for row in rows.load(tmp_path / "results" / "fast.csv")}
     assert measured == {"team_ppo", "team_shared_ppo", "team_shared_mappo", "random"}
     text = (tmp_path / "BENCHMARK.md").read_text()
-    assert "### One policy each, one for all" in text and text.count("| 1 × 64 |") == 4  # and one beside the published
+    assert (
+        "### Parameter sharing, and a centralised critic" in text and text.count("| 1 × 64 |") == 4
+    )  # and one beside the published
     assert main(words) == 0 and len(begun) == 3
     words[1:4] = ["multi", "--games", "offense/hard_crossing"]
     assert main([*words, "--team", "shared"]) == 0 and len(begun) == 3  # it is the second of these

@@ -27,9 +27,7 @@ from ued.upomdp import level_dtype
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought
 BLOCK = 8  # episodes for which it is sought together: their distances stay in the processor's cache
-LATER = np.triu(
-    np.ones((BLOCK, BLOCK), bool)
-)  # [BLOCK, BLOCK] whether an episode is no earlier than another of a block
+LATER = np.triu(np.ones((BLOCK, BLOCK), bool))  # [BLOCK, BLOCK] whether an episode is no earlier than another
 
 
 class ALPGMM(Method):
