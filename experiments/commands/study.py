@@ -2,7 +2,7 @@
 
     regista study single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
-    regista study teams                             # one policy each, one for all, MAPPO
+    regista study teams                             # independent policies, parameter sharing, MAPPO
     regista study transfer                          # what `make transfer` does: both engines
 
 Every run is a folder beneath `--out`, and so are the tables, the page and its pictures; a second call skips what is
@@ -59,7 +59,7 @@ STUDIES = {
     ),
     "multi": Study("teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, run_benchmark),
     "teams": Study(
-        "a policy for each agent, one for all, and MAPPO, on three of the rows of Table 3.1",
+        "independent policies, parameter sharing and MAPPO on three of the rows of Table 3.1",
         BenchmarkStudyConfig,
         run_benchmark,
     ),
