@@ -1,8 +1,9 @@
 """A randomised differential test: drawn scenes under the same keys in our simulator and in the real engine.
 
-Both play each scene with several seeds. How far apart an episode of ours and one of the engine's are is told beside how
-far apart two of the engine's own are, which no simulator can better. Read next: `grf.drawn_scenes`;
-`experiments.pictures.side_by_side`, by which one can look at the worst.
+Both play each scene with several seeds of its own. How far apart an episode of ours and one of the engine's are is told
+beside how far apart two of the engine's own are; a simulator that always does the middle thing can come below that, so
+laws of chance are judged by the energy distance, which is 0 only for one that draws as the engine does. Read next:
+`grf.drawn_scenes`; `experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations
@@ -58,13 +59,17 @@ class Pair:
 
         Pairs of which one has ended before do not count; nan where none is left.
         """
-        first, second = self._sides(limit)
-        one, other = (side.places if what == "players" else side.ball[:, :, None, :2] for side in (first, second))
-        if step >= min(one.shape[1], other.shape[1]):
-            return np.nan
-        gap = np.linalg.norm(one[:, None, step] - other[None, :, step], axis=-1).mean(-1)
-        there = (first.lengths[:, None] >= step) & (second.lengths[None, :] >= step)
-        return _mean(gap, there & _others(gap.shape, limit))
+        return _apart(*self._sides(limit), step, what)
+
+    def energy(self, step: int, what: str) -> float:
+        """Return the energy distance of both engines' "ball" or "players" after a step, in m.
+
+        It is the mean distance of both less half of that within each, over pairs of different episodes: half of
+        2 E|X - Y| - E|X - X'| - E|Y - Y'| of Székely & Rizzo, Energy statistics, J. Stat. Plan. Inference 143 (2013).
+        Its mean over scenes is 0 where both draw alike; that of one scene may be negative.
+        """
+        within = [_apart(side, side, step, what) for side in (self.ours, self.grf)]
+        return self.apart(step, what) - 0.5 * sum(within)
 
     def badness(self) -> float:
         """Return by how many m ball and players are farther apart than the engine's own, at the worst, plus 10 m if no
@@ -107,16 +112,16 @@ def play_scenes(
     """
     for number, drawn in enumerate(scenes):
         program = program_text(drawn.scene)
-        ours, grf = (_play(program, drawn.keys, config, seeds, first) for first, config in ((1, OURS), (2, other)))
+        ours, grf = (_play(program, drawn, config, seeds, engine) for engine, config in ((1, OURS), (2, other)))
         yield Pair(drawn, ours, grf)
         told(number + 1)
 
 
-def _play(program: str, keys: np.ndarray, config: FootballConfig, count: int, seed: int) -> Episodes:
+def _play(program: str, drawn: DrawnScene, config: FootballConfig, count: int, engine: int) -> Episodes:
     with closing(FootballVectorEnv(program, count, config=config)) as env:
         levels = np.zeros(count, level_dtype(env.theta_dim))
-        levels["seed"] = np.random.default_rng(seed).integers(0, 2**63, count, dtype=np.uint64)
-        return play_keys(env, keys, levels)
+        levels["seed"] = drawn.seeds(engine, count)
+        return play_keys(env, drawn.keys, levels)
 
 
 def compare(pairs: Sequence[Pair]) -> list[Row]:
@@ -136,6 +141,28 @@ def compare(pairs: Sequence[Pair]) -> list[Row]:
             ours, grf = (_median([pair.apart(step, what, limit) for pair in pairs]) for limit in (False, True))
             rows.append(by_factor("differential", f"{what} apart at step {step}", ours, grf, "m", DISTANCE))
     return rows
+
+
+def energies(pairs: Sequence[Pair]) -> dict[str, tuple[float, float]]:
+    """Return the energy distance by "ball_10" .. "players_40", in m: its mean over scenes, and the standard error.
+
+    Both are nan where too few scenes go on for as long.
+    """
+    found = {}
+    for what in ("ball", "players"):
+        for step in LOOKED_AT:
+            known = [value for value in (pair.energy(step, what) for pair in pairs) if np.isfinite(value)]
+            error = np.std(known, ddof=1) / np.sqrt(len(known)) if len(known) > 1 else np.nan
+            found[f"{what}_{step}"] = (float(np.mean(known)) if known else np.nan, float(error))
+    return found
+
+
+def energy_table(pairs: Sequence[Pair]) -> list[list[str]]:
+    """Return the energy distances as a table."""
+    found = energies(pairs)
+    head = ["energy distance in m, mean over scenes", *(f"step {step}" for step in LOOKED_AT)]
+    spelled = {name: f"{mean:.2f} ± {error:.2f}" for name, (mean, error) in found.items()}
+    return [head, *([what, *(spelled[f"{what}_{step}"] for step in LOOKED_AT)] for what in ("ball", "players"))]
 
 
 def worst(pairs: Sequence[Pair], count: int = WORST) -> list[Pair]:
@@ -163,6 +190,11 @@ def as_json(pairs: Sequence[Pair]) -> list[dict[str, Any]]:
                 for what in ("ball", "players")
                 for step in LOOKED_AT
                 for limit in (False, True)
+            },
+            **{
+                f"{what}_{step}_energy": _or_none(pair.energy(step, what))
+                for what in ("ball", "players")
+                for step in LOOKED_AT
             },
             "endings_ours": dict(Counter(pair.ours.endings().tolist())),
             "endings_grf": dict(Counter(pair.grf.endings().tolist())),
@@ -198,6 +230,16 @@ def figure(path: Path, pairs: Sequence[Pair]) -> None:
         curves = [[_median([pair.apart(t, what, limit) for pair in pairs]) for t in steps] for limit in (True, False)]
         panels.append(Panel(f"{what} apart", (steps, curves[0]), (steps, curves[1]), f"step of {seconds(1)}", "m"))
     draw_panels(path, "drawn scenes", panels)
+
+
+def _apart(first: Episodes, second: Episodes, step: int, what: str) -> float:
+    """Return `Pair.apart` of two sets of episodes, or of the different ones of one set."""
+    one, other = (side.places if what == "players" else side.ball[:, :, None, :2] for side in (first, second))
+    if step >= min(one.shape[1], other.shape[1]):
+        return np.nan
+    gap = np.linalg.norm(one[:, None, step] - other[None, :, step], axis=-1).mean(-1)
+    there = (first.lengths[:, None] >= step) & (second.lengths[None, :] >= step)
+    return _mean(gap, there & _others(gap.shape, first is second))
 
 
 def _others(shape: tuple[int, ...], limit: bool) -> np.ndarray:

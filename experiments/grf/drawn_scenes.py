@@ -53,18 +53,30 @@ class DrawnScene:
     def sides(self) -> str:
         return f"{len(self.scene.left)} v {len(self.scene.right)}"
 
+    def seeds(self, engine: int, count: int) -> np.ndarray:
+        """Draw seeds for episodes of this scene in one of several engines (from 1), each scene's its own.
+
+        With the same for all scenes, luck would not average out over them.
+        """
+        rng = np.random.default_rng([*_numbers(self.name), engine])
+        return rng.integers(0, 2**63, count, dtype=np.uint64)
+
 
 def draw_scene(name: str, steps: int = STEPS) -> DrawnScene:
     """Draw the scene of a name. Raises ValueError for a name that is none."""
-    seed, colon, number = name.partition(":")
-    if not (colon and seed.isdecimal() and number.isdecimal()):
-        raise ValueError(f"a drawn scene is called SEED:NUMBER, such as 0:17, not {name!r}")
-    rng = np.random.default_rng([int(seed), int(number)])
+    rng = np.random.default_rng(_numbers(name))
     x, y = rng.uniform(-0.2, 0.85), rng.uniform(-0.35, 0.35)
     carrier = (_role(rng), x - 0.02, y)
     left = (KEEPER, carrier, *_team(rng, x, (-0.5, 0.4), there=2))
     right = (KEEPER, *((role, -px, -py) for role, px, py in _team(rng, x, (-0.35, 0.5), there=1)))
     return DrawnScene(name, Scene(left, right, (x, y)), _keys(rng, steps))
+
+
+def _numbers(name: str) -> list[int]:
+    seed, colon, number = name.partition(":")
+    if not (colon and seed.isdecimal() and number.isdecimal()):
+        raise ValueError(f"a drawn scene is called SEED:NUMBER, such as 0:17, not {name!r}")
+    return [int(seed), int(number)]
 
 
 def program_text(scene: Scene) -> str:

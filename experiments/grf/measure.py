@@ -56,8 +56,10 @@ def differential(config: MeasureConfig, effort: float, figures: Path | None) -> 
     rows = drawn.compare(pairs)
     if figures is not None:
         drawn.show(figures, pairs)
-    text = f"{render_rows(drawn.TITLE, rows, drawn.REQUIRED)}\n\n{align(drawn.worst_table(pairs))}"
-    return text, {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}
+    tables = [drawn.energy_table(pairs), drawn.worst_table(pairs)]
+    text = "\n\n".join([render_rows(drawn.TITLE, rows, drawn.REQUIRED), *map(align, tables)])
+    told = {"differential": [asdict(row) | {"ok": row.ok} for row in rows], "scenes": drawn.as_json(pairs)}
+    return text, told | {"energy": drawn.energies(pairs)}
 
 
 def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:

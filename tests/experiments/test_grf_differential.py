@@ -8,7 +8,7 @@ import pytest
 
 from envs.football.constants import GOAL, RUNNING
 from experiments.__main__ import main
-from experiments.grf.differential import OURS, Pair, as_json, compare, play_scenes, worst
+from experiments.grf.differential import OURS, Pair, as_json, compare, energies, energy_table, play_scenes, worst
 from experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
 from experiments.grf.episodes import Episodes, side_by_side
 
@@ -62,6 +62,34 @@ def test_distances_are_means_over_pairs_that_both_go_on():
     assert short.line()[2] == "0.0 (over)"
 
 
+def test_each_scene_has_seeds_of_its_own_in_each_engine():
+    scenes = [draw_scene(f"0:{number}") for number in range(30)]
+    drawn = [scene.seeds(engine, 4) for scene in scenes for engine in (1, 2)]
+    assert len({int(seed) for seeds in drawn for seed in seeds}) == 240
+    assert (draw_scene("0:7").seeds(2, 4) == drawn[15]).all()
+
+
+def test_energy_distance_is_what_both_are_apart_beyond_their_own_spread():
+    def pair(number, ours, grf, lengths=(60, 60)):
+        return Pair(draw_scene(f"0:{number}"), straight(ours, lengths), straight(grf, lengths))
+
+    alike, apart = pair(0, [0.1, 0.3], [0.1, 0.3]), pair(1, [0.1, 0.3], [0.4, 0.6])
+    assert apart.energy(10, "ball") == pytest.approx(3.0 - 0.5 * (2.0 + 2.0))
+    assert alike.energy(10, "players") == pytest.approx(1.0 - 2.0)  # two episodes may be luck: unbiased over scenes
+    assert pair(2, [0.2, 0.2], [0.1, 0.3]).energy(10, "ball") == pytest.approx(0.0)  # the middle thing gains nothing
+    mean, error = energies([alike, apart, pair(3, [0.1, 0.3], [0.4, 0.6], (60, 5))])["ball_10"]
+    assert mean == pytest.approx(0.0) and error == pytest.approx(1.0)  # the third has no two that go on
+    assert energy_table([alike, apart])[1][:2] == ["ball", "0.00 ± 1.00"]
+
+
+def test_energy_distance_of_the_same_draws_is_nought_on_average():
+    rng = np.random.default_rng(0)
+    scene = draw_scene("0:0")
+    pairs = [Pair(scene, *(straight(rng.normal(1.0, 0.1, 4), [60] * 4) for _ in range(2))) for _ in range(400)]
+    mean, error = energies(pairs)["ball_20"]
+    assert abs(mean) < 3 * error < 0.3
+
+
 def test_endings_agree_by_pairs_and_the_worst_scene_comes_first():
     alike = Pair(draw_scene("0:0"), straight([0.1, 0.1], [60, 60]), straight([0.1, 0.1], [60, 60]))
     unlike = Pair(draw_scene("0:1"), straight([0.1, 0.1], [60, 60]), straight([0.1, 0.1], [60, 60], GOAL))
@@ -88,12 +116,19 @@ def test_our_simulator_is_as_far_from_itself_as_it_is_from_itself():
     assert pair.apart(10, "players") < 1.0
 
 
+def test_seeds_of_a_scene_are_those_that_are_played(monkeypatch):
+    seen = []
+    monkeypatch.setattr("experiments.grf.differential.play_keys", lambda env, keys, levels: seen.append(levels["seed"]))
+    list(play_scenes([draw_scene("0:2"), draw_scene("0:3")], OURS, seeds=2))
+    assert len(set(np.concatenate(seen).tolist())) == 8
+
+
 def test_the_command_prints_json_and_writes_the_worst(engine, capsys, tmp_path):
     words = ["benchmark", "--suite", "grf", "--measure", "--scenes", "0:0", "0:3", *engine]
     assert main([*words, "--json", "--figures", str(tmp_path / "out")]) == 0
     found = json.loads(capsys.readouterr().out)["results"]
     assert {each["scene"] for each in found["scenes"]} == {"0:0", "0:3"}
-    assert len(found["differential"]) == 7
+    assert len(found["differential"]) == 7 and set(found["energy"]) >= {"ball_10", "players_40"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
         *("differential.png", "worst.rrd", "0-0.scenic", "0-3.scenic")
     }
