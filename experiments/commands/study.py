@@ -3,6 +3,7 @@
     regista study single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
     regista study teams                             # independent policies, parameter sharing, MAPPO
+    regista study curricula --hours 3               # all methods on six games: RESULTS.md
     regista study transfer                          # what `make transfer` does: both engines
 
 Every run is a folder beneath `--out`, and so are the tables, the page and its pictures; a second call skips what is
@@ -16,6 +17,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from experiments.commands.study_benchmark import BenchmarkStudyConfig, run_benchmark
+from experiments.commands.study_curricula import CurriculaStudyConfig, run_curricula
 from experiments.commands.study_transfer import TransferStudyConfig, run_transfer
 from experiments.run import arguments
 from experiments.run.errors import UsageError, nearest
@@ -68,5 +70,7 @@ STUDIES = {
         BenchmarkStudyConfig,
         run_benchmark,
     ),
+    "curricula": Study("all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula),
+    "remedies": Study("what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula),
     "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, run_transfer),
 }

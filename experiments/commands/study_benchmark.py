@@ -21,7 +21,7 @@ from experiments.run.signals import StopRequest
 from experiments.run.workers import train_unfinished
 from experiments.studies import measuring
 from experiments.studies.rows import Row
-from experiments.studies.runs import CHOSEN, Deadline, StudyConfig, StudyRuns, training
+from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, StudyConfig, StudyRuns, training
 from ued.config import FineTuningConfig, setting
 
 HERE = Path(__file__).parent.parent
@@ -30,7 +30,6 @@ AGENTS = {  # of a study that trains several on each game, as in the tables
     "teams": ("ppo", "shared_ppo", "shared_mappo"),
     "demonstrations": ("ppo", "pretrained"),
 }
-BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
 
 
 @dataclass(frozen=True)

@@ -52,13 +52,13 @@ class EvalScenes:
         levels = None if theta is None else scene.make_levels(theta)
         return evaluate(policy, scene, self.episodes, SEED, levels)
 
-    def play_random_levels(self, policy: Any, levels: int, episodes: int) -> Evaluation:
+    def play_random_levels(self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED) -> Evaluation:
         """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
         from ued.evaluation import evaluate
 
         scene = self.scenes[build.TRAINING_SCENE]
-        scene.reset(seed=LEVELS_SEED)
-        return evaluate(policy, scene, levels * episodes, LEVELS_SEED, scene.sample_levels(levels))
+        scene.reset(seed=seed)
+        return evaluate(policy, scene, levels * episodes, seed, scene.sample_levels(levels))
 
     def metrics(self, policy: Any) -> dict[str, float]:
         """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.

@@ -6,6 +6,7 @@ Goals count, whatever paid in training. All policies meet the same levels. Read 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,9 +17,12 @@ from experiments.run.config import TrainConfig
 from experiments.run.evaluator import EvalScenes, load_student
 from experiments.run.folder import RunFolder
 from experiments.run.provenance import commit
-from experiments.studies.rows import TRAIN, Row
+from experiments.run.table import read_columns
+from experiments.studies.rows import TRAIN, Point, Row
 
 TEAM = "team_"  # before the names of agents
+THIRDS = ("held out, lowest third", "held out, middle third", "held out, highest third")  # names of scenes
+HELD_OUT_SEED, HELD_OUT_EPISODES = 40_000, 4  # of levels that nothing is tuned on, and how often each is played
 TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
     "ppo": {},  # independent policies and critics, as in the thesis
     "shared_ppo": {"ppo.team": "shared"},
@@ -52,6 +56,46 @@ def agent_of(run: RunFolder) -> str:
 def team_kind(config: PPOConfig) -> str:
     """Return what a team that learns so is called: whether policies are shared, and what the critic sees."""
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
+
+
+def measure_arm(run: RunFolder, agent: str, episodes: int, levels: int) -> tuple[list[Row], list[Point]]:
+    """Play a run on each scene of its game and on held-out levels; return rows, and its learning curve.
+
+    Of the rows the scenes `held out ...` are thirds of `levels` levels that are drawn with a seed of their own.
+    """
+    programs = build.load_scenes(run.config)
+    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
+    scenes = EvalScenes(run.config, programs, episodes)
+    evaluations = scenes.play(student) | thirds(
+        scenes.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED)
+    )
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
+    return _rows(run.config, evaluations, about), learning_curve(run, agent)
+
+
+def thirds(evaluation: Evaluation) -> dict[str, Evaluation]:
+    """Return what came of the levels with the lowest, the middle and the highest third of θ's first column, by name.
+
+    In the games of the study this is how far off the ball begins, farthest first; of a mixture, which program.
+    """
+    first = evaluation.levels["theta"][:, 0]  # [L] in [-1, 1]
+    third = np.minimum((1.5 * (first + 1)).astype(int), len(THIRDS) - 1)[evaluation.level]  # [E]
+    return {name: _part(evaluation, third == k) for k, name in enumerate(THIRDS) if (third == k).any()}
+
+
+def _part(evaluation: Evaluation, chosen: np.ndarray) -> Evaluation:
+    names = ("returns", "success", "lengths", "level")
+    return replace(evaluation, **{name: getattr(evaluation, name)[chosen] for name in names})
+
+
+def learning_curve(run: RunFolder, agent: str) -> list[Point]:
+    """Return the mean return over all scenes after each evaluation of a run's training."""
+    table = read_columns(run.metrics.path)
+    scenes = np.stack([values for name, values in table.items() if name.startswith("eval/")])  # [S, U]
+    tested = np.flatnonzero(np.isfinite(scenes).all(0))
+    columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
+    about = (run.config.minigame, agent, run.config.seed)
+    return [Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4)) for u in tested]
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:

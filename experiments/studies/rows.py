@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple, get_type_hints
+from typing import Any, NamedTuple, get_type_hints
 
 from experiments.run.errors import CommandError, refused
 from experiments.run.report import save_rows
@@ -16,6 +16,7 @@ from experiments.run.results import Result
 from experiments.run.table import read_rows
 
 MOST = 10**15  # of any number in a row
+SIGNED = ("goal_difference", "mean_return")  # numbers that may be negative
 TRAIN = "train"  # the scene of the training distribution
 
 
@@ -57,34 +58,49 @@ class Row(NamedTuple):
         )
 
 
-def load(path: Path) -> list[Row]:
-    """Return the rows of a file, none if it is not there. Raises `CommandError` for one that is damaged."""
-    read = get_type_hints(Row)
+class Point(NamedTuple):
+    """A point of a learning curve: the mean return over all scenes of a minigame after so much training."""
+
+    game: str
+    agent: str
+    seed: int
+    env_steps: int
+    seconds: float
+    mean_return: float
+
+    def key(self) -> tuple[str, str, int, int]:
+        """Return what a later point of the same takes the place of."""
+        return self[:4]
+
+
+def load(path: Path, kind: Any = Row) -> list[Any]:
+    """Return the rows of a file, of class `kind`; none if it is not there. Raises `CommandError` for a damaged one."""
+    read = get_type_hints(kind)
     try:
-        return [_checked(Row(**{name: read[name](text) for name, text in row.items()})) for row in read_rows(path)]
+        return [_checked(kind(**{name: read[name](text) for name, text in row.items()})) for row in read_rows(path)]
     except (ValueError, KeyError, TypeError) as error:
         raise CommandError(f"{path} is damaged: {refused(error)}") from error
 
 
-def _checked(row: Row) -> Row:
+def _checked(row: Any) -> Any:
     """Return a row as it is. Raises ValueError for numbers that nobody has measured."""
     for name, number in row._asdict().items():
-        least = 1 if name == "episodes" else -MOST if name == "goal_difference" else 0
+        least = 1 if name == "episodes" else -MOST if name in SIGNED else 0
         if not isinstance(number, str) and not (math.isfinite(number) and least <= number < MOST):
             raise ValueError(f"{name} is {number}")
-    if row.scored + row.conceded > row.episodes:
+    if isinstance(row, Row) and row.scored + row.conceded > row.episodes:
         raise ValueError(f"{row.scored} scored and {row.conceded} conceded of {row.episodes} episodes")
     return row
 
 
-def add(path: Path, rows: Iterable[Row]) -> list[Row]:
+def add(path: Path, rows: Iterable[Any], kind: Any = Row) -> list[Any]:
     """Put rows into a file, in the place of older ones of the same, and return all of it.
 
     Raises `CommandError` if the disk refuses.
     """
-    by_key = {row.key(): row for row in [*load(path), *rows]}
+    by_key = {row.key(): row for row in [*load(path, kind), *rows]}
     kept = [by_key[key] for key in sorted(by_key)]
-    save_rows([row._asdict() for row in kept], Row._fields, path)
+    save_rows([row._asdict() for row in kept], kind._fields, path)
     return kept
 
 

@@ -22,6 +22,8 @@ from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget
 CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
+# Settings that may be typed where a study's own are to be kept
+BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
 LONGEST = 24 * 365.0  # hours, where nobody says how many
 
 
@@ -62,12 +64,12 @@ class StudyRuns:
 
         `kind` is what the folder is called behind the game. Raises `UsageError` for an unknown game.
         """
-        minigame = build.find_minigame(game)
-        base = replace(self.base, env=replace(self.base.env, control=minigame.control))
+        control = build.find_minigame(build.parts_of(game)[0]).control
+        base = replace(self.base, env=replace(self.base.env, control=control))
         settings = {**self.typed, **(chosen or {})}
         config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
-        team = "" if config.env.control == minigame.control else f"{config.env.control}-"
-        name = f"{minigame.name.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
+        team = "" if config.env.control == control else f"{config.env.control}-"
+        name = f"{build.short_name(game).replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
         return self.folder / name, config
 
     def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:

@@ -15,7 +15,7 @@ from experiments.run.folder import RunFolder
 from experiments.run.report import Entry, save_csv
 from experiments.run.results import LevelResult
 from experiments.run.table import read_columns, read_header, read_rows
-from experiments.studies.rows import Row
+from experiments.studies.rows import Point, Row
 
 ROOT = Path(__file__).parents[2]
 TASK = """
@@ -80,6 +80,7 @@ def test_other_tables_have_the_columns_of_the_page(tmp_path):
     assert pages["table.csv"] == list(Entry._fields)
     assert pages["levels.csv of a comparison"] == [item.name for item in fields(LevelResult)]
     assert pages["study --out"] == list(Row._fields)
+    assert pages["study curricula --out"] == list(Point._fields)
     assert pages["characterise --csv"] == [item.name for item in fields(characterise.Row)]
     save_csv([], tmp_path / "results.csv")
     probe.save_csv([], tmp_path / "curves.csv")

@@ -1,0 +1,130 @@
+"""The studies of curricula: methods over games, and PAIRED's remedies, trained, played on held-out levels, tabulated.
+
+    regista study curricula --hours 3                # after three hours call it again
+    regista study remedies --seeds 5
+
+Read next: `studies.curricula`, what is compared; `studies.measuring`, which plays; `studies.curricula_page`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from experiments.run import arguments, build
+from experiments.run.arguments import group
+from experiments.run.config import TrainConfig
+from experiments.run.errors import UsageError, nearest
+from experiments.run.folder import RunFolder
+from experiments.run.workers import train_unfinished
+from experiments.studies import curricula_page
+from experiments.studies.curricula import COMPARISONS, Arm, Settings
+from experiments.studies.curricula_page import Files
+from experiments.studies.measuring import measure_arm
+from experiments.studies.rows import Point, add, load
+from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, StudyConfig, StudyRuns, training
+from ued.config import setting
+
+TESTS = 10  # of a student during its training
+
+
+@dataclass(frozen=True)
+class CurriculaStudyConfig(StudyConfig):
+    """What is typed after `regista study curricula` or `remedies`."""
+
+    games: tuple[str, ...] = setting((), "minigames or mixtures instead of the study's own")
+    arms: tuple[str, ...] = setting((), "some of the study's arms; the first is what others are compared with")
+    seeds: int = setting(10, "runs of each arm on each game", ">=1")
+    first_seed: int | None = setting(None, "seed of the first run; those of final tables are below 1000")
+    out: Path = setting(Path("runs/curricula"), "folder of the runs, the tables, the page and its pictures")
+    publish: bool = setting(False, "keep tables, page and pictures in the repository: RESULTS.md")
+    episodes: int = setting(200, "whole episodes of each student on each scene", ">=1")
+    levels: int = setting(300, "held-out levels, of which each student plays each four times", ">=1")
+    train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
+
+
+class PlannedArm(NamedTuple):
+    """A run that is to be measured: a game, an arm by its name, a seed, and the settings that come of them."""
+
+    game: str
+    agent: str
+    seed: int
+    settings: Settings
+
+
+class CurriculaStudy:
+    """One of the studies.
+
+    Args:
+        name: curricula or remedies.
+        config: what was typed after it.
+        typed: settings of training that were typed, by dotted path.
+    """
+
+    def __init__(self, name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> None:
+        self.name, self.config, self.typed = name, config, typed
+        self.comparison = COMPARISONS[name]
+        self.runs = StudyRuns(config.out / name, config.train, {})
+        self.files = Files.of(config.out, config.publish)
+
+    def run(self) -> int:
+        """Train, play and write, one seed of a game after the other; return the exit code."""
+        self.check_published()
+        table, curves = self.files.rows(self.name), self.files.curves(self.name)
+        table.parent.mkdir(parents=True, exist_ok=True)
+        planned, how = list(self.planned()), self.config.launch
+        done = {(row.game, row.agent, row.seed): row.env_steps for row in load(table)}
+        missing = [plan for plan in planned if done.get(plan[:3], 0) < plan.settings["total_env_steps"]]
+        print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
+        with Deadline(self.config.hours) as stop:
+            for _, plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
+                arms = {plan.agent: self.open(plan) for plan in plans}
+                if not train_unfinished([*arms.values()], how, stop):
+                    break
+                for agent, run in arms.items():
+                    rows, points = measure_arm(run, agent, self.config.episodes, self.config.levels)
+                    add(curves, points, Point)
+                    add(table, rows)
+                curricula_page.write_page(self.files)
+        curricula_page.write_page(self.files)
+        print(f"{self.files.page}{', continue with the same command' if stop else ''}", file=how.messages)
+        return stop.exit_code
+
+    def planned(self) -> Iterator[PlannedArm]:
+        """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
+        games = [build.canonical_name(game) for game in self.config.games or self.comparison.games]
+        arms = {name: self.arm(name) for name in self.config.arms or self.comparison.arms}
+        first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
+        budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own
+        for seed in range(first, first + self.config.seeds):
+            for game in games:
+                for name, arm in arms.items():
+                    chosen: Settings = budget | self.comparison.games.get(game, {}) | arm.settings | self.typed
+                    about = {"method": arm.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
+                    yield PlannedArm(game, name, seed, chosen | about)
+
+    def arm(self, name: str) -> Arm:
+        """Return the arm of this name. Raises `UsageError` where the study has none."""
+        arms = self.comparison.arms
+        if name not in arms:
+            raise UsageError(f"no arm {name!r}{nearest(name, arms)}; {self.name} has {', '.join(arms)}")
+        return arms[name]
+
+    def open(self, plan: PlannedArm) -> RunFolder:
+        """Create the folder of a run or open it, if it was made with the same settings."""
+        return self.runs.open(plan.game, plan.seed, plan.settings, f"{plan.agent.replace(' ', '_')}-")
+
+    def check_published(self) -> None:
+        """Refuse to put into the repository what the study does not say: other settings, other seeds."""
+        others = [arguments.flag_name(path.rpartition(".")[2]) for path in sorted(self.typed.keys() - BOOKKEEPING)]
+        others += ["--first-seed"] if self.config.first_seed is not None else []
+        if others and self.config.publish:
+            raise UsageError(f"with {', '.join(others)} it is not what {self.name} says; leave out --publish")
+
+
+def run_curricula(name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> int:
+    """Run a study of curricula; return the exit code."""
+    return CurriculaStudy(name, config, typed).run()

@@ -1,0 +1,78 @@
+"""What the study of curricula compares: games with their budgets, methods with their settings, and PAIRED's remedies.
+
+An arm is a method with settings of its own; the first arm of a comparison is what the others are measured against.
+What was searched for each is told in RESULTS.md. Read next: `commands.study_curricula`, which trains and plays;
+`studies.curricula_page`, what is made of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+Settings = dict[str, Any]  # of a run, by dotted path
+
+
+class Arm(NamedTuple):
+    """A method, and in which settings it differs from its defaults."""
+
+    method: str
+    settings: Settings = {}  # noqa: RUF012 - nobody writes into it
+
+
+class Comparison(NamedTuple):
+    """Arms by the name that tables call them, games with settings of each, and the seed of the first run.
+
+    Seeds below 1000 are of final tables: no run by which anything is chosen has one of them.
+    """
+
+    arms: dict[str, Arm]
+    games: dict[str, Settings]
+    first_seed: int
+
+
+LONG = {"num_envs": 16, "ppo.num_steps": 512}  # few environments, long rollouts: 8,192 steps an update, as by default
+GAMES: dict[str, Settings] = {
+    "1v1Restricted": {"total_env_steps": 500_000, **LONG},
+    "1v1Free": {"total_env_steps": 1_000_000, **LONG},
+    "ChoosePassing": {"total_env_steps": 1_000_000, **LONG},
+    "3v2FourBehaviors": {"total_env_steps": 1_000_000, **LONG},
+    "CrossingWide": {"total_env_steps": 2_000_000, **LONG},
+    "AcademyLadder": {"total_env_steps": 2_000_000, **LONG},
+}
+
+
+def replay(group: str) -> Settings:
+    """Return the settings of those who replay levels: learnability of four episodes, and a buffer that forgets."""
+    chosen = {"episodes_per_level": 4, "score": "learnability", "buffer.temperature": 1.0, "buffer.capacity": 256}
+    return {f"{group}.{name}": value for name, value in chosen.items()}
+
+
+METHODS = {
+    "dr": Arm("dr"),
+    "paired_literal": Arm("paired_literal"),
+    "paired": Arm("paired"),
+    "self_regret": Arm("self_regret"),
+    "plr": Arm("plr", replay("plr")),
+    "robust_plr": Arm("robust_plr", replay("plr")),
+    "accel": Arm("accel", replay("accel")),
+    "sfl": Arm("sfl"),
+}
+REMEDIES = {  # one cause at a time
+    "dr": Arm("dr"),
+    "paired": Arm("paired"),
+    "self_regret": Arm("self_regret", {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
+    "eight episodes": Arm("paired", {"paired.episodes_per_level": 8}),  # less luck in regret
+    "mean regret": Arm("paired", {"paired.regret": "mean_mean"}),  # likewise
+    "no random levels": Arm("paired", {"paired.dr_fraction": 0.0}),
+    "half random levels": Arm("paired", {"paired.dr_fraction": 0.5}),  # against forgetting
+    "repaired": Arm("repaired"),  # likewise
+    "more entropy": Arm("paired", {"paired.adversary.ent_coef": 0.1}),  # against collapse
+    "fixed roles": Arm("paired", {"paired.roles": "fixed"}),
+    "long context": Arm("paired", {"paired.adversary.context_size": 16}),
+    "literal": Arm("paired_literal"),
+}
+
+COMPARISONS = {
+    "curricula": Comparison(METHODS, GAMES, first_seed=0),
+    "remedies": Comparison(REMEDIES, {name: GAMES[name] for name in ("1v1Free",)}, first_seed=1000),
+}

@@ -1,0 +1,254 @@
+"""What the studies of curricula say, as parts of RESULTS.md: tables and curves, drawn from CSV files alone.
+
+Read next: `studies.rows`, what is in the files; `run.results`, how intervals are estimated.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from experiments.pictures import plots
+from experiments.pictures.results_page import put
+from experiments.run import build
+from experiments.run import results as estimate
+from experiments.run.progress import count
+from experiments.run.report import as_markdown, write_text
+from experiments.run.results import Result, Scores, unique
+from experiments.studies.curricula import COMPARISONS
+from experiments.studies.measuring import THIRDS
+from experiments.studies.rows import TRAIN, Point, Row, load
+from ued.statistics import Interval, bootstrap
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HERE = Path(__file__).parent.parent
+COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
+OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of arms
+NOTE = (
+    "Goals in % of episodes on held-out levels, the mean of their thirds; 95 % intervals over whole runs and their "
+    "episodes. P: that a run is above one of {first}. At equal time: the difference of the mean return over the game's "
+    "scenes once the quickest has ended."
+)
+
+
+class Files(NamedTuple):
+    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
+
+    results: Path
+    page: Path
+    pictures: Path
+
+    @classmethod
+    def of(cls, out: Path, publish: bool) -> Files:
+        """Return those beneath a folder, or the repository's own."""
+        if publish:
+            return cls(HERE / "studies" / "results", HERE.parent / "RESULTS.md", HERE / "gallery")
+        return cls(out / "results", out / "RESULTS.md", out / "pictures")
+
+    def rows(self, name: str) -> Path:
+        """Return the file of what students scored."""
+        return self.results / f"{name}.csv"
+
+    def curves(self, name: str) -> Path:
+        """Return the file of learning curves."""
+        return self.results / f"{name}_curves.csv"
+
+
+class Game(NamedTuple):
+    """All that was measured on one game. `arms` are in the order of the study, the first is compared with."""
+
+    name: str
+    arms: Sequence[str]
+    rows: Sequence[Row]
+    points: Sequence[Point]
+
+    @property
+    def first(self) -> str:
+        return self.arms[0]
+
+    @property
+    def steps(self) -> int:
+        """Simulated steps of a run."""
+        return max(row.env_steps for row in self.rows)
+
+    @property
+    def scenes(self) -> list[str]:
+        """The held-out thirds, then the training distribution and the tests."""
+        names = unique([row.scene for row in self.rows])
+        tests = [name for name in names if name not in THIRDS and name != TRAIN]
+        return [*(name for name in THIRDS if name in names), TRAIN, *tests]
+
+    def results(self, arm: str, scenes: Sequence[str]) -> list[Result]:
+        """Return what an arm's runs reached on these scenes."""
+        return [row.result() for row in self.rows if row.agent == arm and row.scene in scenes]
+
+    def scores(self, arm: str) -> Scores:
+        """Return what an arm's runs reached on the held-out thirds."""
+        return estimate.scores(self.results(arm, THIRDS), arm)
+
+    def gain(self, arm: str) -> Interval:
+        """Estimate by how much an arm is above the first on held-out levels."""
+        return estimate.score_advantage(self.scores(arm), self.scores(self.first))
+
+    def seconds(self, arm: str) -> float:
+        """Return the mean time that a run of an arm took."""
+        return float(np.mean([row.seconds for row in self.rows if row.agent == arm and row.scene == TRAIN]))
+
+    def curves(self, arm: str, at: str = "env_steps") -> list[np.ndarray]:
+        """Return each run's curve `[2, P]`: steps, or seconds, and mean returns."""
+        mine = [point for point in self.points if point.agent == arm]
+        seeds = dict.fromkeys(point.seed for point in mine)
+        by_seed = [[point for point in mine if point.seed == seed] for seed in seeds]
+        return [np.array([[getattr(p, at) for p in points], [p.mean_return for p in points]]) for points in by_seed]
+
+    def gain_in_time(self, arm: str) -> Interval:
+        """Estimate by how much an arm's mean return is above the first's once the quickest of all arms has ended."""
+        end = min(map(self.seconds, self.arms))
+        one, other = (
+            bootstrap(np.array([np.interp(end, *curve) for curve in self.curves(name, "seconds")]), _rng())
+            for name in (arm, self.first)
+        )
+        return (one - other).interval()
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(estimate.BOOTSTRAP_SEED)
+
+
+def write_page(files: Files) -> None:
+    """Put what is measured of each study into the page. Raises `CommandError` if the disk refuses."""
+    files.pictures.mkdir(parents=True, exist_ok=True)
+    page = files.page.read_text() if files.page.exists() else "# Results\n"
+    for name in COMPARISONS:
+        games = read_games(files, name)
+        if games:
+            page = put(page, name, section(name, games, files))
+    write_text(files.page, page)
+
+
+def read_games(files: Files, name: str) -> list[Game]:
+    """Return what was measured, by game in the order of the study; only arms of which as many runs are there."""
+    rows, points = load(files.rows(name)), load(files.curves(name), Point)
+    order = [*COMPARISONS[name].games, *unique([row.game for row in rows])]
+    games = []
+    for game in unique(order):
+        mine = [row for row in rows if row.game == game]
+        arms = [arm for arm in COMPARISONS[name].arms if any(row.agent == arm for row in mine)]
+        if arms:
+            games.append(Game(game, arms, mine, [point for point in points if point.game == game]))
+    return games
+
+
+def section(name: str, games: Sequence[Game], files: Files) -> str:
+    """Return what a study says: all games, their curves, then a table for each."""
+    picture = files.pictures / f"{name}_curves.png"
+    draw_curves(games, picture)
+    link = Path(os.path.relpath(picture, files.page.parent)).as_posix()
+    commits = ", ".join(unique([row.commit for game in games for row in game.rows if row.commit]))
+    arms = unique([arm for game in games for arm in game.arms])
+    return "\n\n".join(
+        [
+            f"## {HEADINGS[name]}",
+            f"```sh\nregista study {name}\n```",
+            as_markdown(over_games(games, arms)),
+            f"{NOTE.format(first=plots.title(games[0].first))} Simulator of {commits or 'no commit'}.",
+            f"![Learning curves]({link})",
+            *(f"### {build.short_name(game.name)}\n\n{as_markdown(by_scene(game))}" for game in games),
+        ]
+    )
+
+
+HEADINGS = {"curricula": "All methods, game by game", "remedies": "PAIRED's remedies, one at a time"}
+
+
+def over_games(games: Sequence[Game], arms: Sequence[str]) -> list[list[str]]:
+    """Return arms x games: goals on held-out levels, and how far above the first arm that is."""
+    table = [["", *(f"{build.short_name(game.name)}, {count(game.steps)} steps" for game in games)]]
+    for arm in arms:
+        cells = []
+        for game in games:
+            mine = arm in game.arms
+            value = percent(estimate.mean_score(game.scores(arm))) if mine else ""
+            gain = f"; {in_points(game.gain(arm))}" if mine and arm != game.first else ""
+            cells.append(value + gain)
+        table.append([plots.title(arm), *cells])
+    return table
+
+
+def by_scene(game: Game) -> list[list[str]]:
+    """Return arms x scenes, and what is said of all of them."""
+    shown = [scene.removeprefix("held out, ") for scene in game.scenes]
+    table = [["", "runs", *shown, f"held out − {game.first}", "P", "at equal time", "s"]]
+    for arm in game.arms:
+        cells = [percent(estimate.goal_rate(game.results(arm, [scene]))) for scene in game.scenes]
+        compared = ["", "", ""]
+        if arm != game.first:
+            chance = estimate.chance_of_better(game.scores(arm), game.scores(game.first))
+            compared = [in_points(game.gain(arm)), spell(chance, "{:.2f}"), spell(game.gain_in_time(arm), "{:+.2f}")]
+        runs = len({row.seed for row in game.rows if row.agent == arm})
+        table.append([plots.title(arm), str(runs), *cells, *compared, f"{game.seconds(arm):.0f}"])
+    return table
+
+
+def percent(interval: Interval) -> str:
+    """Return a share with its interval, in %."""
+    return spell(Interval(*(100 * value for value in interval)), "{:.0f}")
+
+
+def in_points(interval: Interval) -> str:
+    """Return a difference of shares in points of %, bold where its interval excludes 0."""
+    text = spell(Interval(*(100 * value for value in interval)), "{:+.0f}")
+    return f"**{text}**" if interval.low > 0 or interval.high < 0 else text
+
+
+def spell(interval: Interval, form: str) -> str:
+    """Return an estimate with its interval, if it has one."""
+    middle, low, high = (form.format(value) for value in interval)
+    return middle if np.isnan(interval.low) else f"{middle} [{low}, {high}]"
+
+
+def draw_curves(games: Sequence[Game], path: Path) -> None:
+    """Draw the mean return over a game's scenes as runs learn, a panel for each game."""
+    import matplotlib.pyplot as plt
+
+    arms = unique([arm for game in games for arm in game.arms])
+    columns = min(COLUMNS, len(games))
+    rows = -(-len(games) // columns)
+    legend = 0.2 + 0.2 * -(-len(arms) // plots.LEGEND_COLUMNS)  # inches
+    with plots.style():
+        figure, grid = plt.subplots(
+            rows, columns, figsize=(max(PANEL[0] * columns, 7.0), PANEL[1] * rows + legend), squeeze=False
+        )
+        for axes, game in zip(grid.flat, games, strict=False):
+            for arm in game.arms:
+                draw_mean(axes, game.curves(arm), arm, colour(arm, arms))
+            axes.set_title(f"{build.short_name(game.name)}: return on all scenes")
+            plots.label_steps(axes)
+        for axes in grid.flat[len(games) :]:
+            axes.set_visible(False)
+        drawn = (axes.get_legend_handles_labels() for axes in grid.flat)
+        handles = {label: line for lines, labels in drawn for line, label in zip(lines, labels, strict=True)}
+        figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=min(plots.LEGEND_COLUMNS, len(arms)))
+        figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
+        plots.save(figure, path)
+
+
+def draw_mean(axes: Axes, curves: Sequence[np.ndarray], arm: str, shade: str) -> None:
+    """Draw the mean of the runs' curves `[2, P]`, and its standard error as a band."""
+    steps = curves[0][0]
+    values = np.stack([np.interp(steps, *curve) for curve in curves])  # [R, P]
+    middle, error = values.mean(0), values.std(0) / max(1, len(values) - 1) ** 0.5
+    axes.fill_between(steps, middle - error, middle + error, color=shade, alpha=0.12, linewidth=0)
+    axes.plot(steps, middle, color=shade, linewidth=1.6, label=plots.title(arm))
+
+
+def colour(arm: str, arms: Sequence[str]) -> str:
+    """Return the colour of an arm: that of its method, or the next of others."""
+    named = [name for name in arms if plots.colour(name) == plots.OTHER_COLOUR]
+    return OTHERS[named.index(arm) % len(OTHERS)] if arm in named else plots.colour(arm)

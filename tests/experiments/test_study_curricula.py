@@ -1,0 +1,119 @@
+"""`regista study curricula` and `remedies`: what is trained with which settings, held-out thirds, and the page."""
+
+import numpy as np
+import pytest
+
+from experiments.__main__ import main
+from experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
+from experiments.commands.train import train
+from experiments.run import workers
+from experiments.run.errors import UsageError
+from experiments.run.folder import RunFolder
+from experiments.run.results import advantage
+from experiments.studies import curricula_page, rows
+from experiments.studies.curricula import COMPARISONS
+from experiments.studies.curricula_page import Files, Game
+from experiments.studies.measuring import THIRDS, thirds
+from ued.evaluation import Evaluation
+from ued.statistics import Interval
+
+SHORT = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "4", "--levels", "12"]
+
+
+@pytest.fixture
+def here(monkeypatch, tmp_path):
+    """Return what is typed; runs train in this process, and what they are called is remembered."""
+    begun = []
+
+    def train_all(runs, most, stop, launcher):
+        for run in runs:
+            begun.append(run.path.name)
+            train(RunFolder.open(run.path), stop)
+
+    monkeypatch.setattr(workers, "train_all", train_all)
+    words = ["study", "curricula", "--games", "1v1Restricted", "--arms", "dr", "plr", "--seeds", "1", *SHORT]
+    return [*words, "--out", str(tmp_path)], begun
+
+
+@pytest.mark.slow
+@pytest.mark.drawn
+def test_arms_are_trained_and_played_on_held_out_levels_and_kept_in_small_tables(here, tmp_path):
+    words, begun = here
+    assert main(words) == 0
+    assert begun == ["1v1Restricted-dr-features-0", "1v1Restricted-plr-features-0"]
+    plr = RunFolder.open(tmp_path / "curricula" / begun[1]).config
+    assert (plr.method, plr.plr.score, plr.plr.episodes_per_level) == ("plr", "learnability", 4)
+    assert (plr.num_envs, plr.eval_every, plr.env.rewards) == (4, 6, "scoring")
+    measured = rows.load(tmp_path / "results" / "curricula.csv")
+    assert {row.scene for row in measured} >= {"train", "easy", "medium", "hard", *THIRDS}
+    assert sum(row.episodes for row in measured if row.agent == "dr" and row.scene in THIRDS) == 12 * 4
+    curve = rows.load(tmp_path / "results" / "curricula_curves.csv", rows.Point)
+    assert [point.env_steps for point in curve if point.agent == "dr"] == [32, 64]
+    page = (tmp_path / "RESULTS.md").read_text()
+    assert "| domain randomisation | 1 |" in page and "1v1Restricted, 64 steps" in page
+    assert (tmp_path / "pictures" / "curricula_curves.png").is_file()
+    for path in (tmp_path / "curricula").rglob("*.pt"):
+        path.unlink()  # another machine: the tables alone are there
+    words[words.index("--seeds") + 1] = "2"
+    assert main(words) == 0
+    assert begun[2:] == ["1v1Restricted-dr-features-1", "1v1Restricted-plr-features-1"]
+    assert set(measured) < set(rows.load(tmp_path / "results" / "curricula.csv"))
+
+
+def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
+    first = {name: next(CurriculaStudy(name, CurriculaStudyConfig(), {}).planned()).seed for name in COMPARISONS}
+    assert first == {"curricula": 0, "remedies": 1000}
+    for config, typed in (
+        (CurriculaStudyConfig(publish=True, first_seed=7), {}),
+        (CurriculaStudyConfig(publish=True), {"ppo.gamma": 0.9}),
+    ):
+        with pytest.raises(UsageError, match=r"--(first-seed|gamma).*leave out --publish"):
+            CurriculaStudy("curricula", config, typed).run()
+    with pytest.raises(UsageError, match=r"no arm 'pared'.*did you mean 'paired'"):
+        list(CurriculaStudy("curricula", CurriculaStudyConfig(arms=("dr", "pared")), {}).planned())
+
+
+def test_every_arm_is_a_run_that_can_be_begun(tmp_path):
+    for name in COMPARISONS:
+        study = CurriculaStudy(name, CurriculaStudyConfig(out=tmp_path, seeds=1), {})
+        for plan in study.planned():
+            config = study.open(plan).config
+            assert config.seed == plan.seed and config.eval_every * 10 == config.total_env_steps
+
+
+def test_held_out_levels_are_told_by_thirds_of_their_first_parameter():
+    levels = np.zeros(4, [("theta", np.float64, (2,))])
+    levels["theta"][:, 0] = [-1.0, -0.2, 0.4, 1.0]
+    level = np.array([0, 1, 2, 3, 3])
+    success = np.array([1, 0, 0, 1, 1])
+    parts = thirds(Evaluation(success * 1.0, success, np.full(5, 9), level, levels, 45))
+    assert [parts[name].success.tolist() for name in THIRDS] == [[1], [0], [0, 1, 1]]
+
+
+def test_gains_are_over_whole_runs_of_the_same_scenes():
+    def row(agent, seed, scene, scored):
+        return rows.Row("g", agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 10.0 + seed, "")
+
+    measured = [
+        row(agent, seed, scene, scored)
+        for agent, base in (("dr", 20), ("plr", 60))
+        for seed in range(4)
+        for scene, scored in ((THIRDS[0], base + seed), (THIRDS[2], base + 10 + seed), ("train", 99))
+    ]
+    curve = [rows.Point("g", a, s, 9 * k, k * (2.0 if a == "dr" else 4.0), k * 0.1) for a in ("dr", "plr")
+             for s in range(4) for k in range(4)]  # fmt: skip
+    game = Game("g", ["dr", "plr"], measured, curve)
+    gain = game.gain("plr")
+    assert gain.estimate == pytest.approx(0.4) and 0.3 < gain.low < gain.high < 0.5
+    one, other = (game.results(arm, THIRDS[:1]) for arm in ("plr", "dr"))
+    assert advantage(one, other).estimate == pytest.approx(0.4)
+    assert game.gain_in_time("plr").estimate == pytest.approx(0.2875 - 0.3)  # at 11.5 s the slower one has not ended
+    assert curricula_page.in_points(gain).startswith("**+40 [")
+    assert curricula_page.in_points(Interval(0.1, -0.1, 0.3)) == "+10 [-10, +30]"
+
+
+def test_a_page_keeps_what_else_stands_on_it(tmp_path):
+    files = Files.of(tmp_path, publish=False)
+    files.page.write_text("# Results\n\nWhat was asked.\n")
+    curricula_page.write_page(files)
+    assert files.page.read_text() == "# Results\n\nWhat was asked.\n"
