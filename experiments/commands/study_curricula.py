@@ -35,7 +35,6 @@ TESTS = 10  # of a student during its training
 class CurriculaStudyConfig(StudyConfig):
     """What is typed after `regista study curricula` or `remedies`."""
 
-    games: tuple[str, ...] = setting((), "minigames or mixtures instead of the study's own")
     arms: tuple[str, ...] = setting((), "some of the study's arms; the first is what others are compared with")
     seeds: int = setting(10, "runs of each arm on each game", ">=1")
     first_seed: int | None = setting(None, "seed of the first run; those of final tables are below 1000")

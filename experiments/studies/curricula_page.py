@@ -31,9 +31,10 @@ HERE = Path(__file__).parent.parent
 COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
 OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of arms
 NOTE = (
-    "Goals in % of episodes on held-out levels, the mean of their thirds; 95 % intervals over whole runs and their "
-    "episodes. P: that a run is above one of {first}. At equal time: the difference of the mean return over the game's "
-    "scenes once the quickest has ended."
+    "Goals in % of episodes on held-out levels, the mean of their thirds, and how far above {first} that is; bold "
+    "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
+    "{first}; at equal time: the mean return over the game's scenes once the quickest method has ended, less that of "
+    "{first}."
 )
 
 
@@ -182,18 +183,21 @@ def over_games(games: Sequence[Game], arms: Sequence[str]) -> list[list[str]]:
 
 
 def by_scene(game: Game) -> list[list[str]]:
-    """Return arms x scenes, and what is said of all of them."""
-    shown = [scene.removeprefix("held out, ") for scene in game.scenes]
-    table = [["", "runs", *shown, f"held out − {game.first}", "P", "at equal time", "s"]]
-    for arm in game.arms:
-        cells = [percent(estimate.goal_rate(game.results(arm, [scene]))) for scene in game.scenes]
-        compared = ["", "", ""]
-        if arm != game.first:
-            chance = estimate.chance_of_better(game.scores(arm), game.scores(game.first))
-            compared = [in_points(game.gain(arm)), spell(chance, "{:.2f}"), spell(game.gain_in_time(arm), "{:+.2f}")]
-        runs = len({row.seed for row in game.rows if row.agent == arm})
-        table.append([plots.title(arm), str(runs), *cells, *compared, f"{game.seconds(arm):.0f}"])
-    return table
+    """Return scenes x arms, and below what is said of all held-out levels."""
+    table = [["", *map(plots.title, game.arms)]]
+    for scene in game.scenes:
+        cells = [percent(estimate.goal_rate(game.results(arm, [scene]))) for arm in game.arms]
+        table.append([scene, *cells])
+    others = game.arms[1:]
+    chances = [estimate.chance_of_better(game.scores(arm), game.scores(game.first)) for arm in others]
+    runs = [len({row.seed for row in game.rows if row.agent == arm}) for arm in game.arms]
+    return [
+        *table,
+        [f"held out − {game.first}", "", *(in_points(game.gain(arm)) for arm in others)],
+        [f"P(better than {game.first})", "", *(spell(chance, "{:.2f}") for chance in chances)],
+        ["return at equal time −", "", *(spell(game.gain_in_time(arm), "{:+.2f}") for arm in others)],
+        ["runs × seconds", *(f"{many} × {game.seconds(arm):.0f}" for many, arm in zip(runs, game.arms, strict=True))],
+    ]
 
 
 def percent(interval: Interval) -> str:

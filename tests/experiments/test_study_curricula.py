@@ -50,7 +50,7 @@ def test_arms_are_trained_and_played_on_held_out_levels_and_kept_in_small_tables
     curve = rows.load(tmp_path / "results" / "curricula_curves.csv", rows.Point)
     assert [point.env_steps for point in curve if point.agent == "dr"] == [32, 64]
     page = (tmp_path / "RESULTS.md").read_text()
-    assert "| domain randomisation | 1 |" in page and "1v1Restricted, 64 steps" in page
+    assert "|  | domain randomisation | PLR |" in page and "1v1Restricted, 64 steps" in page
     assert (tmp_path / "pictures" / "curricula_curves.png").is_file()
     for path in (tmp_path / "curricula").rglob("*.pt"):
         path.unlink()  # another machine: the tables alone are there
