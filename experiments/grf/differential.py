@@ -148,20 +148,20 @@ def energies(pairs: Sequence[Pair]) -> dict[str, tuple[float, float]]:
 
     Both are nan where too few scenes go on for as long.
     """
-    found = {}
+    distances = {}
     for what in ("ball", "players"):
         for step in LOOKED_AT:
             known = [value for value in (pair.energy(step, what) for pair in pairs) if np.isfinite(value)]
             error = np.std(known, ddof=1) / np.sqrt(len(known)) if len(known) > 1 else np.nan
-            found[f"{what}_{step}"] = (float(np.mean(known)) if known else np.nan, float(error))
-    return found
+            distances[f"{what}_{step}"] = (float(np.mean(known)) if known else np.nan, float(error))
+    return distances
 
 
 def energy_table(pairs: Sequence[Pair]) -> list[list[str]]:
     """Return the energy distances as a table."""
-    found = energies(pairs)
+    distances = energies(pairs)
     head = ["energy distance in m, mean over scenes", *(f"step {step}" for step in LOOKED_AT)]
-    spelled = {name: f"{mean:.2f} ± {error:.2f}" for name, (mean, error) in found.items()}
+    spelled = {name: f"{mean:.2f} ± {error:.2f}" for name, (mean, error) in distances.items()}
     return [head, *([what, *(spelled[f"{what}_{step}"] for step in LOOKED_AT)] for what in ("ball", "players"))]
 
 

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 HERE = Path(__file__).parent.parent
 COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
 OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of arms
+HEADINGS = {"curricula": "All methods, game by game", "remedies": "PAIRED's remedies, one at a time"}
 NOTE = (
     "Goals in % of episodes on held-out levels, the mean of their thirds, and how far above {first} that is; bold "
     "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
@@ -134,7 +135,7 @@ def write_page(files: Files) -> None:
 
 
 def read_games(files: Files, name: str) -> list[Game]:
-    """Return what was measured, by game in the order of the study; only arms of which as many runs are there."""
+    """Return what was measured, by game in the order of the study, with the arms of which there are runs."""
     rows, points = load(files.rows(name)), load(files.curves(name), Point)
     order = [*COMPARISONS[name].games, *unique([row.game for row in rows])]
     games = []
@@ -165,9 +166,6 @@ def section(name: str, games: Sequence[Game], files: Files) -> str:
     )
 
 
-HEADINGS = {"curricula": "All methods, game by game", "remedies": "PAIRED's remedies, one at a time"}
-
-
 def over_games(games: Sequence[Game], arms: Sequence[str]) -> list[list[str]]:
     """Return arms x games: goals on held-out levels, and how far above the first arm that is."""
     table = [["", *(f"{build.short_name(game.name)}, {count(game.steps)} steps" for game in games)]]
@@ -195,7 +193,7 @@ def by_scene(game: Game) -> list[list[str]]:
         *table,
         [f"held out − {game.first}", "", *(in_points(game.gain(arm)) for arm in others)],
         [f"P(better than {game.first})", "", *(spell(chance, "{:.2f}") for chance in chances)],
-        ["return at equal time −", "", *(spell(game.gain_in_time(arm), "{:+.2f}") for arm in others)],
+        [f"return at equal time − {game.first}", "", *(spell(game.gain_in_time(arm), "{:+.2f}") for arm in others)],
         ["runs × seconds", *(f"{many} × {game.seconds(arm):.0f}" for many, arm in zip(runs, game.arms, strict=True))],
     ]
 
