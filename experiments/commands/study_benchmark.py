@@ -21,10 +21,9 @@ from experiments.run.signals import StopRequest
 from experiments.run.workers import train_unfinished
 from experiments.studies import measuring
 from experiments.studies.rows import Row
-from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, StudyConfig, StudyRuns, training
+from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
 from ued.config import FineTuningConfig, setting
 
-HERE = Path(__file__).parent.parent
 TEAMS = ("multi", "teams")  # studies of teams alone
 AGENTS = {  # of a study that trains several on each game, as in the tables
     "teams": ("ppo", "shared_ppo", "shared_mappo"),
@@ -45,14 +44,6 @@ class BenchmarkStudyConfig(StudyConfig):
     demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
     train: TrainConfig = group(training, "each run", without=CHOSEN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
-
-
-class Places(NamedTuple):
-    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
-
-    results: Path
-    page: Path
-    pictures: Path
 
 
 class PlannedRun(NamedTuple):
@@ -224,9 +215,7 @@ def run_benchmark(name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]
 
 def places_of(config: BenchmarkStudyConfig) -> Places:
     """Return where a study writes: beneath its folder, or in the repository if it is told to."""
-    if config.publish:
-        return Places(HERE / "studies" / "results", HERE.parent / "BENCHMARK.md", HERE / "gallery")
-    return Places(config.out / "results", config.out / "BENCHMARK.md", config.out / "pictures")
+    return Places.of(None if config.publish else config.out, "BENCHMARK.md")
 
 
 def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:

@@ -1,7 +1,7 @@
-"""The studies of curricula: methods over games, and PAIRED's remedies, trained, played on held-out levels, tabulated.
+"""The studies of curricula: methods over games, and ablations of PAIRED, trained, played on held-out levels, tabulated.
 
     regista study curricula --hours 3                # after three hours call it again
-    regista study remedies --seeds 5
+    regista study ablations --seeds 5
 
 Read next: `studies.curricula`, what is compared; `studies.measuring`, which plays; `studies.curricula_page`.
 """
@@ -21,11 +21,11 @@ from experiments.run.errors import UsageError, nearest
 from experiments.run.folder import RunFolder
 from experiments.run.workers import train_unfinished
 from experiments.studies import curricula_page
-from experiments.studies.curricula import COMPARISONS, Arm, Settings
-from experiments.studies.curricula_page import Files
-from experiments.studies.measuring import measure_arm
+from experiments.studies.curricula import COMPARISONS, Settings, Variant
+from experiments.studies.curricula_page import curves_file, rows_file
+from experiments.studies.measuring import measure_variant
 from experiments.studies.rows import Point, add, load
-from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, StudyConfig, StudyRuns, training
+from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
 from ued.config import setting
 
 TESTS = 10  # of a student during its training
@@ -33,10 +33,10 @@ TESTS = 10  # of a student during its training
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """What is typed after `regista study curricula` or `remedies`."""
+    """What is typed after `regista study curricula` or `ablations`."""
 
-    arms: tuple[str, ...] = setting((), "some of the study's arms; the first is what others are compared with")
-    seeds: int = setting(10, "runs of each arm on each game", ">=1")
+    variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
+    seeds: int = setting(10, "runs of each variant on each game", ">=1")
     first_seed: int | None = setting(None, "seed of the first run; those of final tables are below 1000")
     out: Path = setting(Path("runs/curricula"), "folder of the runs, the tables, the page and its pictures")
     publish: bool = setting(False, "keep tables, page and pictures in the repository: RESULTS.md")
@@ -45,8 +45,8 @@ class CurriculaStudyConfig(StudyConfig):
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
 
 
-class PlannedArm(NamedTuple):
-    """A run that is to be measured: a game, an arm by its name, a seed, and the settings that come of them."""
+class PlannedVariant(NamedTuple):
+    """A run that is to be measured: a game, a variant by its name, a seed, and the settings that come of them."""
 
     game: str
     agent: str
@@ -58,7 +58,7 @@ class CurriculaStudy:
     """One of the studies.
 
     Args:
-        name: curricula or remedies.
+        name: curricula or ablations.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """
@@ -67,12 +67,12 @@ class CurriculaStudy:
         self.name, self.config, self.typed = name, config, typed
         self.comparison = COMPARISONS[name]
         self.runs = StudyRuns(config.out / name, config.train, {})
-        self.files = Files.of(config.out, config.publish)
+        self.places = Places.of(None if config.publish else config.out, "RESULTS.md")
 
     def run(self) -> int:
         """Train, play and write, one seed of a game after the other; return the exit code."""
         self.check_published()
-        table, curves = self.files.rows(self.name), self.files.curves(self.name)
+        table, curves = rows_file(self.places, self.name), curves_file(self.places, self.name)
         table.parent.mkdir(parents=True, exist_ok=True)
         planned, how = list(self.planned()), self.config.launch
         done = {(row.game, row.agent, row.seed): row.env_steps for row in load(table)}
@@ -80,39 +80,39 @@ class CurriculaStudy:
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
         with Deadline(self.config.hours) as stop:
             for _, plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
-                arms = {plan.agent: self.open(plan) for plan in plans}
-                if not train_unfinished([*arms.values()], how, stop):
+                variants = {plan.agent: self.open(plan) for plan in plans}
+                if not train_unfinished([*variants.values()], how, stop):
                     break
-                for agent, run in arms.items():
-                    rows, points = measure_arm(run, agent, self.config.episodes, self.config.levels)
+                for agent, run in variants.items():
+                    rows, points = measure_variant(run, agent, self.config.episodes, self.config.levels)
                     add(curves, points, Point)
                     add(table, rows)
-                curricula_page.write_page(self.files)
-        curricula_page.write_page(self.files)
-        print(f"{self.files.page}{', continue with the same command' if stop else ''}", file=how.messages)
+                curricula_page.write_page(self.places)
+        curricula_page.write_page(self.places)
+        print(f"{self.places.page}{', continue with the same command' if stop else ''}", file=how.messages)
         return stop.exit_code
 
-    def planned(self) -> Iterator[PlannedArm]:
+    def planned(self) -> Iterator[PlannedVariant]:
         """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
         games = [build.canonical_name(game) for game in self.config.games or self.comparison.games]
-        arms = {name: self.arm(name) for name in self.config.arms or self.comparison.arms}
+        variants = {name: self.variant(name) for name in self.config.variants or self.comparison.variants}
         first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
         budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own
         for seed in range(first, first + self.config.seeds):
             for game in games:
-                for name, arm in arms.items():
-                    chosen: Settings = budget | self.comparison.games.get(game, {}) | arm.settings | self.typed
-                    about = {"method": arm.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
-                    yield PlannedArm(game, name, seed, chosen | about)
+                for name, variant in variants.items():
+                    chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings | self.typed
+                    about = {"method": variant.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
+                    yield PlannedVariant(game, name, seed, chosen | about)
 
-    def arm(self, name: str) -> Arm:
-        """Return the arm of this name. Raises `UsageError` where the study has none."""
-        arms = self.comparison.arms
-        if name not in arms:
-            raise UsageError(f"no arm {name!r}{nearest(name, arms)}; {self.name} has {', '.join(arms)}")
-        return arms[name]
+    def variant(self, name: str) -> Variant:
+        """Return the variant of this name. Raises `UsageError` where the study has none."""
+        variants = self.comparison.variants
+        if name not in variants:
+            raise UsageError(f"no variant {name!r}{nearest(name, variants)}; {self.name} has {', '.join(variants)}")
+        return variants[name]
 
-    def open(self, plan: PlannedArm) -> RunFolder:
+    def open(self, plan: PlannedVariant) -> RunFolder:
         """Create the folder of a run or open it, if it was made with the same settings."""
         return self.runs.open(plan.game, plan.seed, plan.settings, f"{plan.agent.replace(' ', '_')}-")
 

@@ -1,6 +1,6 @@
-"""What the study of curricula compares: games with their budgets, methods with their settings, and PAIRED's remedies.
+"""What the study of curricula compares: games with their budgets, methods with their settings, and ablations of PAIRED.
 
-An arm is a method with settings of its own; the first arm of a comparison is what the others are measured against.
+A variant is a method with settings of its own; the first of a comparison is what the others are measured against.
 What was searched for each is told in RESULTS.md. Read next: `commands.study_curricula`, which trains and plays;
 `studies.curricula_page`, what is made of it.
 """
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 Settings = dict[str, Any]  # of a run, by dotted path
 
 
-class Arm(NamedTuple):
+class Variant(NamedTuple):
     """A method, and in which settings it differs from its defaults."""
 
     method: str
@@ -20,12 +20,12 @@ class Arm(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Arms by the name that tables call them, games with settings of each, and the seed of the first run.
+    """Variants by the name that tables call them, games with settings of each, and the seed of the first run.
 
     Seeds below 1000 are of final tables: no run by which anything is chosen has one of them.
     """
 
-    arms: dict[str, Arm]
+    variants: dict[str, Variant]
     games: dict[str, Settings]
     first_seed: int
 
@@ -48,31 +48,31 @@ def replay(group: str) -> Settings:
 
 
 METHODS = {
-    "dr": Arm("dr"),
-    "paired_literal": Arm("paired_literal"),
-    "paired": Arm("paired"),
-    "self_regret": Arm("self_regret"),
-    "plr": Arm("plr", replay("plr")),
-    "robust_plr": Arm("robust_plr", replay("plr")),
-    "accel": Arm("accel", replay("accel")),
-    "sfl": Arm("sfl"),
+    "dr": Variant("dr"),
+    "paired_literal": Variant("paired_literal"),
+    "paired": Variant("paired"),
+    "self_regret": Variant("self_regret"),
+    "plr": Variant("plr", replay("plr")),
+    "robust_plr": Variant("robust_plr", replay("plr")),
+    "accel": Variant("accel", replay("accel")),
+    "sfl": Variant("sfl"),
 }
-REMEDIES = {  # one cause at a time
-    "dr": Arm("dr"),
-    "paired": Arm("paired"),
-    "self_regret": Arm("self_regret", {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
-    "eight episodes": Arm("paired", {"paired.episodes_per_level": 8}),  # less luck in regret
-    "mean regret": Arm("paired", {"paired.regret": "mean_mean"}),  # likewise
-    "no random levels": Arm("paired", {"paired.dr_fraction": 0.0}),
-    "half random levels": Arm("paired", {"paired.dr_fraction": 0.5}),  # against forgetting
-    "repaired": Arm("repaired"),  # likewise
-    "more entropy": Arm("paired", {"paired.adversary.ent_coef": 0.1}),  # against collapse
-    "fixed roles": Arm("paired", {"paired.roles": "fixed"}),
-    "long context": Arm("paired", {"paired.adversary.context_size": 16}),
-    "literal": Arm("paired_literal"),
+ABLATIONS = {  # one cause at a time
+    "dr": Variant("dr"),
+    "paired": Variant("paired"),
+    "self_regret": Variant("self_regret", {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
+    "eight episodes": Variant("paired", {"paired.episodes_per_level": 8}),  # less luck in regret
+    "mean regret": Variant("paired", {"paired.regret": "mean_mean"}),  # likewise
+    "no random levels": Variant("paired", {"paired.dr_fraction": 0.0}),
+    "half random levels": Variant("paired", {"paired.dr_fraction": 0.5}),  # against forgetting
+    "repaired": Variant("repaired"),  # likewise
+    "more entropy": Variant("paired", {"paired.adversary.ent_coef": 0.1}),  # against collapse
+    "fixed roles": Variant("paired", {"paired.roles": "fixed"}),
+    "long context": Variant("paired", {"paired.adversary.context_size": 16}),
+    "literal": Variant("paired_literal"),
 }
 
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=0),
-    "remedies": Comparison(REMEDIES, {name: GAMES[name] for name in ("1v1Free",)}, first_seed=1000),
+    "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Free",)}, first_seed=1000),
 }

@@ -22,15 +22,15 @@ from experiments.run.results import Result, Scores, unique
 from experiments.studies.curricula import COMPARISONS
 from experiments.studies.measuring import THIRDS
 from experiments.studies.rows import TRAIN, Point, Row, load
+from experiments.studies.runs import Places
 from ued.statistics import Interval, bootstrap
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-HERE = Path(__file__).parent.parent
 COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
-OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of arms
-HEADINGS = {"curricula": "All methods, game by game", "remedies": "PAIRED's remedies, one at a time"}
+OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of variants
+HEADINGS = {"curricula": "All methods, game by game", "ablations": "Ablations of PAIRED, one change at a time"}
 NOTE = (
     "Goals in % of episodes on held-out levels, the mean of their thirds, and how far above {first} that is; bold "
     "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
@@ -39,40 +39,27 @@ NOTE = (
 )
 
 
-class Files(NamedTuple):
-    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
+def rows_file(places: Places, name: str) -> Path:
+    """Return the file of what students scored in a study."""
+    return places.results / f"{name}.csv"
 
-    results: Path
-    page: Path
-    pictures: Path
 
-    @classmethod
-    def of(cls, out: Path, publish: bool) -> Files:
-        """Return those beneath a folder, or the repository's own."""
-        if publish:
-            return cls(HERE / "studies" / "results", HERE.parent / "RESULTS.md", HERE / "gallery")
-        return cls(out / "results", out / "RESULTS.md", out / "pictures")
-
-    def rows(self, name: str) -> Path:
-        """Return the file of what students scored."""
-        return self.results / f"{name}.csv"
-
-    def curves(self, name: str) -> Path:
-        """Return the file of learning curves."""
-        return self.results / f"{name}_curves.csv"
+def curves_file(places: Places, name: str) -> Path:
+    """Return the file of their learning curves."""
+    return places.results / f"{name}_curves.csv"
 
 
 class Game(NamedTuple):
-    """All that was measured on one game. `arms` are in the order of the study, the first is compared with."""
+    """All that was measured on one game. `variants` are in the order of the study, the first is compared with."""
 
     name: str
-    arms: Sequence[str]
+    variants: Sequence[str]
     rows: Sequence[Row]
     points: Sequence[Point]
 
     @property
     def first(self) -> str:
-        return self.arms[0]
+        return self.variants[0]
 
     @property
     def steps(self) -> int:
@@ -86,35 +73,35 @@ class Game(NamedTuple):
         tests = [name for name in names if name not in THIRDS and name != TRAIN]
         return [*(name for name in THIRDS if name in names), TRAIN, *tests]
 
-    def results(self, arm: str, scenes: Sequence[str]) -> list[Result]:
-        """Return what an arm's runs reached on these scenes."""
-        return [row.result() for row in self.rows if row.agent == arm and row.scene in scenes]
+    def results(self, variant: str, scenes: Sequence[str]) -> list[Result]:
+        """Return what a variant's runs reached on these scenes."""
+        return [row.result() for row in self.rows if row.agent == variant and row.scene in scenes]
 
-    def scores(self, arm: str) -> Scores:
-        """Return what an arm's runs reached on the held-out thirds."""
-        return estimate.scores(self.results(arm, THIRDS), arm)
+    def scores(self, variant: str) -> Scores:
+        """Return what a variant's runs reached on the held-out thirds."""
+        return estimate.scores(self.results(variant, THIRDS), variant)
 
-    def gain(self, arm: str) -> Interval:
-        """Estimate by how much an arm is above the first on held-out levels."""
-        return estimate.score_advantage(self.scores(arm), self.scores(self.first))
+    def gain(self, variant: str) -> Interval:
+        """Estimate by how much a variant is above the first on held-out levels."""
+        return estimate.score_advantage(self.scores(variant), self.scores(self.first))
 
-    def seconds(self, arm: str) -> float:
-        """Return the mean time that a run of an arm took."""
-        return float(np.mean([row.seconds for row in self.rows if row.agent == arm and row.scene == TRAIN]))
+    def seconds(self, variant: str) -> float:
+        """Return the mean time that a run of a variant took."""
+        return float(np.mean([row.seconds for row in self.rows if row.agent == variant and row.scene == TRAIN]))
 
-    def curves(self, arm: str, at: str = "env_steps") -> list[np.ndarray]:
+    def curves(self, variant: str, at: str = "env_steps") -> list[np.ndarray]:
         """Return each run's curve `[2, P]`: steps, or seconds, and mean returns."""
-        mine = [point for point in self.points if point.agent == arm]
+        mine = [point for point in self.points if point.agent == variant]
         seeds = dict.fromkeys(point.seed for point in mine)
         by_seed = [[point for point in mine if point.seed == seed] for seed in seeds]
         return [np.array([[getattr(p, at) for p in points], [p.mean_return for p in points]]) for points in by_seed]
 
-    def gain_in_time(self, arm: str) -> Interval:
-        """Estimate by how much an arm's mean return is above the first's once the quickest of all arms has ended."""
-        end = min(map(self.seconds, self.arms))
+    def gain_in_time(self, variant: str) -> Interval:
+        """Estimate by how much a variant's mean return is above the first's once the quickest of all has ended."""
+        end = min(map(self.seconds, self.variants))
         one, other = (
             bootstrap(np.array([np.interp(end, *curve) for curve in self.curves(name, "seconds")]), _rng())
-            for name in (arm, self.first)
+            for name in (variant, self.first)
         )
         return (one - other).interval()
 
@@ -123,42 +110,42 @@ def _rng() -> np.random.Generator:
     return np.random.default_rng(estimate.BOOTSTRAP_SEED)
 
 
-def write_page(files: Files) -> None:
+def write_page(places: Places) -> None:
     """Put what is measured of each study into the page. Raises `CommandError` if the disk refuses."""
-    files.pictures.mkdir(parents=True, exist_ok=True)
-    page = files.page.read_text() if files.page.exists() else "# Results\n"
+    places.pictures.mkdir(parents=True, exist_ok=True)
+    page = places.page.read_text() if places.page.exists() else "# Results\n"
     for name in COMPARISONS:
-        games = read_games(files, name)
+        games = read_games(places, name)
         if games:
-            page = put(page, name, section(name, games, files))
-    write_text(files.page, page)
+            page = put(page, name, section(name, games, places))
+    write_text(places.page, page)
 
 
-def read_games(files: Files, name: str) -> list[Game]:
-    """Return what was measured, by game in the order of the study, with the arms of which there are runs."""
-    rows, points = load(files.rows(name)), load(files.curves(name), Point)
+def read_games(places: Places, name: str) -> list[Game]:
+    """Return what was measured, by game in the order of the study, with the variants of which there are runs."""
+    rows, points = load(rows_file(places, name)), load(curves_file(places, name), Point)
     order = [*COMPARISONS[name].games, *unique([row.game for row in rows])]
     games = []
     for game in unique(order):
         mine = [row for row in rows if row.game == game]
-        arms = [arm for arm in COMPARISONS[name].arms if any(row.agent == arm for row in mine)]
-        if arms:
-            games.append(Game(game, arms, mine, [point for point in points if point.game == game]))
+        variants = [variant for variant in COMPARISONS[name].variants if any(row.agent == variant for row in mine)]
+        if variants:
+            games.append(Game(game, variants, mine, [point for point in points if point.game == game]))
     return games
 
 
-def section(name: str, games: Sequence[Game], files: Files) -> str:
+def section(name: str, games: Sequence[Game], places: Places) -> str:
     """Return what a study says: all games, their curves, then a table for each."""
-    picture = files.pictures / f"{name}_curves.png"
+    picture = places.pictures / f"{name}_curves.png"
     draw_curves(games, picture)
-    link = Path(os.path.relpath(picture, files.page.parent)).as_posix()
+    link = Path(os.path.relpath(picture, places.page.parent)).as_posix()
     commits = ", ".join(unique([row.commit for game in games for row in game.rows if row.commit]))
-    arms = unique([arm for game in games for arm in game.arms])
+    variants = unique([variant for game in games for variant in game.variants])
     return "\n\n".join(
         [
             f"## {HEADINGS[name]}",
             f"```sh\nregista study {name}\n```",
-            as_markdown(over_games(games, arms)),
+            as_markdown(over_games(games, variants)),
             f"{NOTE.format(first=plots.title(games[0].first))} Simulator of {commits or 'no commit'}.",
             f"![Learning curves]({link})",
             *(f"### {build.short_name(game.name)}\n\n{as_markdown(by_scene(game))}" for game in games),
@@ -166,35 +153,42 @@ def section(name: str, games: Sequence[Game], files: Files) -> str:
     )
 
 
-def over_games(games: Sequence[Game], arms: Sequence[str]) -> list[list[str]]:
-    """Return arms x games: goals on held-out levels, and how far above the first arm that is."""
+def over_games(games: Sequence[Game], variants: Sequence[str]) -> list[list[str]]:
+    """Return variants x games: goals on held-out levels, and how far above the first variant that is."""
     table = [["", *(f"{build.short_name(game.name)}, {count(game.steps)} steps" for game in games)]]
-    for arm in arms:
+    for variant in variants:
         cells = []
         for game in games:
-            mine = arm in game.arms
-            value = percent(estimate.mean_score(game.scores(arm))) if mine else ""
-            gain = f"; {in_points(game.gain(arm))}" if mine and arm != game.first else ""
+            mine = variant in game.variants
+            value = percent(estimate.mean_score(game.scores(variant))) if mine else ""
+            gain = f"; {in_points(game.gain(variant))}" if mine and variant != game.first else ""
             cells.append(value + gain)
-        table.append([plots.title(arm), *cells])
+        table.append([plots.title(variant), *cells])
     return table
 
 
 def by_scene(game: Game) -> list[list[str]]:
-    """Return scenes x arms, and below what is said of all held-out levels."""
-    table = [["", *map(plots.title, game.arms)]]
+    """Return scenes x variants, and below what is said of all held-out levels."""
+    table = [["", *map(plots.title, game.variants)]]
     for scene in game.scenes:
-        cells = [percent(estimate.goal_rate(game.results(arm, [scene]))) for arm in game.arms]
+        cells = [percent(estimate.goal_rate(game.results(variant, [scene]))) for variant in game.variants]
         table.append([scene, *cells])
-    others = game.arms[1:]
-    chances = [estimate.chance_of_better(game.scores(arm), game.scores(game.first)) for arm in others]
-    runs = [len({row.seed for row in game.rows if row.agent == arm}) for arm in game.arms]
+    others = game.variants[1:]
+    chances = [estimate.chance_of_better(game.scores(variant), game.scores(game.first)) for variant in others]
+    runs = [len({row.seed for row in game.rows if row.agent == variant}) for variant in game.variants]
     return [
         *table,
-        [f"held out − {game.first}", "", *(in_points(game.gain(arm)) for arm in others)],
+        [f"held out − {game.first}", "", *(in_points(game.gain(variant)) for variant in others)],
         [f"P(better than {game.first})", "", *(spell(chance, "{:.2f}") for chance in chances)],
-        [f"return at equal time − {game.first}", "", *(spell(game.gain_in_time(arm), "{:+.2f}") for arm in others)],
-        ["runs × seconds", *(f"{many} × {game.seconds(arm):.0f}" for many, arm in zip(runs, game.arms, strict=True))],
+        [
+            f"return at equal time − {game.first}",
+            "",
+            *(spell(game.gain_in_time(variant), "{:+.2f}") for variant in others),
+        ],
+        [
+            "runs × seconds",
+            *(f"{many} × {game.seconds(variant):.0f}" for many, variant in zip(runs, game.variants, strict=True)),
+        ],
     ]
 
 
@@ -219,38 +213,40 @@ def draw_curves(games: Sequence[Game], path: Path) -> None:
     """Draw the mean return over a game's scenes as runs learn, a panel for each game."""
     import matplotlib.pyplot as plt
 
-    arms = unique([arm for game in games for arm in game.arms])
+    variants = unique([variant for game in games for variant in game.variants])
     columns = min(COLUMNS, len(games))
     rows = -(-len(games) // columns)
-    legend = 0.2 + 0.2 * -(-len(arms) // plots.LEGEND_COLUMNS)  # inches
+    legend = 0.2 + 0.2 * -(-len(variants) // plots.LEGEND_COLUMNS)  # inches
     with plots.style():
         figure, grid = plt.subplots(
             rows, columns, figsize=(max(PANEL[0] * columns, 7.0), PANEL[1] * rows + legend), squeeze=False
         )
         for axes, game in zip(grid.flat, games, strict=False):
-            for arm in game.arms:
-                draw_mean(axes, game.curves(arm), arm, colour(arm, arms))
+            for variant in game.variants:
+                draw_mean(axes, game.curves(variant), variant, colour(variant, variants))
             axes.set_title(f"{build.short_name(game.name)}: return on all scenes")
             plots.label_steps(axes)
         for axes in grid.flat[len(games) :]:
             axes.set_visible(False)
         drawn = (axes.get_legend_handles_labels() for axes in grid.flat)
         handles = {label: line for lines, labels in drawn for line, label in zip(lines, labels, strict=True)}
-        figure.legend(handles.values(), handles.keys(), loc="upper left", ncols=min(plots.LEGEND_COLUMNS, len(arms)))
+        figure.legend(
+            handles.values(), handles.keys(), loc="upper left", ncols=min(plots.LEGEND_COLUMNS, len(variants))
+        )
         figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
         plots.save(figure, path)
 
 
-def draw_mean(axes: Axes, curves: Sequence[np.ndarray], arm: str, shade: str) -> None:
+def draw_mean(axes: Axes, curves: Sequence[np.ndarray], variant: str, shade: str) -> None:
     """Draw the mean of the runs' curves `[2, P]`, and its standard error as a band."""
     steps = curves[0][0]
     values = np.stack([np.interp(steps, *curve) for curve in curves])  # [R, P]
     middle, error = values.mean(0), values.std(0) / max(1, len(values) - 1) ** 0.5
     axes.fill_between(steps, middle - error, middle + error, color=shade, alpha=0.12, linewidth=0)
-    axes.plot(steps, middle, color=shade, linewidth=1.6, label=plots.title(arm))
+    axes.plot(steps, middle, color=shade, linewidth=1.6, label=plots.title(variant))
 
 
-def colour(arm: str, arms: Sequence[str]) -> str:
-    """Return the colour of an arm: that of its method, or the next of others."""
-    named = [name for name in arms if plots.colour(name) == plots.OTHER_COLOUR]
-    return OTHERS[named.index(arm) % len(OTHERS)] if arm in named else plots.colour(arm)
+def colour(variant: str, variants: Sequence[str]) -> str:
+    """Return the colour of a variant: that of its method, or the next of others."""
+    named = [name for name in variants if plots.colour(name) == plots.OTHER_COLOUR]
+    return OTHERS[named.index(variant) % len(OTHERS)] if variant in named else plots.colour(variant)

@@ -58,7 +58,7 @@ def team_kind(config: PPOConfig) -> str:
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 
-def measure_arm(run: RunFolder, agent: str, episodes: int, levels: int) -> tuple[list[Row], list[Point]]:
+def measure_variant(run: RunFolder, agent: str, episodes: int, levels: int) -> tuple[list[Row], list[Point]]:
     """Play a run on each scene of its game and on held-out levels; return rows, and its learning curve.
 
     Of the rows the scenes `held out ...` are thirds of `levels` levels that are drawn with a seed of their own.

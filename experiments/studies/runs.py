@@ -9,7 +9,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from envs.football.config import FootballConfig
 from experiments.run import arguments, build
@@ -24,6 +24,7 @@ STEPS = 1_000_000  # of a run, where a study knows of no better budget
 CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
 # Settings that may be typed where a study's own are to be kept
 BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
+HERE = Path(__file__).parent.parent
 LONGEST = 24 * 365.0  # hours, where nobody says how many
 
 
@@ -31,6 +32,21 @@ def training(rewards: str = "scoring") -> TrainConfig:
     """Return what runs of a study begin with: nothing but training."""
     env = FootballConfig(rewards=rewards)
     return TrainConfig(method="dr", total_env_steps=STEPS, eval_every=0, record=False, env=env)
+
+
+class Places(NamedTuple):
+    """Where a study leaves what it has measured: a folder of CSV files, what is drawn from them, and its pictures."""
+
+    results: Path
+    page: Path
+    pictures: Path
+
+    @classmethod
+    def of(cls, out: Path | None, page: str) -> Places:
+        """Return those beneath a folder, or the repository's own where there is none."""
+        if out is None:
+            return cls(HERE / "studies" / "results", HERE.parent / page, HERE / "gallery")
+        return cls(out / "results", out / page, out / "pictures")
 
 
 @dataclass(frozen=True)

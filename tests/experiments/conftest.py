@@ -49,6 +49,20 @@ def trained_here(monkeypatch):
     monkeypatch.setattr(workers, "train_all", train_all)
 
 
+@pytest.fixture
+def begun(monkeypatch):
+    """Let studies train in this process; return the names of the folders of the runs that were begun, as they are."""
+    names = []
+
+    def train_all(runs, most, stop, launcher):
+        for run in runs:
+            names.append(run.path.name)
+            train(RunFolder.open(run.path), stop)
+
+    monkeypatch.setattr(workers, "train_all", train_all)
+    return names
+
+
 @pytest.fixture(params=["ours twice", "stand-in", "real"])
 def engine(request, tmp_path):
     """Return flags of a second engine."""

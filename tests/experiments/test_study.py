@@ -80,16 +80,8 @@ TWO = ["offense/easy_crossing", "grf/run_to_score_with_keeper"]
 
 
 @pytest.fixture
-def single(monkeypatch, tmp_path):
-    """Return what is typed; runs train in this process, and what they are called is remembered."""
-    begun = []
-
-    def train_all(runs, most, stop, launcher):
-        for run in runs:
-            begun.append(run.path.name)
-            train(RunFolder.open(run.path), stop)
-
-    monkeypatch.setattr(workers, "train_all", train_all)
+def single(begun, tmp_path):
+    """Return what is typed, and the names of the runs that it has begun."""
     words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
     return ["study", "generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun

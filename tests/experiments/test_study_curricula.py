@@ -1,19 +1,18 @@
-"""`regista study curricula` and `remedies`: what is trained with which settings, held-out thirds, and the page."""
+"""`regista study curricula` and `ablations`: what is trained with which settings, held-out thirds, and the page."""
 
 import numpy as np
 import pytest
 
 from experiments.__main__ import main
 from experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
-from experiments.commands.train import train
-from experiments.run import workers
 from experiments.run.errors import UsageError
 from experiments.run.folder import RunFolder
 from experiments.run.results import advantage
 from experiments.studies import curricula_page, rows
 from experiments.studies.curricula import COMPARISONS
-from experiments.studies.curricula_page import Files, Game
+from experiments.studies.curricula_page import Game
 from experiments.studies.measuring import THIRDS, thirds
+from experiments.studies.runs import Places
 from ued.evaluation import Evaluation
 from ued.statistics import Interval
 
@@ -21,17 +20,9 @@ SHORT = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--ep
 
 
 @pytest.fixture
-def here(monkeypatch, tmp_path):
-    """Return what is typed; runs train in this process, and what they are called is remembered."""
-    begun = []
-
-    def train_all(runs, most, stop, launcher):
-        for run in runs:
-            begun.append(run.path.name)
-            train(RunFolder.open(run.path), stop)
-
-    monkeypatch.setattr(workers, "train_all", train_all)
-    words = ["study", "curricula", "--games", "1v1Restricted", "--arms", "dr", "plr", "--seeds", "1", *SHORT]
+def here(begun, tmp_path):
+    """Return what is typed, and the names of the runs that it has begun."""
+    words = ["study", "curricula", "--games", "1v1Restricted", "--variants", "dr", "plr", "--seeds", "1", *SHORT]
     return [*words, "--out", str(tmp_path)], begun
 
 
@@ -62,18 +53,18 @@ def test_arms_are_trained_and_played_on_held_out_levels_and_kept_in_small_tables
 
 def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
     first = {name: next(CurriculaStudy(name, CurriculaStudyConfig(), {}).planned()).seed for name in COMPARISONS}
-    assert first == {"curricula": 0, "remedies": 1000}
+    assert first == {"curricula": 0, "ablations": 1000}
     for config, typed in (
         (CurriculaStudyConfig(publish=True, first_seed=7), {}),
         (CurriculaStudyConfig(publish=True), {"ppo.gamma": 0.9}),
     ):
         with pytest.raises(UsageError, match=r"--(first-seed|gamma).*leave out --publish"):
             CurriculaStudy("curricula", config, typed).run()
-    with pytest.raises(UsageError, match=r"no arm 'pared'.*did you mean 'paired'"):
-        list(CurriculaStudy("curricula", CurriculaStudyConfig(arms=("dr", "pared")), {}).planned())
+    with pytest.raises(UsageError, match=r"no variant 'pared'.*did you mean 'paired'"):
+        list(CurriculaStudy("curricula", CurriculaStudyConfig(variants=("dr", "pared")), {}).planned())
 
 
-def test_every_arm_is_a_run_that_can_be_begun(tmp_path):
+def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
     for name in COMPARISONS:
         study = CurriculaStudy(name, CurriculaStudyConfig(out=tmp_path, seeds=1), {})
         for plan in study.planned():
@@ -105,7 +96,7 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
     game = Game("g", ["dr", "plr"], measured, curve)
     gain = game.gain("plr")
     assert gain.estimate == pytest.approx(0.4) and 0.3 < gain.low < gain.high < 0.5
-    one, other = (game.results(arm, THIRDS[:1]) for arm in ("plr", "dr"))
+    one, other = (game.results(variant, THIRDS[:1]) for variant in ("plr", "dr"))
     assert advantage(one, other).estimate == pytest.approx(0.4)
     assert game.gain_in_time("plr").estimate == pytest.approx(0.2875 - 0.3)  # at 11.5 s the slower one has not ended
     assert curricula_page.in_points(gain).startswith("**+40 [")
@@ -113,7 +104,7 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
 
 
 def test_a_page_keeps_what_else_stands_on_it(tmp_path):
-    files = Files.of(tmp_path, publish=False)
+    files = Places.of(tmp_path, "RESULTS.md")
     files.page.write_text("# Results\n\nWhat was asked.\n")
     curricula_page.write_page(files)
     assert files.page.read_text() == "# Results\n\nWhat was asked.\n"
