@@ -28,10 +28,10 @@ OTHER_TESTS = (
     "offense/avoid_pass_shoot back and mate stood in no common line."
 )
 REAL_ENGINE = (
-    "Why: policies of four defences were played in the real engine ([where they differ](TRANSFER.md#in-defence)). All "
-    "lose more there, those of defense/2vs2_counterattack and defense/3vs3_cross_from_side by far: our simulator makes "
-    "these two easy. So defense/2vs2 and defense/2vs2_high_pass lie low not because they are harder here, but because "
-    "less is learned of them."
+    "Why, of the runs that the repository keeps: policies of four defences were played in the real engine "
+    "(`TRANSFER.md`, In defence). All lose more there, those of defense/2vs2_counterattack and "
+    "defense/3vs3_cross_from_side by far: our simulator makes these two easy. So defense/2vs2 and "
+    "defense/2vs2_high_pass lie low not because they are harder here, but because less is learned of them."
 )
 INTERVALS = "95 % intervals: over runs and their episodes; of one run over its episodes alone"
 
