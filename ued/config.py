@@ -274,7 +274,7 @@ class PLRConfig(Checked):
     """Settings of prioritised level replay, robust or not."""
 
     replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one", "0-1")
-    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed", "0-1")
+    min_fill: float = setting(0.5, "levels offered before anything is replayed, as a share of the buffer", "0-1")
     score: ScoreRule = setting(
         "max_mc",
         "what makes a level worth replaying: its best return above what the critic expects (max_mc), mean advantages "
@@ -304,7 +304,7 @@ class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 
     replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's", "0-1")
-    min_fill: float = setting(0.5, "share of the buffer that is filled before anything is replayed", "0-1")
+    min_fill: float = setting(0.5, "levels offered before anything is replayed, as a share of the buffer", "0-1")
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
 

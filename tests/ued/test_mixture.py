@@ -5,7 +5,7 @@ import pytest
 import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
-from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PPOConfig
+from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PLRConfig, PPOConfig, RobustPLR
 from ued.config import AdversaryConfig
 from ued.evaluation import evaluate
 from ued.levels.adversary import AdversaryNetwork
@@ -181,3 +181,11 @@ def test_an_adversary_chooses_among_programs_without_parameters():
     raw = policy.sample(torch.Generator().manual_seed(0)).detach()
     assert len(np.unique(network.theta(raw.numpy())[:, 0])) == 3
     assert torch.allclose(policy.log_prob(raw).exp(), torch.tensor(1 / 3), atol=0.05)
+
+
+def test_programs_without_columns_are_replayed_although_they_never_fill_a_buffer():
+    env = Mixture([Choice(8), Choice(8)], ["one", "other"])
+    method = RobustPLR(env, PPO, PLRConfig(buffer=BufferConfig(capacity=64)))
+    replayed = [method.update()["levels/replayed"] for _ in range(4)]
+    assert len(method.buffer) == 2 and replayed[-1] > 0
+    assert 0.2 < method.learner.rollout.train.float().mean() < 0.8

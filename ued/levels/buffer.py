@@ -87,6 +87,13 @@ class LevelBuffer(Resumable):
         """Share of the capacity in use."""
         return self._count / self.config.capacity
 
+    def is_ready(self, min_fill: float) -> bool:
+        """Return whether so many levels were offered as fill this share of the capacity.
+
+        Not whether it is filled: of a few programs without parameters, say, there are fewer levels than that.
+        """
+        return self._count > 0 and self.now >= min_fill * self.config.capacity
+
     # ------------------------------------------------------------ what is replayed
 
     def weights(self) -> np.ndarray:
@@ -136,11 +143,10 @@ class LevelBuffer(Resumable):
         rng: np.random.Generator,
         new: Callable[[int], np.ndarray],
     ) -> np.ndarray:
-        """Return `count` level records: each replayed with probability `replay_prob` once `min_fill` is reached, else
-        one of those that `new` gives, in any order.
+        """Return `count` level records: each replayed with probability `replay_prob` once `is_ready`, else one of those
+        that `new` gives, in any order.
         """
-        ready = len(self) > 0 and self.fill_ratio >= config.min_fill
-        replays = rng.binomial(count, config.replay_prob) if ready else 0
+        replays = rng.binomial(count, config.replay_prob) if self.is_ready(config.min_fill) else 0
         return np.concatenate([self.replay(dtype, replays, rng), new(count - replays)])[rng.permutation(count)]
 
     # ------------------------------------------------------------ what is kept
