@@ -139,6 +139,14 @@ SPARSE_REWARD: dict[str, Minigame] = {
             difficulty="learned in half a million steps",
         ),
         Minigame(
+            "Crowd",
+            HERE / "gauntlet" / "crowd.scenic",
+            _scenes("gauntlet/test_crowd", "wall", "bends", "trap"),
+            "six guards anywhere between the striker and an empty goal, each with a reach",
+            difficulty="most random levels leave a way; what leaves none hardly ever comes by chance",
+            held_out=_scenes("gauntlet/held_out_crowd", "wall", "bends", "trap"),
+        ),
+        Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
             _scenes("buildup/test", "two", "three", "four"),

@@ -9,8 +9,16 @@ from envs.football.vector_env import FootballVectorEnv
 from minigames.suites import SPARSE_REWARD
 from scenic_lite import load
 
-DIMENSIONS = {"Gauntlet": 11, "ThreeLines": 11, "Pursuit": 11, "Alone": 8, "Buildup": 15, "CrossingWide": 12}
-HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Buildup": 15}  # columns of held-out scenes, parts of the game
+DIMENSIONS = {
+    "Gauntlet": 11,
+    "ThreeLines": 11,
+    "Pursuit": 11,
+    "Alone": 8,
+    "Crowd": 15,
+    "Buildup": 15,
+    "CrossingWide": 12,
+}
+HELD_OUT = {"Gauntlet": 11, "Pursuit": 11, "Crowd": 4, "Buildup": 15}  # columns of held-out scenes, parts of the game
 
 
 def program_of(path):
@@ -88,3 +96,16 @@ def test_a_chaser_comes_the_nearer_the_greater_his_pace():
     stood, walked, ran = (np.median(np.hypot(*np.moveaxis(way[-1] - way[0], -1, 0)), 0) for way in ways)
     assert stood.max() < 0.01
     assert (walked > 1.0).all() and (ran > 1.5 * walked).all()
+
+
+def test_an_episode_of_the_crowd_ends_where_the_ball_is_lost_before_the_box():
+    env = FootballVectorEnv(SPARSE_REWARD["Crowd"].program, 64)
+    env.reset(seed=0)
+    theta = env.sample_levels(64)["theta"]
+    theta[:, 0], theta[:, 2] = -1.0, -1.0  # from midfield, guards who hardly reach for the ball
+    env.reset(seed=0, options={"theta": theta})
+    ended = np.zeros(64, bool)
+    for step in range(40):
+        _, reward, ended_now, cut, _ = env.step(np.full(64, 12 if step == 0 else 0))  # a shot, then nothing
+        ended |= ended_now | cut
+    assert ended.mean() > 0.9 and (reward == 0).all()

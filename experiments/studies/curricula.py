@@ -36,7 +36,7 @@ GAMES: dict[str, Settings] = {
     "1v1Free": {"total_env_steps": 1_000_000, **LONG},
     "ChoosePassing": {"total_env_steps": 1_000_000, **LONG},
     "3v2FourBehaviors": {"total_env_steps": 1_000_000, **LONG},
-    "CrossingWide": {"total_env_steps": 2_000_000, **LONG},
+    "Crowd": {"total_env_steps": 1_000_000, **LONG},
     "AcademyLadder": {"total_env_steps": 2_000_000, **LONG},
 }
 
