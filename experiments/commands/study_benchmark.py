@@ -42,7 +42,7 @@ class BenchmarkStudyConfig(StudyConfig):
     publish: bool = setting(False, "keep tables, page and pictures in the repository: BENCHMARK.md")
     episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
     demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
-    train: TrainConfig = group(training, "each run", without=CHOSEN)
+    train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method"))  # PPO on the levels as they come
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
 
 

@@ -202,6 +202,11 @@ def test_the_thesis_has_fifteen_rows_of_teams():
     ]
 
 
+def test_rows_of_the_benchmark_are_those_of_ppo_on_levels_as_they_come(capsys):
+    assert main(["study", "single", "--method", "plr"]) == 2
+    assert "unknown flag --method" in capsys.readouterr().err
+
+
 def test_a_study_that_was_stopped_keeps_what_is_done(single, tmp_path, monkeypatch):
     words, begun = single
     clock = iter([0.0] * 9)
