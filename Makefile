@@ -24,11 +24,14 @@ $(READY): pyproject.toml constraints.txt
 demo: $(READY)
 	$(BIN)/regista compare 1v1Restricted --out demo
 
+# The tables of RESULTS.md, five hours on 2 cores; what has a row in experiments/studies/results is not done again. In
+# parts: make publish STUDY="curricula --hours 3".
 results: $(READY)
-	$(BIN)/regista compare 1v1Free --methods dr paired_literal paired accel --seeds 5 --total-env-steps 2_000_000 \
-		--num-envs 16 --num-steps 512 --out runs/results
+	$(BIN)/regista study curricula --publish
+	$(BIN)/regista study ablations --seeds 5 --publish
+	$(BIN)/regista study tuning --seeds 5 --publish
 	$(BIN)/regista probe --out runs/probe
-	$(BIN)/python -m experiments.pictures.results_page runs/results runs/probe
+	$(BIN)/python -m experiments.pictures.results_page runs/probe
 
 # Nine games, three seeds, two representations, trained here and played in Google Research Football (`make grf` first):
 # about an hour on 2 cores. It goes on where it was stopped; flags of `regista study`: STUDY="--seeds 1".

@@ -1,7 +1,8 @@
-"""The studies of curricula: methods over games, and ablations of PAIRED, trained, played on held-out levels, tabulated.
+"""The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out levels.
 
     regista study curricula --hours 3                # after three hours call it again
     regista study ablations --seeds 5
+    regista study tuning --seeds 5
 
 Read next: `studies.curricula`, what is compared; `studies.measuring`, which plays; `studies.curricula_page`.
 """
@@ -33,7 +34,7 @@ TESTS = 10  # of a student during its training
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """What is typed after `regista study curricula` or `ablations`."""
+    """What is typed after `regista study curricula`, `ablations` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
     seeds: int = setting(10, "runs of each variant on each game", ">=1")

@@ -1,4 +1,4 @@
-"""What the study of curricula compares: games with their budgets, methods with their settings, and ablations of PAIRED.
+"""What the studies of curricula compare: games with their budgets, methods with settings, changes of PAIRED and of PPO.
 
 A variant is a method with settings of its own; the first of a comparison is what the others are measured against.
 What was searched for each is told in RESULTS.md. Read next: `commands.study_curricula`, which trains and plays;
@@ -67,12 +67,29 @@ ABLATIONS = {  # one cause at a time
     "half random levels": Variant("paired", {"paired.dr_fraction": 0.5}),  # against forgetting
     "repaired": Variant("repaired"),  # likewise
     "more entropy": Variant("paired", {"paired.adversary.ent_coef": 0.1}),  # against collapse
+    "scripted antagonist": Variant("paired", {"paired.antagonist": "scripted"}),  # no steps for an antagonist
+    "behaviour cloning": Variant("paired", {"paired.kl": "both_ways"}),
     "fixed roles": Variant("paired", {"paired.roles": "fixed"}),
     "long context": Variant("paired", {"paired.adversary.context_size": 16}),
     "literal": Variant("paired_literal"),
+    "twice the steps": Variant("paired", {"total_env_steps": 2 * GAMES["1v1Restricted"]["total_env_steps"]}),
+}
+TUNING = {  # of PPO under domain randomisation, one change at a time: as many as PAIRED has had
+    "dr": Variant("dr"),
+    "learning rate 0.0002": Variant("dr", {"ppo.learning_rate": 2e-4}),
+    "learning rate 0.001": Variant("dr", {"ppo.learning_rate": 1e-3}),
+    "entropy 0.003": Variant("dr", {"ppo.ent_coef": 0.003}),
+    "entropy 0.03": Variant("dr", {"ppo.ent_coef": 0.03}),
+    "lambda 0.9": Variant("dr", {"ppo.gae_lambda": 0.9}),
+    "gamma 0.998": Variant("dr", {"ppo.gamma": 0.998}),
+    "eight epochs": Variant("dr", {"ppo.update_epochs": 8}),
+    "four minibatches": Variant("dr", {"ppo.num_minibatches": 4}),
+    "256 units": Variant("dr", {"ppo.hidden_size": 256}),
+    "short rollouts": Variant("dr", {"num_envs": 128, "ppo.num_steps": 64}),
 }
 
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=0),
-    "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Free",)}, first_seed=1000),
+    "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Restricted",)}, first_seed=1000),
+    "tuning": Comparison(TUNING, {name: GAMES[name] for name in ("1v1Restricted",)}, first_seed=1000),
 }

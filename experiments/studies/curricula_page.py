@@ -30,7 +30,11 @@ if TYPE_CHECKING:
 
 COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
 OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of variants
-HEADINGS = {"curricula": "All methods, game by game", "ablations": "Ablations of PAIRED, one change at a time"}
+HEADINGS = {
+    "curricula": "All methods, game by game",
+    "ablations": "Ablations of PAIRED, one change at a time",
+    "tuning": "Domain randomisation, one change of PPO at a time",
+}
 NOTE = (
     "Goals in % of episodes on held-out levels, the mean of their thirds, and how far above {first} that is; bold "
     "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
@@ -63,8 +67,8 @@ class Game(NamedTuple):
 
     @property
     def steps(self) -> int:
-        """Simulated steps of a run."""
-        return max(row.env_steps for row in self.rows)
+        """Simulated steps of a run of the first variant."""
+        return max(row.env_steps for row in self.rows if row.agent == self.first)
 
     @property
     def scenes(self) -> list[str]:

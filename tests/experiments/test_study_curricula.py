@@ -53,7 +53,7 @@ def test_arms_are_trained_and_played_on_held_out_levels_and_kept_in_small_tables
 
 def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
     first = {name: next(CurriculaStudy(name, CurriculaStudyConfig(), {}).planned()).seed for name in COMPARISONS}
-    assert first == {"curricula": 0, "ablations": 1000}
+    assert first == {"curricula": 0, "ablations": 1000, "tuning": 1000}
     for config, typed in (
         (CurriculaStudyConfig(publish=True, first_seed=7), {}),
         (CurriculaStudyConfig(publish=True), {"ppo.gamma": 0.9}),
