@@ -27,9 +27,9 @@ class Forces(NamedTuple):
 
     centre_pull: float = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
     rivals_range: float = 10.0  # m
-    rivals_push: float = 2.6  # of an opponent at no distance
+    rivals_push: float = 1.6  # of an opponent at no distance
     lines_range: float = 20.0  # m
-    lines_push: float = 4.0
+    lines_push: float = 0.45
     beside_goal: float = 12.0  # m beside the goal from where its line pushes in full
     speed: float = 8.0  # m/s for a force of 1
 
