@@ -59,7 +59,7 @@ class CurriculaStudy:
     """One of the studies.
 
     Args:
-        name: curricula or ablations.
+        name: curricula, ablations or tuning.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """
