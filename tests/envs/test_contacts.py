@@ -18,6 +18,7 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
+from envs.football.control.keys import may_slide
 from envs.football.rules.fouls import YELLOW_FROM
 from envs.football.simulator import step_everybody
 from envs.football.skills.hands import parry
@@ -244,3 +245,24 @@ def test_a_sudden_shot_flies_off_the_way_that_the_keepers_body_goes(run: float, 
         went_on.append(ball["vx"] > 0.0)
     assert (np.mean(went_on) > 0.85) == onward
     assert (np.mean(went_on) < 0.1) != onward
+
+
+def test_who_slides_away_from_a_carrier_fells_nobody() -> None:
+    """Measured: his feet, 0.8 m ahead of his body, fell whom they come within 0.5 m of; 1 of 27 farther off."""
+    for facing, fouls in ((-1.0, 0.95), (1.0, 0.0)):
+        matches = position(
+            [(1.0, 0.0, LEFT, CM), (0.0, 0.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)], (-0.5, 0.0), OPEN, MANY
+        )
+        matches["carrier"], matches["players"]["vx"][:, 1] = 1, -5.0
+        matches["players"]["facing_x"][:, 0] = facing
+        for match in matches:
+            slide_into(match, 0, 1.0)
+        assert np.mean(matches["foul_player"] == 0) == pytest.approx(fouls, abs=0.1)
+
+
+def test_who_is_near_a_led_ball_does_not_slide() -> None:
+    """Measured: of presses less than 1.2 m from it 3 of 19 became slides, of others 33 of 41."""
+    for away, slides in ((1.0, False), (2.0, True)):
+        matches = position([(0.0, 0.0, LEFT, CM), (0.4 + away, 0.0, RIGHT, CB), (50.0, 0.0, RIGHT, GK)], (0.4, 0.0))
+        matches["carrier"] = matches["last_touch"] = 0
+        assert may_slide(matches[0], 1) == slides

@@ -152,10 +152,10 @@ def test_invariants_under_random_actions(striker: tuple[float, float], keeper: t
 
 
 def test_invariants_in_an_open_game_of_fives() -> None:
-    matches = position(FIVES, (0.0, 1.0), seeds=range(8))
+    matches = position(FIVES, (0.0, 1.0), seeds=range(32))
     rng = np.random.default_rng(0)
     for _ in range(600):
-        step_matches(matches, rng.integers(0, 19, (8, 1)))
+        step_matches(matches, rng.integers(0, 19, (32, 1)))
         check_sane(matches)
     assert matches["score"].sum() >= 1
 

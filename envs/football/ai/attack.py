@@ -27,9 +27,10 @@ class Forces(NamedTuple):
 
     centre_pull: float = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
     rivals_range: float = 10.0  # m
-    rivals_push: float = 1.6  # of an opponent at no distance
+    rivals_push: float = 2.6  # of an opponent at no distance,
+    rivals_most: float = 1.0  # and of all of them together
     lines_range: float = 20.0  # m
-    lines_push: float = 0.45
+    lines_push: float = 4.0
     beside_goal: float = 12.0  # m beside the goal from where its line pushes in full
     speed: float = 8.0  # m/s for a force of 1
 
@@ -115,7 +116,11 @@ def pull_of_goal(player):
 
 @kernel
 def push_of_rivals(match, player):
-    """Return the force away from the opponents around."""
+    """Return the force away from the opponents around.
+
+    How hard each pushes was fitted where there were one or two. Those of a whole team would add up to more than the
+    goal pulls, and nobody would come near it: so all of them together push no harder than the goal pulls.
+    """
     force_x, force_y = 0.0, 0.0
     for j in range(match.num_players):
         rival = match.players[j]
@@ -128,7 +133,8 @@ def push_of_rivals(match, player):
             push = FORCES.rivals_push * (1.0 - distance / FORCES.rivals_range) / distance
             force_x += push * dx
             force_y += push * dy
-    return force_x, force_y
+    capped = min(FORCES.rivals_most / (length(force_x, force_y) + 1e-9), 1.0)
+    return capped * force_x, capped * force_y
 
 
 @kernel

@@ -22,9 +22,7 @@ class Worth(NamedTuple):
     """What a pass is worth, and from when it is played."""
 
     ground_least: float = 4.0  # m to the mate of a pass along the ground
-    ground_most: float = 32.0  # m
     high_least: float = 12.0  # m, of a high one
-    high_most: float = 36.0  # m
     better: float = 0.1  # by how much a mate's situation must be better
     gain_most: float = 4.0  # more is not worth more
     at_once: float = 0.25  # least gain times odds just after he got the ball,
@@ -81,12 +79,7 @@ def best_pass(match, i, threshold):
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
-        if (
-            j == i
-            or mate.team != player.team
-            or not WORTH.ground_least < distance < WORTH.high_most
-            or mate.down_wait > 0.0
-        ):
+        if j == i or mate.team != player.team or not distance > WORTH.ground_least or mate.down_wait > 0.0:
             continue
         if match.offsides and forward(player.team) * mate.x > line - WORTH.onside:
             continue
@@ -111,15 +104,13 @@ def best_kind(match, player, mate, own, gain):
     """
     distance = apart(mate, player)
     x, y = mate.x + WORTH.lead * mate.vx, mate.y + WORTH.lead * mate.vy
-    kind, worth, aim_x, aim_y = SHORT_PASS, -1.0, x, y
-    if distance < WORTH.ground_most:
-        worth = gain * ground_odds(match, player, x, y)
+    kind, worth, aim_x, aim_y = SHORT_PASS, gain * ground_odds(match, player, x, y), x, y
+    if forward(player.team) * mate.vx > 2.0:
         through_x, through_y = into_run(player, mate, distance)
-        if forward(player.team) * mate.vx > 2.0:
-            through = min(position_value(match, player, through_x, through_y) - own, WORTH.gain_most)
-            through *= ground_odds(match, player, through_x, through_y)
-            if through > worth:
-                kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
+        through = min(position_value(match, player, through_x, through_y) - own, WORTH.gain_most)
+        through *= ground_odds(match, player, through_x, through_y)
+        if through > worth:
+            kind, worth, aim_x, aim_y = LONG_PASS, through, through_x, through_y
     if distance > WORTH.high_least:
         high = gain * high_odds(match, player, x, y)
         if high > worth:

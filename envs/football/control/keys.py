@@ -49,6 +49,7 @@ class Ask(NamedTuple):
     high_pass: float = 1.0  # the same for a high pass
     high: float = 1.5  # m, height of a ball from where on
     high_ease: float = 0.2  # less is enough
+    slide_from: float = 1.2  # m to a ball that an opponent leads: who is nearer tries for it on his feet,
     slide: float = 1.15  # and who is in time by more than this for a free ball does not slide
 
 
@@ -147,6 +148,8 @@ def may_slide(match, i):
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):
+        return False
+    if match.carrier != NOBODY and apart(match.ball, player) < ASK.slide_from:
         return False
     if match.carrier == NOBODY and is_ours(match, player.team) and match.chaser[player.team] == i:
         return False

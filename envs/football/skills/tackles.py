@@ -47,7 +47,8 @@ class Slide(NamedTuple):
     """Slides, and the fouls that come of them."""
 
     reach: float = 0.75  # m from the body to the ball
-    trip_reach: float = 1.22  # m, and to the carrier's body
+    legs: float = 0.8  # m ahead of the body that his feet are,
+    trip_reach: float = 0.6  # m from there to the carrier's body
     legs_out: float = SLIDE.time - 0.05  # s left of a slide until which it reaches nobody
     rate: float = 10.0  # wins per s within reach
     moving: float = 0.5  # m/s at which the ball passes, at least
@@ -137,7 +138,8 @@ def slide_into(match, i, distance):
     if player.down_wait > SLIDING.legs_out:
         return
     front = frontal(player, carrier)
-    if apart(player, carrier) < SLIDING.trip_reach and not player.is_slide_spent:
+    feet_x, feet_y = player.x + SLIDING.legs * player.facing_x, player.y + SLIDING.legs * player.facing_y
+    if length(carrier.x - feet_x, carrier.y - feet_y) < SLIDING.trip_reach and not player.is_slide_spent:
         player.is_slide_spent = True
         runs = length(carrier.vx, carrier.vy) > STANDING
         if uniform(match) < foul_chance(front, runs):
