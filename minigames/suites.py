@@ -54,6 +54,11 @@ def slug(label: str) -> str:
     return label.partition(":")[0].replace(" ", "_")
 
 
+def _scenes(stem: str, *names: str) -> tuple[tuple[str, Path], ...]:
+    """Return the pages `<stem>_<name>` by name."""
+    return tuple((name, HERE / f"{stem}_{name}.scenic") for name in names)
+
+
 ONE_V_ONE_TESTS = (
     ("easy", HERE / "one_v_one" / "test_easy.scenic"),
     ("medium", HERE / "one_v_one" / "test_medium.scenic"),
@@ -68,12 +73,14 @@ MINIGAMES: dict[str, Minigame] = {
             HERE / "one_v_one" / "restricted.scenic",
             ONE_V_ONE_TESTS,
             "a striker in front of goal, a keeper between him and it",
+            held_out=_scenes("one_v_one/held_out_restricted", "in", "near", "clear"),
         ),
         Minigame(
             "1v1Free",
             HERE / "one_v_one" / "free.scenic",
             (*ONE_V_ONE_TESTS, ("restricted", HERE / "one_v_one" / "restricted.scenic")),
             "a striker and a keeper, anywhere on the right half",
+            held_out=_scenes("one_v_one/held_out_free", "in", "near", "clear"),
         ),
         Minigame(
             "ChoosePassing",
@@ -97,11 +104,6 @@ MINIGAMES: dict[str, Minigame] = {
         ),
     )
 }
-
-
-def _scenes(stem: str, *names: str) -> tuple[tuple[str, Path], ...]:
-    """Return the pages `<stem>_<name>` by name."""
-    return tuple((name, HERE / f"{stem}_{name}.scenic") for name in names)
 
 
 # Games of sparse reward: broad programs, paid for goals alone, which hardly ever come on a random level at first.

@@ -6,7 +6,7 @@ Read next: `run.results`, what is counted; `run.report`, the tables.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -41,9 +41,9 @@ class EvalScenes:
         self.theta = {label: scene.theta(self.scenes[label]) for label, scene in tasks.items()}  # of certain levels
         self._check_sizes(config)
 
-    def play(self, policy: Any) -> dict[str, Evaluation]:
-        """Play `episodes` whole episodes on each scene; `policy.play` chooses the actions."""
-        return {label: self._play(policy, label) for label in self.scenes}
+    def play(self, policy: Any, labels: Iterable[str] | None = None) -> dict[str, Evaluation]:
+        """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions."""
+        return {label: self._play(policy, label) for label in labels or self.scenes}
 
     def _play(self, policy: Any, label: str) -> Evaluation:
         from ued.evaluation import evaluate

@@ -20,7 +20,7 @@ from experiments.run.progress import count
 from experiments.run.report import as_markdown, write_text
 from experiments.run.results import Result, Scores, unique
 from experiments.studies.curricula import COMPARISONS
-from experiments.studies.measuring import THIRDS
+from experiments.studies.measuring import HELD_OUT, THIRDS
 from experiments.studies.rows import TRAIN, Point, Row, load
 from experiments.studies.runs import Places
 from ued.statistics import Interval, bootstrap
@@ -32,14 +32,20 @@ COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
 OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of variants
 HEADINGS = {
     "curricula": "All methods, game by game",
+    "robustness": "Robustness: from a student of domain randomisation, where it fails",
     "ablations": "Ablations of PAIRED, one change at a time",
     "tuning": "Domain randomisation, one change of PPO at a time",
 }
 NOTE = (
-    "Goals in % of episodes on held-out levels, the mean of their thirds, and how far above {first} that is; bold "
+    "Goals in % of episodes on held-out levels, the mean of their parts, and how far above {first} that is; bold "
     "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
     "{first}; at equal time: the mean return over the game's scenes once the quickest method has ended, less that of "
     "{first}."
+)
+
+ALIKE = (
+    " All runs of a seed go on from one student, which domain randomisation has trained: differences are of pairs, and "
+    "curves begin where that student ends."
 )
 
 
@@ -54,12 +60,16 @@ def curves_file(places: Places, name: str) -> Path:
 
 
 class Game(NamedTuple):
-    """All that was measured on one game. `variants` are in the order of the study, the first is compared with."""
+    """All that was measured on one game. `variants` are in the order of the study, the first is compared with.
+
+    `alike`: the runs of a seed began with one student, so that they are compared in pairs.
+    """
 
     name: str
     variants: Sequence[str]
     rows: Sequence[Row]
     points: Sequence[Point]
+    alike: bool = False
 
     @property
     def first(self) -> str:
@@ -72,22 +82,44 @@ class Game(NamedTuple):
 
     @property
     def scenes(self) -> list[str]:
-        """The held-out thirds, then the training distribution and the tests."""
+        """The held-out ones, then the training distribution and the tests."""
         names = unique([row.scene for row in self.rows])
-        tests = [name for name in names if name not in THIRDS and name != TRAIN]
-        return [*(name for name in THIRDS if name in names), TRAIN, *tests]
+        tests = [name for name in names if name not in self.held_out and name != TRAIN]
+        return [*self.held_out, TRAIN, *tests]
+
+    @property
+    def held_out(self) -> list[str]:
+        """The scenes that count: thirds from the lowest to the highest, or others."""
+        names = unique([row.scene for row in self.rows if row.scene.startswith(HELD_OUT)])
+        return [name for name in THIRDS if name in names] or names
+
+    def seeds(self, variant: str) -> set[int]:
+        """Return the seeds of a variant's runs."""
+        return {row.seed for row in self.rows if row.agent == variant}
 
     def results(self, variant: str, scenes: Sequence[str]) -> list[Result]:
         """Return what a variant's runs reached on these scenes."""
         return [row.result() for row in self.rows if row.agent == variant and row.scene in scenes]
 
     def scores(self, variant: str) -> Scores:
-        """Return what a variant's runs reached on the held-out thirds."""
-        return estimate.scores(self.results(variant, THIRDS), variant)
+        """Return what a variant's runs reached on the held-out scenes."""
+        return estimate.scores(self.results(variant, self.held_out), variant)
 
     def gain(self, variant: str) -> Interval:
         """Estimate by how much a variant is above the first on held-out levels."""
-        return estimate.score_advantage(self.scores(variant), self.scores(self.first))
+        return self.gain_on(variant, self.held_out)
+
+    def gain_on(self, variant: str, scenes: Sequence[str]) -> Interval:
+        """Estimate by how much a variant is above the first on these scenes."""
+        if not self.alike:
+            one, other = (estimate.scores(self.results(name, scenes), name) for name in (variant, self.first))
+            return estimate.score_advantage(one, other)
+        both = self.seeds(variant) & self.seeds(self.first)
+        one, other = (
+            estimate.scores([row for row in self.results(name, scenes) if row.seed in both], name)
+            for name in (variant, self.first)
+        )
+        return estimate.paired_advantage(one, other)
 
     def seconds(self, variant: str) -> float:
         """Return the mean time that a run of a variant took."""
@@ -134,7 +166,8 @@ def read_games(places: Places, name: str) -> list[Game]:
         mine = [row for row in rows if row.game == game]
         variants = [variant for variant in COMPARISONS[name].variants if any(row.agent == variant for row in mine)]
         if variants:
-            games.append(Game(game, variants, mine, [point for point in points if point.game == game]))
+            alike = game in COMPARISONS[name].starts
+            games.append(Game(game, variants, mine, [point for point in points if point.game == game], alike))
     return games
 
 
@@ -150,9 +183,10 @@ def section(name: str, games: Sequence[Game], places: Places) -> str:
             f"## {HEADINGS[name]}",
             f"```sh\nregista study {name}\n```",
             as_markdown(over_games(games, variants)),
-            f"{NOTE.format(first=plots.title(games[0].first))} Simulator of {commits or 'no commit'}.",
+            f"{NOTE.format(first=plots.title(games[0].first))}{ALIKE * games[0].alike} Simulator of "
+            f"{commits or 'no commit'}.",
             f"![Learning curves]({link})",
-            *(f"### {build.short_name(game.name)}\n\n{as_markdown(by_scene(game))}" for game in games),
+            *(f"### {build.short_name(game.name)}\n\n{as_markdown(scene_table(game))}" for game in games),
         ]
     )
 
@@ -171,7 +205,7 @@ def over_games(games: Sequence[Game], variants: Sequence[str]) -> list[list[str]
     return table
 
 
-def by_scene(game: Game) -> list[list[str]]:
+def scene_table(game: Game) -> list[list[str]]:
     """Return scenes x variants, and below what is said of all held-out levels."""
     table = [["", *map(plots.title, game.variants)]]
     for scene in game.scenes:
@@ -179,9 +213,14 @@ def by_scene(game: Game) -> list[list[str]]:
         table.append([scene, *cells])
     others = game.variants[1:]
     chances = [estimate.chance_of_better(game.scores(variant), game.scores(game.first)) for variant in others]
-    runs = [len({row.seed for row in game.rows if row.agent == variant}) for variant in game.variants]
+    runs = [len(game.seeds(variant)) for variant in game.variants]
+    by_scene = [
+        [f"{scene} − {game.first}", "", *(in_points(game.gain_on(variant, [scene])) for variant in others)]
+        for scene in (game.held_out if game.alike else ())
+    ]
     return [
         *table,
+        *by_scene,
         [f"held out − {game.first}", "", *(in_points(game.gain(variant)) for variant in others)],
         [f"P(better than {game.first})", "", *(spell(chance, "{:.2f}") for chance in chances)],
         [

@@ -21,7 +21,8 @@ from experiments.run.table import read_columns
 from experiments.studies.rows import TRAIN, Point, Row
 
 TEAM = "team_"  # before the names of agents
-THIRDS = ("held out, lowest third", "held out, middle third", "held out, highest third")  # names of scenes
+HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
+THIRDS = tuple(f"{HELD_OUT}{part} third" for part in ("lowest", "middle", "highest"))
 HELD_OUT_SEED, HELD_OUT_EPISODES = 40_000, 4  # of levels that nothing is tuned on, and how often each is played
 TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
     "ppo": {},  # independent policies and critics, as in the thesis
@@ -58,19 +59,31 @@ def team_kind(config: PPOConfig) -> str:
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 
-def measure_variant(run: RunFolder, agent: str, episodes: int, levels: int) -> tuple[list[Row], list[Point]]:
+def measure_variant(
+    run: RunFolder, agent: str, episodes: int, levels: int, scenes: bool = False
+) -> tuple[list[Row], list[Point]]:
     """Play a run on each scene of its game and on held-out levels; return rows, and its learning curve.
 
-    Of the rows the scenes `held out ...` are thirds of `levels` levels that are drawn with a seed of their own.
+    Of the rows the scenes `held out, ...` are thirds of `levels` levels that are drawn with a seed of their own, or the
+    held-out scenes of the game, if it is `scenes` that count.
     """
     programs = build.load_scenes(run.config)
     student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
-    scenes = EvalScenes(run.config, programs, episodes)
-    evaluations = scenes.play(student) | thirds(
-        scenes.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED)
-    )
+    tests = EvalScenes(run.config, programs, episodes)
+    evaluations = tests.play(student)
+    if scenes:
+        evaluations |= _held_out_scenes(run, student, episodes)
+    else:
+        evaluations |= thirds(tests.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED))
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
     return _rows(run.config, evaluations, about), learning_curve(run, agent)
+
+
+def _held_out_scenes(run: RunFolder, student: Any, episodes: int) -> dict[str, Evaluation]:
+    programs = build.load_scenes(run.config, held_out=True)
+    labels = [label for label in programs if label != build.TRAINING_SCENE]
+    played = EvalScenes(run.config, programs, episodes).play(student, labels)
+    return {f"{HELD_OUT}{label}": evaluation for label, evaluation in played.items()}
 
 
 def thirds(evaluation: Evaluation) -> dict[str, Evaluation]:

@@ -1,0 +1,9 @@
+"""1v1 Free, held out: the keeper in the striker's way."""
+
+from places import *
+
+ego = LeftCM on get_reg_from_edges(0, 60, -15, 15)
+RightGK at beside(ego, ego.x + Range(0.2, 0.5) * (100 - ego.x), Range(-2, 2))
+
+LeftGK at -99 @ 0
+ball = Ball ahead of ego by 2
