@@ -6,7 +6,7 @@ import pytest
 from envs.football.scenic.domain import FOOTBALL
 from envs.football.scenic.lineup import Lineup
 from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import SPARSE_REWARD
+from minigames.suites import MINIGAMES, SPARSE_REWARD
 from scenic_lite import load
 
 DIMENSIONS = {
@@ -56,6 +56,23 @@ def test_tests_and_held_out_scenes_lie_within_the_game(name):
         assert program.dim == (HELD_OUT[name] if (label, path) in game.held_out else 0)
         least, greatest = corners(program)
         assert (least > low - 6).all() and (greatest < high + 6).all(), label
+
+
+@pytest.mark.parametrize("name", ["1v1Restricted", "1v1Free"])
+def test_held_out_keepers_stand_in_the_way_near_it_and_clear_of_it_within_the_game(name):
+    game = MINIGAMES[name]
+    low, high = corners(program_of(game.program))
+    gaps = {}
+    for label, path in game.held_out:
+        program = program_of(path)
+        theta = np.random.default_rng(1).uniform(-1, 1, (400, program.dim))
+        places = program.instantiate(theta).positions
+        assert (places.min(0) > low - 0.5).all() and (places.max(0) < high + 0.5).all(), label
+        ego, keeper = places[:, 0], places[:, 1]
+        way = ego[:, 1] * (100 - keeper[:, 0]) / (100 - ego[:, 0])  # y of the way to the goal where the keeper stands
+        gaps[label] = np.abs(keeper[:, 1] - way)
+        assert (keeper[:, 0] >= ego[:, 0] - 0.5).all()
+    assert gaps["in"].max() <= 2 <= gaps["near"].min() and gaps["near"].max() <= 6 <= gaps["clear"].min()
 
 
 def courses(name, columns, steps=30):
