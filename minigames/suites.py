@@ -83,6 +83,13 @@ MINIGAMES: dict[str, Minigame] = {
             held_out=_scenes("one_v_one/held_out_free", "in", "near", "clear"),
         ),
         Minigame(
+            "1v1Rare",
+            HERE / "one_v_one" / "rare.scenic",
+            ONE_V_ONE_TESTS,
+            "a striker before an open goal; in one level of fifty the keeper stands in his way",
+            held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
+        ),
+        Minigame(
             "ChoosePassing",
             HERE / "choose_passing" / "train.scenic",
             (
@@ -147,6 +154,14 @@ SPARSE_REWARD: dict[str, Minigame] = {
             "six guards anywhere between the striker and an empty goal, each with a reach",
             difficulty="most random levels leave a way; what leaves none hardly ever comes by chance",
             held_out=_scenes("gauntlet/held_out_crowd", "wall", "bends", "trap"),
+        ),
+        Minigame(
+            "RareWall",
+            HERE / "gauntlet" / "rare_wall.scenic",
+            _scenes("gauntlet/test_rare_wall", "open", "wall", "trap"),
+            "an empty goal, and a wall of four guards that stands in the way in one level of fifty",
+            difficulty="what is rare must be found before it can be learned",
+            held_out=_scenes("gauntlet/held_out_rare_wall", "across", "aside"),
         ),
         Minigame(
             "Buildup",

@@ -71,9 +71,7 @@ STUDIES = {
         run_benchmark,
     ),
     "curricula": Study("all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula),
-    "robustness": Study(
-        "from students of domain randomisation: which method mends where they fail", CurriculaStudyConfig, run_curricula
-    ),
+    "rare": Study("methods on games whose hard levels are rare, played on these", CurriculaStudyConfig, run_curricula),
     "ablations": Study("what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula),
     "tuning": Study("PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula),
     "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, run_transfer),

@@ -1,7 +1,7 @@
 """The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out levels.
 
     regista study curricula --hours 3                # after three hours call it again
-    regista study robustness                         # from students who win on average, where they fail
+    regista study rare                               # games whose hard levels are rare
     regista study ablations --seeds 5
     regista study tuning --seeds 5
 
@@ -16,7 +16,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from experiments.run import arguments, build, origin
+from experiments.run import arguments, build
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.errors import UsageError, nearest
@@ -28,14 +28,14 @@ from experiments.studies.curricula_page import curves_file, rows_file
 from experiments.studies.measuring import measure_variant
 from experiments.studies.rows import Point, add, load
 from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
-from ued.config import FineTuningConfig, setting
+from ued.config import setting
 
 TESTS = 10  # of a student during its training
 
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """What is typed after `regista study curricula`, `robustness`, `ablations` or `tuning`."""
+    """What is typed after `regista study curricula`, `rare`, `ablations` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
     seeds: int = setting(10, "runs of each variant on each game", ">=1")
@@ -60,7 +60,7 @@ class CurriculaStudy:
     """One of the studies.
 
     Args:
-        name: curricula, robustness, ablations or tuning.
+        name: curricula, rare, ablations or tuning.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """
@@ -81,12 +81,8 @@ class CurriculaStudy:
         missing = [plan for plan in planned if done.get(plan[:3], 0) < plan.settings["total_env_steps"]]
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
         with Deadline(self.config.hours) as stop:
-            for (seed, game), plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
+            for _, plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
                 variants = {plan.agent: self.open(plan) for plan in plans}
-                start = self.start(game, seed)
-                if start is not None and not train_unfinished([start], how, stop):
-                    break
-                origin.begin_all([*variants.values()], start.path if start else None, FineTuningConfig())
                 if not train_unfinished([*variants.values()], how, stop):
                     break
                 for agent, run in variants.items():
@@ -124,11 +120,6 @@ class CurriculaStudy:
     def open(self, plan: PlannedVariant) -> RunFolder:
         """Create the folder of a run or open it, if it was made with the same settings."""
         return self.runs.open(plan.game, plan.seed, plan.settings, f"{plan.agent.replace(' ', '_')}-")
-
-    def start(self, game: str, seed: int) -> RunFolder | None:
-        """Create or open the run whose student all runs of this game and seed begin with; None: with a new one."""
-        settings = self.comparison.starts.get(game)
-        return self.runs.open(game, seed, settings | self.typed, "start-") if settings else None
 
     def check_published(self) -> None:
         """Refuse to put into the repository what the study does not say: other settings, other seeds."""

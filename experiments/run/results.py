@@ -186,14 +186,6 @@ def score_advantage(mine: Scores, reference: Scores) -> Interval:
     return _difference(mine, reference)
 
 
-def paired_advantage(mine: Scores, reference: Scores) -> Interval:
-    """Estimate the same of runs in pairs, a row of each, which began alike, resampling whole pairs."""
-    from ued.statistics import bootstrap
-
-    errors = np.hypot(mine.errors, reference.errors)
-    return bootstrap(mine.rates - reference.rates, _rng(), errors=errors).interval()
-
-
 def chance_of_better(mine: Scores, reference: Scores) -> Interval:
     """Estimate the probability that a run's mean over the scenes is above that of a run of the other method."""
     from ued.statistics import probability_of_improvement

@@ -1,7 +1,6 @@
 """What the studies of curricula compare: games with their budgets, methods with settings, changes of PAIRED and of PPO.
 
-A variant is a method with settings of its own; the first of a comparison is what the others are measured against. In
-`robustness` all runs of a seed go on from one student, of domain randomisation, who wins on average, not everywhere.
+A variant is a method with settings of its own; the first of a comparison is what the others are measured against.
 What was searched for each is told in RESULTS.md. Read next: `commands.study_curricula`, which trains and plays;
 `studies.curricula_page`, what is made of it.
 """
@@ -28,14 +27,12 @@ class Comparison(NamedTuple):
         variants: by the name that tables call them; the first is what the others are compared with.
         games: settings of each.
         first_seed: of the first run. Seeds below 1000 are of final tables: no run by which anything is chosen has one.
-        starts: of each game, the settings with which the student is trained that all runs of a seed go on from.
         scenes: whether the game's held-out scenes are what counts, and not thirds of random levels.
     """
 
     variants: dict[str, Variant]
     games: dict[str, Settings]
     first_seed: int
-    starts: dict[str, Settings] = {}  # noqa: RUF012 - nobody writes into it
     scenes: bool = False
 
 
@@ -102,29 +99,13 @@ TUNING = {  # of PPO under domain randomisation, one change at a time: as many a
     "short rollouts": Variant("dr", {"num_envs": 128, "ppo.num_steps": 64}),
 }
 
-# What a student of domain randomisation fails on is rare among random levels. Seeds 0 to 9 of `curricula` raised the
-# question who mends it, so others answer it.
-ROBUSTNESS_GAMES: dict[str, Settings] = {
-    name: {**GAMES[name], "total_env_steps": steps}
-    for name, steps in {"1v1Restricted": 3_000_000, "1v1Free": 3_000_000, "Crowd": 2_000_000}.items()
-}
-ROBUSTNESS = {
-    "dr": METHODS["dr"],
-    "paired": METHODS["paired"],
-    "self_regret": Variant("self_regret", {"self_regret.dr_fraction": 0.25}),  # as PAIRED has it, against forgetting
-    "plr": METHODS["plr"],
-    "sfl": METHODS["sfl"],
-}
+# One random level in fifty asks for what the others do not; students are played on both.
+RARE_GAMES: dict[str, Settings] = {name: {"total_env_steps": 4_000_000, **LONG} for name in ("1v1Rare", "RareWall")}
+RARE = {name: METHODS[name] for name in ("dr", "paired", "self_regret", "plr", "sfl")}
 
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=0),
     "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Restricted", "Crowd")}, first_seed=1000),
-    "robustness": Comparison(
-        ROBUSTNESS,
-        ROBUSTNESS_GAMES,
-        first_seed=10,
-        starts={name: {"method": "dr", **GAMES[name]} for name in ROBUSTNESS_GAMES},
-        scenes=True,
-    ),
+    "rare": Comparison(RARE, RARE_GAMES, first_seed=10, scenes=True),
     "tuning": Comparison(TUNING, {name: GAMES[name] for name in ("1v1Restricted",)}, first_seed=1000),
 }

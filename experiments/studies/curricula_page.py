@@ -32,7 +32,7 @@ COLUMNS, PANEL = 3, (3.9, 2.7)  # panels in a row, inches of one
 OTHERS = ("#0f766e", "#b45309", "#6d28d9", "#be185d", "#4d7c0f", "#0369a1", "#78350f", "#334155")  # of variants
 HEADINGS = {
     "curricula": "All methods, game by game",
-    "robustness": "Robustness: from a student of domain randomisation, where it fails",
+    "rare": "Where what is hard is rare",
     "ablations": "Ablations of PAIRED, one change at a time",
     "tuning": "Domain randomisation, one change of PPO at a time",
 }
@@ -41,11 +41,6 @@ NOTE = (
     "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
     "{first}; at equal time: the mean return over the game's scenes once the quickest method has ended, less that of "
     "{first}."
-)
-
-ALIKE = (
-    " All runs of a seed go on from one student, which domain randomisation has trained: differences are of pairs, and "
-    "curves begin where that student ends."
 )
 
 
@@ -60,16 +55,12 @@ def curves_file(places: Places, name: str) -> Path:
 
 
 class Game(NamedTuple):
-    """All that was measured on one game. `variants` are in the order of the study, the first is compared with.
-
-    `alike`: the runs of a seed began with one student, so that they are compared in pairs.
-    """
+    """All that was measured on one game. `variants` are in the order of the study, the first is compared with."""
 
     name: str
     variants: Sequence[str]
     rows: Sequence[Row]
     points: Sequence[Point]
-    alike: bool = False
 
     @property
     def first(self) -> str:
@@ -107,19 +98,7 @@ class Game(NamedTuple):
 
     def gain(self, variant: str) -> Interval:
         """Estimate by how much a variant is above the first on held-out levels."""
-        return self.gain_on(variant, self.held_out)
-
-    def gain_on(self, variant: str, scenes: Sequence[str]) -> Interval:
-        """Estimate by how much a variant is above the first on these scenes."""
-        if not self.alike:
-            one, other = (estimate.scores(self.results(name, scenes), name) for name in (variant, self.first))
-            return estimate.score_advantage(one, other)
-        both = self.seeds(variant) & self.seeds(self.first)
-        one, other = (
-            estimate.scores([row for row in self.results(name, scenes) if row.seed in both], name)
-            for name in (variant, self.first)
-        )
-        return estimate.paired_advantage(one, other)
+        return estimate.score_advantage(self.scores(variant), self.scores(self.first))
 
     def seconds(self, variant: str) -> float:
         """Return the mean time that a run of a variant took."""
@@ -166,8 +145,7 @@ def read_games(places: Places, name: str) -> list[Game]:
         mine = [row for row in rows if row.game == game]
         variants = [variant for variant in COMPARISONS[name].variants if any(row.agent == variant for row in mine)]
         if variants:
-            alike = game in COMPARISONS[name].starts
-            games.append(Game(game, variants, mine, [point for point in points if point.game == game], alike))
+            games.append(Game(game, variants, mine, [point for point in points if point.game == game]))
     return games
 
 
@@ -183,10 +161,9 @@ def section(name: str, games: Sequence[Game], places: Places) -> str:
             f"## {HEADINGS[name]}",
             f"```sh\nregista study {name}\n```",
             as_markdown(over_games(games, variants)),
-            f"{NOTE.format(first=plots.title(games[0].first))}{ALIKE * games[0].alike} Simulator of "
-            f"{commits or 'no commit'}.",
+            f"{NOTE.format(first=plots.title(games[0].first))} Simulator of {commits or 'no commit'}.",
             f"![Learning curves]({link})",
-            *(f"### {build.short_name(game.name)}\n\n{as_markdown(scene_table(game))}" for game in games),
+            *(f"### {build.short_name(game.name)}\n\n{as_markdown(by_scene(game))}" for game in games),
         ]
     )
 
@@ -205,7 +182,7 @@ def over_games(games: Sequence[Game], variants: Sequence[str]) -> list[list[str]
     return table
 
 
-def scene_table(game: Game) -> list[list[str]]:
+def by_scene(game: Game) -> list[list[str]]:
     """Return scenes x variants, and below what is said of all held-out levels."""
     table = [["", *map(plots.title, game.variants)]]
     for scene in game.scenes:
@@ -214,13 +191,8 @@ def scene_table(game: Game) -> list[list[str]]:
     others = game.variants[1:]
     chances = [estimate.chance_of_better(game.scores(variant), game.scores(game.first)) for variant in others]
     runs = [len(game.seeds(variant)) for variant in game.variants]
-    by_scene = [
-        [f"{scene} − {game.first}", "", *(in_points(game.gain_on(variant, [scene])) for variant in others)]
-        for scene in (game.held_out if game.alike else ())
-    ]
     return [
         *table,
-        *by_scene,
         [f"held out − {game.first}", "", *(in_points(game.gain(variant)) for variant in others)],
         [f"P(better than {game.first})", "", *(spell(chance, "{:.2f}") for chance in chances)],
         [

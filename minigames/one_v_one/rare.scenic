@@ -1,0 +1,11 @@
+"""1v1 Rare: a striker before an open goal; in one level of fifty the keeper stands in his way."""
+
+from places import *
+
+aside = Discrete({Range(-2, 2): 1, Range(-25, -6): 25, Range(6, 25): 25})
+
+ego = LeftCM on get_reg_from_edges(40, 60, -10, 10)
+RightGK at beside(ego, Range(60, 80), aside)
+
+LeftGK at -99 @ 0
+ball = Ball ahead of ego by 2
