@@ -28,7 +28,7 @@ demo: $(READY)
 # parts: make publish STUDY="curricula --hours 3".
 results: $(READY)
 	$(BIN)/regista study curricula --publish
-	$(BIN)/regista study robustness --publish
+	$(BIN)/regista study rare --publish
 	$(BIN)/regista study ablations --seeds 5 --publish
 	$(BIN)/regista study tuning --seeds 5 --publish
 	$(BIN)/regista probe --out runs/probe
