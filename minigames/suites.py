@@ -87,6 +87,7 @@ MINIGAMES: dict[str, Minigame] = {
             HERE / "one_v_one" / "rare.scenic",
             ONE_V_ONE_TESTS,
             "a striker before an open goal; in one level of fifty the keeper stands in his way",
+            difficulty="what nearly all levels ask for fails where the keeper is in the way, and is soon learned",
             held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),
         Minigame(
@@ -154,14 +155,6 @@ SPARSE_REWARD: dict[str, Minigame] = {
             "six guards anywhere between the striker and an empty goal, each with a reach",
             difficulty="most random levels leave a way; what leaves none hardly ever comes by chance",
             held_out=_scenes("gauntlet/held_out_crowd", "wall", "bends", "trap"),
-        ),
-        Minigame(
-            "RareWall",
-            HERE / "gauntlet" / "rare_wall.scenic",
-            _scenes("gauntlet/test_rare_wall", "open", "wall", "trap"),
-            "an empty goal, and a wall of four guards that stands in the way in one level of fifty",
-            difficulty="what is rare must be found before it can be learned",
-            held_out=_scenes("gauntlet/held_out_rare_wall", "across", "aside"),
         ),
         Minigame(
             "Buildup",

@@ -71,7 +71,9 @@ STUDIES = {
         run_benchmark,
     ),
     "curricula": Study("all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula),
-    "rare": Study("methods on games whose hard levels are rare, played on these", CurriculaStudyConfig, run_curricula),
+    "rare": Study(
+        "methods where hard levels are rare, played on these and on the others", CurriculaStudyConfig, run_curricula
+    ),
     "ablations": Study("what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula),
     "tuning": Study("PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula),
     "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, run_transfer),

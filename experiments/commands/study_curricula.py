@@ -1,7 +1,7 @@
 """The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out levels.
 
     regista study curricula --hours 3                # after three hours call it again
-    regista study rare                               # games whose hard levels are rare
+    regista study rare                               # where hard levels are rare
     regista study ablations --seeds 5
     regista study tuning --seeds 5
 

@@ -100,7 +100,7 @@ TUNING = {  # of PPO under domain randomisation, one change at a time: as many a
 }
 
 # One random level in fifty asks for what the others do not; students are played on both.
-RARE_GAMES: dict[str, Settings] = {name: {"total_env_steps": 4_000_000, **LONG} for name in ("1v1Rare", "RareWall")}
+RARE_GAMES: dict[str, Settings] = {"1v1Rare": {"total_env_steps": 4_000_000, **LONG}}
 RARE = {name: METHODS[name] for name in ("dr", "paired", "self_regret", "plr", "sfl")}
 
 COMPARISONS = {
