@@ -107,5 +107,5 @@ COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=0),
     "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Restricted", "Crowd")}, first_seed=1000),
     "rare": Comparison(RARE, RARE_GAMES, first_seed=10, scenes=True),
-    "tuning": Comparison(TUNING, {name: GAMES[name] for name in ("1v1Restricted",)}, first_seed=1000),
+    "tuning": Comparison(TUNING, {"1v1Restricted": GAMES["1v1Restricted"], **RARE_GAMES}, first_seed=1000),
 }
