@@ -87,7 +87,7 @@ MINIGAMES: dict[str, Minigame] = {
             HERE / "one_v_one" / "rare.scenic",
             ONE_V_ONE_TESTS,
             "a striker before an open goal; in one level of fifty the keeper stands in his way",
-            difficulty="what wins nearly all levels is soon learned, and loses the rare ones, which ask for another way to play",
+            difficulty="what wins nearly all levels is soon learned; the rare ones ask for another way to play",
             held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),
         Minigame(
