@@ -86,7 +86,7 @@ MINIGAMES: dict[str, Minigame] = {
             "1v1Rare",
             HERE / "one_v_one" / "rare.scenic",
             ONE_V_ONE_TESTS,
-            "a striker before an open goal; in one level of fifty the keeper stands in his way",
+            "a striker, and a keeper aside of his way; a rare event, one level in fifty: he stands in it",
             difficulty="what wins nearly all levels is soon learned; the rare ones ask for another way to play",
             held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),

@@ -43,7 +43,9 @@ class CurriculaStudyConfig(StudyConfig):
     out: Path = setting(Path("runs/curricula"), "folder of the runs, the tables, the page and its pictures")
     publish: bool = setting(False, "keep tables, page and pictures in the repository: RESULTS.md")
     episodes: int = setting(200, "whole episodes of each student on each scene", ">=1")
-    levels: int = setting(300, "held-out levels, of which each student plays each four times", ">=1")
+    levels: int = setting(
+        300, "held-out levels, where thirds count, of which each student plays each four times", ">=1"
+    )
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
 
 

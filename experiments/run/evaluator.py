@@ -43,7 +43,7 @@ class EvalScenes:
 
     def play(self, policy: Any, labels: Iterable[str] | None = None) -> dict[str, Evaluation]:
         """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions."""
-        return {label: self._play(policy, label) for label in labels or self.scenes}
+        return {label: self._play(policy, label) for label in (self.scenes if labels is None else labels)}
 
     def _play(self, policy: Any, label: str) -> Evaluation:
         from ued.evaluation import evaluate

@@ -84,10 +84,6 @@ class Game(NamedTuple):
         names = unique([row.scene for row in self.rows if row.scene.startswith(HELD_OUT)])
         return [name for name in THIRDS if name in names] or names
 
-    def seeds(self, variant: str) -> set[int]:
-        """Return the seeds of a variant's runs."""
-        return {row.seed for row in self.rows if row.agent == variant}
-
     def results(self, variant: str, scenes: Sequence[str]) -> list[Result]:
         """Return what a variant's runs reached on these scenes."""
         return [row.result() for row in self.rows if row.agent == variant and row.scene in scenes]
@@ -190,7 +186,7 @@ def by_scene(game: Game) -> list[list[str]]:
         table.append([scene, *cells])
     others = game.variants[1:]
     chances = [estimate.chance_of_better(game.scores(variant), game.scores(game.first)) for variant in others]
-    runs = [len(game.seeds(variant)) for variant in game.variants]
+    runs = [len({row.seed for row in game.rows if row.agent == variant}) for variant in game.variants]
     return [
         *table,
         [f"held out − {game.first}", "", *(in_points(game.gain(variant)) for variant in others)],

@@ -1,4 +1,8 @@
-"""1v1 Rare: a striker before an open goal; in one level of fifty the keeper stands in his way."""
+"""1v1 Rare: a striker, and a keeper well aside of his way to the goal; in about one level of fifty he stands in it.
+
+theta: how far aside the keeper is, a range for the way itself and one for each side, and which of them; striker x, y;
+keeper x.
+"""
 
 from places import *
 

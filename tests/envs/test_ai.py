@@ -200,7 +200,7 @@ def test_a_pass_is_as_long_as_the_way_to_the_mate() -> None:
 
 
 def test_who_dribbles_beside_the_goal_keeps_off_its_line() -> None:
-    """Measured: of 75 drawn there nobody led it over the goal line, of 150 here .18 before lines pushed as hard."""
+    """Measured: of 75 drawn there nobody led it over the goal line. Here .03; .70 with the pushes of before."""
     matches = alone([*KEEPERS, (38.0, 14.0, LEFT, CM), (44.0, 4.0, RIGHT, CB)], (38.4, 14.0))
     matches["players"]["vx"][:, 2] = matches["ball"]["vx"] = 5.0
     out = np.zeros(len(matches), bool)
@@ -208,7 +208,7 @@ def test_who_dribbles_beside_the_goal_keeps_off_its_line() -> None:
         play(matches, [0])
         beside = (np.abs(matches["ball"]["y"]) > 4.0) & (matches["players"]["kick"][:, 2] == 0)
         out |= (matches["last_touch"] == 2) & (matches["ball"]["x"] > 54.5) & beside
-    assert out.mean() < 0.2
+    assert out.mean() < 0.1
 
 
 def test_many_opponents_push_no_harder_than_the_goal_pulls() -> None:

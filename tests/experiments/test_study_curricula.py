@@ -1,4 +1,4 @@
-"""`regista study curricula` and `ablations`: what is trained with which settings, held-out thirds, and the page."""
+"""`regista study curricula`, `rare`, `ablations`: what is trained with which settings, what is held out, the page."""
 
 import numpy as np
 import pytest

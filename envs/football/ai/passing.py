@@ -19,9 +19,9 @@ from scenic_lite.kernels.jit import kernel
 
 
 class Worth(NamedTuple):
-    """What a pass is worth, and from when it is played."""
+    """What a pass is worth, and from when it is played. No length is the greatest: the original passes to any mate."""
 
-    ground_least: float = 4.0  # m to the mate of a pass along the ground
+    ground_least: float = 4.0  # m to the mate of any pass
     high_least: float = 12.0  # m, of a high one
     better: float = 0.1  # by how much a mate's situation must be better
     gain_most: float = 4.0  # more is not worth more
@@ -79,7 +79,7 @@ def best_pass(match, i, threshold):
     for j in range(match.num_players):
         mate = match.players[j]
         distance = apart(mate, player)
-        if j == i or mate.team != player.team or not distance > WORTH.ground_least or mate.down_wait > 0.0:
+        if j == i or mate.team != player.team or distance <= WORTH.ground_least or mate.down_wait > 0.0:
             continue
         if match.offsides and forward(player.team) * mate.x > line - WORTH.onside:
             continue

@@ -143,8 +143,8 @@ def takes_place(kick, action):
 
 @kernel
 def may_slide(match, i):
-    """Return whether the button of the slide is one for player i: he has asked for no kick, and is not the first at a
-    free ball, nor sooner at it than the opponents.
+    """Return whether the button of the slide is one for player i: he has asked for no kick, a led ball is not at his
+    feet, and he is not the first at a free one, nor sooner at it than the opponents.
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):
