@@ -99,8 +99,8 @@ TUNING = {  # of PPO under domain randomisation, one change at a time
     "short rollouts": Variant("dr", {"num_envs": 128, "ppo.num_steps": 64}),
 }
 
-# One random level in fifty asks for what the others do not; students are played on both. Others are compared with the best
-# of ten changes of PPO under domain randomisation there (RESULTS.md).
+# One random level in fifty asks for what the others do not; students are played on both. Of ten changes of PPO under
+# domain randomisation there the best one is compared with (RESULTS.md).
 RARE_GAMES: dict[str, Settings] = {"1v1Rare": {"total_env_steps": 4_000_000, **LONG}}
 SLOWLY: Settings = {"ppo.learning_rate": 2e-4}
 RARE = {
