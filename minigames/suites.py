@@ -83,14 +83,6 @@ MINIGAMES: dict[str, Minigame] = {
             held_out=_scenes("one_v_one/held_out_free", "in", "near", "clear"),
         ),
         Minigame(
-            "1v1Rare",
-            HERE / "one_v_one" / "rare.scenic",
-            ONE_V_ONE_TESTS,
-            "a striker, and a keeper aside of his way; a rare event, one level in fifty: he stands in it",
-            difficulty="what wins nearly all levels is soon learned; the rare ones ask for another way to play",
-            held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
-        ),
-        Minigame(
             "ChoosePassing",
             HERE / "choose_passing" / "train.scenic",
             (
@@ -155,6 +147,14 @@ SPARSE_REWARD: dict[str, Minigame] = {
             "six guards anywhere between the striker and an empty goal, each with a reach",
             difficulty="most random levels leave a way; what leaves none hardly ever comes by chance",
             held_out=_scenes("gauntlet/held_out_crowd", "wall", "bends", "trap"),
+        ),
+        Minigame(
+            "1v1Rare",
+            HERE / "one_v_one" / "rare.scenic",
+            ONE_V_ONE_TESTS,
+            "a striker, and a keeper aside of his way; a rare event, one level in fifty: he stands in it",
+            difficulty="what wins nearly all levels is soon learned; the rare ones ask for another way to play",
+            held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),
         Minigame(
             "Buildup",

@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 FOLDERS = ("experiments/programs", "minigames", "tests/programs")
 MODULES = {
     "academy/places", "buildup/defenders", "defense/attacks", "experts/skills", "gauntlet/guards", "grf/episode",
-    "offense/episode", "offense/offside", "three_v_two/strategies",
+    "offense/episode", "offense/offside", "one_v_one/places", "three_v_two/strategies",
 }  # fmt: skip
 # Folders and programs without a behavior, a monitor or a condition that ends a match.
 STILL = {

@@ -15,6 +15,7 @@ DIMENSIONS = {
     "Pursuit": 11,
     "Alone": 8,
     "Crowd": 15,
+    "1v1Rare": 7,
     "Buildup": 15,
     "CrossingWide": 12,
 }
@@ -76,7 +77,7 @@ def test_held_out_keepers_stand_in_the_way_near_it_and_clear_of_it_within_the_ga
 
 
 def test_what_is_rare_comes_in_one_random_level_of_fifty_and_in_half_of_what_is_held_out():
-    game = MINIGAMES["1v1Rare"]
+    game = SPARSE_REWARD["1v1Rare"]
 
     def aside(path):
         program = program_of(path)
