@@ -106,7 +106,8 @@ MINIGAMES: dict[str, Minigame] = {
 }
 
 
-# Games of sparse reward: broad programs, paid for goals alone, which hardly ever come on a random level at first.
+# Games that ask for a curriculum, paid for goals alone: they hardly ever come on a random level at first, or what is
+# hard is rare.
 SPARSE_REWARD: dict[str, Minigame] = {
     game.name: game
     for game in (
