@@ -158,6 +158,21 @@ SPARSE_REWARD: dict[str, Minigame] = {
             held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),
         Minigame(
+            "1v1RareLine",
+            HERE / "one_v_one" / "rare_line.scenic",
+            (
+                ("out", HERE / "one_v_one" / "test_line_out.scenic"),
+                ("line", HERE / "one_v_one" / "test_line.scenic"),
+                ("line wide", HERE / "one_v_one" / "test_line_wide.scenic"),
+            ),
+            "a striker, and a keeper who has come out aside of his way; one level in fifty: he is on his line",
+            difficulty="as 1v1Rare: what wins where he is out is soon learned, and fails where he is not",
+            held_out=(
+                ("line", HERE / "one_v_one" / "held_out_rare_line.scenic"),
+                ("out", HERE / "one_v_one" / "held_out_restricted_clear.scenic"),
+            ),
+        ),
+        Minigame(
             "Buildup",
             HERE / "buildup" / "train.scenic",
             _scenes("buildup/test", "two", "three", "four"),

@@ -16,6 +16,7 @@ DIMENSIONS = {
     "Alone": 8,
     "Crowd": 15,
     "1v1Rare": 7,
+    "1v1RareLine": 8,
     "Buildup": 15,
     "CrossingWide": 12,
 }
@@ -76,19 +77,28 @@ def test_held_out_keepers_stand_in_the_way_near_it_and_clear_of_it_within_the_ga
     assert gaps["in"].max() <= 2 <= gaps["near"].min() and gaps["near"].max() <= 6 <= gaps["clear"].min()
 
 
-def test_what_is_rare_comes_in_one_random_level_of_fifty_and_in_half_of_what_is_held_out():
-    game = SPARSE_REWARD["1v1Rare"]
+def aside_of_the_way(striker, keeper):
+    return np.abs(keeper[:, 1] - striker[:, 1] * (100 - keeper[:, 0]) / (100 - striker[:, 0]))
 
-    def aside(path):
+
+def before_the_line(striker, keeper):
+    return 99 - keeper[:, 0]
+
+
+@pytest.mark.parametrize(
+    ("name", "gap", "most"), [("1v1Rare", aside_of_the_way, 2), ("1v1RareLine", before_the_line, 0)]
+)
+def test_what_is_rare_comes_in_one_random_level_of_fifty_and_in_half_of_what_is_held_out(name, gap, most):
+    game = SPARSE_REWARD[name]
+
+    def gaps(path):
         program = program_of(path)
         places = program.instantiate(np.random.default_rng(0).uniform(-1, 1, (20_000, program.dim))).positions
-        ego, other = places[:, 0], places[:, 1]
-        return np.abs(other[:, 1] - ego[:, 1] * (100 - other[:, 0]) / (100 - ego[:, 0]))
+        return gap(places[:, 0], places[:, 1])
 
     (_, rare), (_, common) = game.held_out
-    border = aside(rare).max() + 0.1
-    assert 0.015 < (aside(game.program) < border).mean() < 0.025
-    assert aside(common).min() > border
+    assert gaps(rare).max() < most + 0.1 < gaps(common).min()
+    assert 0.015 < (gaps(game.program) < most + 0.1).mean() < 0.025
 
 
 def courses(name, columns, steps=30):

@@ -107,7 +107,8 @@ class CurriculaStudy:
         for seed in range(first, first + self.config.seeds):
             for game in games:
                 for name, variant in variants.items():
-                    chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings | self.typed
+                    chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings
+                    chosen |= variant.tuned.get(game, {}) | self.typed
                     chosen["total_env_steps"] *= variant.times
                     about = {"method": variant.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
                     yield PlannedVariant(game, name, seed, chosen | about)

@@ -77,6 +77,13 @@ def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_publ
         list(CurriculaStudy("curricula", CurriculaStudyConfig(variants=("dr", "pared")), {}).planned())
 
 
+def test_what_was_searched_on_a_game_is_set_on_that_game_alone():
+    config = CurriculaStudyConfig(variants=("tuned dr", "dr"), seeds=1)
+    planned = {(plan.game, plan.agent): plan.settings for plan in CurriculaStudy("rare", config, {}).planned()}
+    for game, settings in COMPARISONS["rare"].variants["tuned dr"].tuned.items():
+        assert planned[game, "tuned dr"] == planned[game, "dr"] | settings != planned[game, "dr"]
+
+
 def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
     for name in COMPARISONS:
         study = CurriculaStudy(name, CurriculaStudyConfig(out=tmp_path, seeds=1), {})

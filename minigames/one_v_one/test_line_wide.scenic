@@ -1,0 +1,9 @@
+"""1v1 Rare Line, a test: the keeper on his line, the striker near and at the edge of his area."""
+
+from places import *
+
+ego = LeftCM at 58 @ 9
+RightGK at 99 @ 1.5
+
+LeftGK at -99 @ 0
+ball = Ball ahead of ego by 2
