@@ -114,6 +114,7 @@ SLOWLY: Settings = {"ppo.learning_rate": 2e-4}
 RARE = {
     "tuned dr": Variant("dr", tuned={"1v1Rare": SLOWLY, "1v1RareLine": {"ppo.learning_rate": 1e-3}}),
     "dr": Variant("dr"),
+    "dr, rate 0.0002": Variant("dr", SLOWLY),
     "paired": Variant("paired"),
     "paired, more entropy": Variant("paired", MORE_ENTROPY),
     "paired, rate 0.0002": Variant("paired", SLOWLY),
