@@ -119,6 +119,8 @@ RARE = {
     "paired, more entropy": Variant("paired", MORE_ENTROPY),
     "paired, rate 0.0002": Variant("paired", SLOWLY),
     "self_regret": Variant("self_regret"),
+    "plr": Variant("plr", replay("plr")),
+    "sfl": Variant("sfl"),
 }
 
 COMPARISONS = {
