@@ -105,7 +105,7 @@ TUNING = {  # of PPO under domain randomisation, one change at a time
 }
 
 # One random level in fifty asks for what the others do not; students are played on both. Domain randomisation has the
-# best of eleven settings of PPO, searched on each game; of ten of PAIRED on 1v1Rare more entropy was best (RESULTS.md).
+# best of ten changes of PPO, searched on each game; of nine of PAIRED on 1v1Rare more entropy was best (RESULTS.md).
 RARE_GAMES: dict[str, Settings] = {
     "1v1Rare": {"total_env_steps": 4_000_000, **LONG},
     "1v1RareLine": {"total_env_steps": 4_000_000, **LONG},
