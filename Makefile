@@ -26,7 +26,7 @@ demo: $(READY)
 	$(BIN)/regista compare 1v1Rare --methods dr paired --seeds 3 --total-env-steps 3_000_000 --num-envs 16 --num-steps 512 \
 		--ent-coef 0.003 --held-out --out demo
 
-# The tables of RESULTS.md, five hours on 2 cores; what has a row in experiments/studies/results is not done again. In
+# The tables of RESULTS.md, seven hours on 2 cores; what has a row in experiments/studies/results is not done again. In
 # parts: make publish STUDY="curricula --hours 3".
 results: $(READY)
 	$(BIN)/regista study curricula --publish
