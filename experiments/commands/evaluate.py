@@ -34,6 +34,7 @@ class EvaluateConfig(Checked):
     episodes: int = setting(500, "whole episodes on each scene", ">=1")
     levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
     level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
     baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
     csv: Path | None = setting(None, "also write the results to this CSV file")
@@ -68,7 +69,7 @@ def main(argv: Sequence[str]) -> int:
         if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
             raise CommandError("these runs read their program with different settings; evaluate them apart")
         first = replace(first, env=config.playing.instead_of(first.env))
-    scenes = EvalScenes(first, build.load_scenes(first), config.episodes)
+    scenes = EvalScenes(first, build.load_scenes(first, config.held_out), config.episodes)
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:

@@ -124,6 +124,8 @@ def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     on all of its programs, and on their test scenes. Of a task of one's own the scenes are `TaskScene`.
     """
     if not is_football(config):
+        if held_out:
+            raise UsageError(f"{config.minigame} has no held-out scenes: a task of your own has tests alone")
         return dict(tasks.load_scenes(config.minigame, TRAINING_SCENE))
     games, dialect = [find_minigame(part) for part in parts_of(config.minigame)], config.env.dialect
     programs = [load_program(game.program, dialect, config.program) for game in games]

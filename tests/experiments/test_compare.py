@@ -116,6 +116,9 @@ def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
     assert len(found["results"]) == 4 and len(found["levels"]) == 1
     (mean,) = [entry for entry in found["tables"] if entry["measure"] == "mean"]
     assert 0 < mean["estimate"] <= 1 and mean["low"] is None  # one run says nothing of the next
+    assert main(["evaluate", str(path), "--episodes", "20", "--levels", "0", "--json", "--held-out"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {row["scene"] for row in found["results"]} == {"training distribution", "in", "near", "clear"}
 
 
 def test_goals_are_what_counts_whatever_pays_in_training(in_process, monkeypatch):
