@@ -55,15 +55,11 @@ def slug(label: str) -> str:
 
 
 def _scenes(stem: str, *names: str) -> tuple[tuple[str, Path], ...]:
-    """Return the pages `<stem>_<name>` by name."""
-    return tuple((name, HERE / f"{stem}_{name}.scenic") for name in names)
+    """Return the pages `<stem>_<name>` by name, with a `_` for each space."""
+    return tuple((name, HERE / f"{stem}_{slug(name)}.scenic") for name in names)
 
 
-ONE_V_ONE_TESTS = (
-    ("easy", HERE / "one_v_one" / "test_easy.scenic"),
-    ("medium", HERE / "one_v_one" / "test_medium.scenic"),
-    ("hard", HERE / "one_v_one" / "test_hard.scenic"),
-)
+ONE_V_ONE_TESTS = _scenes("one_v_one/test", "easy", "medium", "hard")
 
 MINIGAMES: dict[str, Minigame] = {
     game.name: game
@@ -160,15 +156,11 @@ SPARSE_REWARD: dict[str, Minigame] = {
         Minigame(
             "1v1RareLine",
             HERE / "one_v_one" / "rare_line.scenic",
-            (
-                ("out", HERE / "one_v_one" / "test_line_out.scenic"),
-                ("line", HERE / "one_v_one" / "test_line.scenic"),
-                ("line wide", HERE / "one_v_one" / "test_line_wide.scenic"),
-            ),
+            _scenes("one_v_one/test_rare", "out", "line", "line wide"),
             "a striker, and a keeper who has come out aside of his way; one level in fifty: he is on his line",
             difficulty="as 1v1Rare: what wins where he is out is soon learned, and fails where he is not",
             held_out=(
-                ("line", HERE / "one_v_one" / "held_out_rare_line.scenic"),
+                *_scenes("one_v_one/held_out_rare", "line"),
                 ("out", HERE / "one_v_one" / "held_out_restricted_clear.scenic"),
             ),
         ),

@@ -1,4 +1,4 @@
-"""What 1v1 Rare and held-out scenes share: the settings of an episode, and places told from the way to the goal."""
+"""What the rare games and held-out scenes share: the settings of an episode, and places told from the way to the goal."""
 
 model football.model
 
