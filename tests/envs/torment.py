@@ -28,7 +28,8 @@ from envs.football.constants import (
 )
 from envs.football.rules.fouls import report_foul
 from envs.football.simulator import step_match, step_players
-from envs.football.skills.contacts import DEFLECT, FEET
+from envs.football.skills.contacts import FEET
+from envs.football.skills.hands import PARRY
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -112,7 +113,7 @@ def wrong_change(match, before):
 def fastest_touch(match):
     """Return the speed in m/s that a touch can give the ball which is no kick: a keeper's slide, or his hands."""
     ball = match.ball
-    struck = DEFLECT.ball * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy) + DEFLECT.run * fastest_body(match)
+    struck = PARRY.ball * math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy) + PARRY.run * fastest_body(match)
     return max(FEET.fast, struck)
 
 

@@ -12,11 +12,10 @@ import numpy as np
 
 from envs.football.constants import GK, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
-from envs.football.physics.pitch import own_goal_x
 from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.first_touch import cushion
-from envs.football.skills.hands import can_hold, has_hands, hold, parry, sticks_off_feet
+from envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
 from envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from envs.football.skills.saves import DIVE, foresee
 from envs.football.skills.tackles import (
@@ -101,18 +100,11 @@ class Feet(NamedTuple):
 
 
 class Deflect(NamedTuple):
-    """A ball off a carrier's feet that a keeper's hands reach but do not hold.
+    """A ball off a carrier's feet that a keeper's hands reach but do not hold: `hands.Parry`, but hardly ever cleanly.
 
-    As documented, but for what follows `run_least`, which is fitted to 190 measured meetings.
+    Fitted to 190 measured meetings.
     """
 
-    ball: float = 0.3  # share of its speed that the ball keeps,
-    run: float = 2.5  # and of his that it gets
-    back: float = 0.1  # of its velocity, turned round, in the way that it goes,
-    along: float = 2.0  # of his,
-    out: float = 4.0  # m/s away from his goal,
-    aside: float = 1.0  # and to either side at most
-    lift: float = 1.2  # m/s
     run_least: float = 0.25  # share of his speed that is left when he meets it, at least,
     run_more: float = 1.05  # and more, at most:
     run_power: float = 2.5  # most often little
@@ -130,10 +122,6 @@ class Catch(NamedTuple):
     below: float = 2.8  # m, height of a ball that he can save
     easy: float = 8.0  # m/s, slower balls always stick
     near: float = 0.9  # m: on the spot
-    fits: float = 0.6  # chance that a ball slow enough sticks, near
-    diving: float = 0.2  # and at a stretch
-    easier: float = 0.75  # s after the kick, from where on more balls stick
-    ease: float = 0.2  # s more, until all do
     block_down: float = 0.3  # s on the ground after a block on the spot
     dive_down: float = 1.1  # s, after a dive
 
@@ -176,7 +164,8 @@ def meet_ball(match, bits, far, behind):
         if match.keeper_holding != NOBODY or match.carrier == i:
             continue
         player = match.players[i]
-        if player.touch_wait > 0.0 or (player.down_wait > 0.0 and not player.is_sliding):
+        busy = player.touch_wait > 0.0 or (player.down_wait > 0.0 and not player.is_sliding)
+        if busy and match.saver != i:
             continue
         dx, dy = match.ball.x - player.x, match.ball.y - player.y
         squared = dx * dx + dy * dy
@@ -331,16 +320,11 @@ def deflect(match, i):
     carrier.touch_wait = DEFLECT.robbed_wait
     share = DEFLECT.run_least + DEFLECT.run_more * uniform(match) ** DEFLECT.run_power
     run_x, run_y = share * player.vx, share * player.vy
-    out = -math.copysign(DEFLECT.out, own_goal_x(player.team))
-    aside = out / DEFLECT.out * DEFLECT.aside * (2.0 * uniform(match) - 1.0)  # turned with the pitch
-    to_x, to_y = toward(
-        DEFLECT.along * run_x - DEFLECT.back * before_x + out, DEFLECT.along * run_y - DEFLECT.back * before_y + aside
-    )
-    speed = DEFLECT.ball * length(before_x, before_y) + DEFLECT.run * length(run_x, run_y)
+    knock_out(match, player, run_x, run_y)
     missed = max(uniform(match) - DEFLECT.clean, 0.0) / (1.0 - DEFLECT.clean)
-    ball.vx = (1.0 - missed) * speed * to_x + missed * before_x
-    ball.vy = (1.0 - missed) * speed * to_y + missed * before_y
-    ball.vz = (1.0 - missed) * DEFLECT.lift
+    ball.vx = (1.0 - missed) * ball.vx + missed * before_x
+    ball.vy = (1.0 - missed) * ball.vy + missed * before_y
+    ball.vz = (1.0 - missed) * PARRY.lift
     player.vx, player.vy = run_x, run_y
 
 
@@ -391,10 +375,10 @@ def catch(match, i):
     """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
     player, ball = match.players[i], match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    if fast < CATCH.easy or can_hold(match, fast):
+    if fast < CATCH.easy or sticks(match, fast):
         hold(match, i)
     else:
-        parry(match, i, False)
+        parry(match, i)
 
 
 @kernel
@@ -406,11 +390,8 @@ def save(match, i):
     if not match.save_succeeds or ball.z > CATCH.below:
         player.touch_wait, player.down_wait = CLAIM.wait, CATCH.dive_down
         return
-    late = min(max((match.kick_age - CATCH.easier) / CATCH.ease, 0.0), 1.0)
-    fits = CATCH.fits if near else CATCH.diving
-    sticks = uniform(match) < fits + (1.0 - fits) * late
-    if sticks and can_hold(match, length(ball.vx, ball.vy)) and has_hands(match, i):
+    if has_hands(match, i) and sticks(match, length(ball.vx, ball.vy)):
         hold(match, i)
         return
-    parry(match, i, not near)
+    parry(match, i)
     player.down_wait = CATCH.block_down if near else CATCH.dive_down
