@@ -135,6 +135,7 @@ PLAYER_FIELDS: Table = (
     # What a duel leaves behind: `skills.tackles`, `skills.contacts`; the times run down at the end of a step
     ("touch_wait", Real(math.inf), (), "s", "until this player can touch the ball again"),
     ("down_wait", Real(math.inf), (), "s", "until he is on his feet again after a slide or a dive"),
+    ("pushed", REAL, (), "m", "by which other bodies have just moved him: his shots are weak then, and go astray"),
     ("is_sliding", "?", (), "", "the player is down because he slides into a tackle"),
     ("is_slide_spent", "?", (), "", "his slide has met the carrier: felled him, or not"),
     # Cards: `rules.fouls`

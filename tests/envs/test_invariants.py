@@ -54,6 +54,20 @@ def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], a
     assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) == pytest.approx(0.72)
 
 
+@given(st.tuples(speed, speed, speed, speed), st.floats(0, 2 * math.pi), st.floats(0.031, 0.7))
+@settings(max_examples=100, deadline=None)
+def test_mates_push_past_each_other(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
+    """They keep their velocities, and are a body apart; what they feel of it is 0.1 m at most."""
+    x, y = apart * math.cos(angle), apart * math.sin(angle)
+    matches = position([(0.0, 0.0, LEFT, CM), (x, y, LEFT, CM)], (30.0, 0.0))
+    players = matches["players"]
+    players["vx"][0, :2], players["vy"][0, :2] = v[::2], v[1::2]
+    part_bodies(matches[0], crowded(matches[0]))
+    assert tuple(players["vx"][0, :2]) + tuple(players["vy"][0, :2]) == v[::2] + v[1::2]
+    assert (players["pushed"][0, :2] <= 0.1).all()
+    assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) > 0.72 - 0.03
+
+
 def test_two_who_stand_in_one_place_stumble_apart_sideways() -> None:
     """Seen of both keepers at the left goal: after three steps the left one is 1.1 to 1.3 m aside, the other 0.2 m."""
     matches = position([(-55.0, 0.0, LEFT, GK), (30.0, 0.0, LEFT, CM), (-55.0, 0.0, RIGHT, GK)], (31.0, 0.0))

@@ -6,10 +6,28 @@ Read next: `frames`, which calls this in every frame.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT
+from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT, STEP
+from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
+
+class Push(NamedTuple):
+    """Who gives way where two bodies meet, and what it costs him, as documented of Google Research Football."""
+
+    back: float = 0.8  # less for who turns his back on the other rather than his face,
+    speed: float = 0.2  # more for who is faster, in full at
+    speed_range: float = 8.0  # m/s,
+    ball: float = 0.4  # less for who has the ball, all of it within -1 and 1;
+    least: float = 0.25  # share of the way that he gives then at least
+    most: float = 0.1  # m of it that he still feels afterwards, at most
+    along: float = 1.87  # m between mates, within which they take over each other's movement,
+    drag: float = 0.24  # at most so much of the difference,
+    uneven: float = 0.45  # by so much more than half of it who gives way
+
+
+PUSH = Push()
 # Measured in Google Research Football, of two who stand in one place when play begins: `regista benchmark --suite grf`,
 # family academy.
 SAME_PLACE = 0.03  # m between bodies that stand in one place: they stumble apart,
@@ -64,10 +82,7 @@ def crowded(match):
 
 @kernel
 def part_bodies(match, crowd):
-    """Push overlapping players apart and take away the speed with which they close in, of the pairs of a `crowd`.
-
-    Who runs faster gives way more, so that nobody is shoved about the pitch; who has been beaten is in nobody's way.
-    """
+    """Push overlapping players apart, of the pairs of a `crowd`; who has been beaten is in no opponent's way."""
     for i in range(1, match.num_players):
         if crowd >> i & 1 == 0:
             continue
@@ -81,11 +96,40 @@ def part_bodies(match, crowd):
             b = match.players[j]
             dx, dy = a.x - b.x, a.y - b.y
             squared = dx * dx + dy * dy
-            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and not (beaten(a) or beaten(b)):
+            if a.team == b.team and squared < PUSH.along * PUSH.along:
+                run_along(a, b, gives_way(match, i, j, dx, dy, math.sqrt(squared)))
+            in_the_way = a.team == b.team or not (beaten(a) or beaten(b))
+            if squared < 4.0 * BODY_RADIUS * BODY_RADIUS and in_the_way:
                 if squared < SAME_PLACE * SAME_PLACE:
                     stumble_apart(a, b)
                 else:
-                    part(a, b, dx, dy, math.sqrt(squared))
+                    part(match, i, j, dx, dy, math.sqrt(squared))
+
+
+@kernel
+def gives_way(match, i, j, dx, dy, distance):
+    """Return how much more than player j player i has to give way, -1 to 1; (dx, dy) leads from j to i."""
+    a, b = match.players[i], match.players[j]
+    ux, uy = dx / (distance + 1e-9), dy / (distance + 1e-9)
+    turned = 0.5 * (ux * (a.facing_x + b.facing_x) + uy * (a.facing_y + b.facing_y))
+    faster = (length(a.vx, a.vy) - length(b.vx, b.vy)) / PUSH.speed_range
+    more = PUSH.speed * min(max(faster, -1.0), 1.0) - PUSH.back * turned
+    if match.carrier == i:
+        more -= PUSH.ball
+    elif match.carrier == j:
+        more += PUSH.ball
+    return min(max(more, -1.0), 1.0)
+
+
+@kernel
+def run_along(a, b, more):
+    """Let two mates take over a part of each other's movement, a so much more of it than b."""
+    force_a, force_b = PUSH.drag * (0.5 + PUSH.uneven * more) * DT, PUSH.drag * (0.5 - PUSH.uneven * more) * DT
+    dx, dy = b.vx - a.vx, b.vy - a.vy
+    a.x += force_a * dx
+    a.y += force_a * dy
+    b.x -= force_b * dx
+    b.y -= force_b * dy
 
 
 @kernel
@@ -106,19 +150,30 @@ def stumble_apart(a, b):
 
 
 @kernel
-def part(a, b, dx, dy, distance):
-    """Part two overlapping bodies; (dx, dy) leads from b to a."""
+def part(match, i, j, dx, dy, distance):
+    """Part two overlapping bodies, and let both feel it; (dx, dy) leads from player j to player i.
+
+    Mates push past each other. Of opponents who runs faster gives way more, so that nobody is shoved about the pitch,
+    and they lose the speed with which they close in.
+    """
+    a, b = match.players[i], match.players[j]
     nx, ny = dx / distance, dy / distance
-    toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # only these, or energy could be gained
-    energy_a, energy_b = toward_b * toward_b + 1e-9, toward_a * toward_a + 1e-9
-    share = energy_a / (energy_a + energy_b)
+    closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
+    share = 0.5 + (0.5 - PUSH.least) * gives_way(match, i, j, dx, dy, distance)
+    are_mates = a.team == b.team
+    felt = max(-closing, 0.0) * (DT if are_mates else STEP)  # opponents close in no further within the step
+    a.pushed = min(a.pushed + share * felt, PUSH.most)
+    b.pushed = min(b.pushed + (1.0 - share) * felt, PUSH.most)
+    if not are_mates:
+        toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # only these, or energy could be gained
+        energy_a, energy_b = toward_b * toward_b + 1e-9, toward_a * toward_a + 1e-9
+        share = energy_a / (energy_a + energy_b)
     push = 2.0 * BODY_RADIUS - distance
     a.x += share * push * nx
     a.y += share * push * ny
     b.x -= (1.0 - share) * push * nx
     b.y -= (1.0 - share) * push * ny
-    closing = (a.vx - b.vx) * nx + (a.vy - b.vy) * ny
-    if closing < 0.0:
+    if closing < 0.0 and not are_mates:
         a.vx -= share * closing * nx
         a.vy -= share * closing * ny
         b.vx += (1.0 - share) * closing * nx

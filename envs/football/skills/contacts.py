@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import GK, NOBODY, NORMAL, STEP
+from envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
 from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
@@ -48,9 +48,11 @@ class Trap(NamedTuple):
 class MatesBall(NamedTuple):
     """A ball that a mate leads, for who has asked for a kick; checked against meetings drawn in both engines."""
 
-    reach: float = 0.9  # m
+    reach: float = 0.7  # m
+    pushed: float = 0.03  # m: then he swings; else when it comes no nearer
     missed: float = 0.3  # share of a swing that is lost at worst: then he hits nothing,
     best: float = 1.3  # share of it that may be there beside that; more than all is all
+    stops: float = 0.4  # s since he has asked for it, in which he stops it first
     robbed_wait: float = 0.3  # s until who led it can touch it again
 
 
@@ -185,7 +187,7 @@ def meet(match, i, distance):
     elif match.carrier != NOBODY:
         if match.players[match.carrier].team != player.team:
             challenge(match, i, distance)
-        elif player.kick_ready and distance < MATES_BALL.reach and ball.z < TRAP.header_from:
+        elif player.kick_ready and meets_mates_ball(player, ball, distance):
             kick_mates_ball(match, i)
     elif player.role == GK and distance < CLAIM.reach and ball.z < CLAIM.below and has_hands(match, i):
         catch(match, i)
@@ -237,12 +239,26 @@ def trap(match, i):
 
 
 @kernel
+def meets_mates_ball(player, ball, distance):
+    """Return whether a ball in a player's reach comes no nearer to him, or others push him already."""
+    if distance > MATES_BALL.reach or ball.z > TRAP.header_from:
+        return False
+    closing = (ball.x - player.x) * (ball.vx - player.vx) + (ball.y - player.y) * (ball.vy - player.vy)
+    return closing >= 0.0 or player.pushed > MATES_BALL.pushed
+
+
+@kernel
 def kick_mates_ball(match, i):
     """Let player i, who has asked for a kick, play the ball that a mate leads as it comes.
 
-    He swings at where it will be if the mate plays it no more: so he often meets but a part of it, or nothing.
+    Who has just asked stops it first. Later he swings at where it will be if the mate plays it no more: so he often
+    meets but a part of it, or nothing.
     """
     player = match.players[i]
+    if STEP * (KICK_PATIENCE - player.kick_patience) < MATES_BALL.stops:
+        match.players[match.carrier].touch_wait = MATES_BALL.robbed_wait
+        cushion(match, i)
+        return
     clean = MATES_BALL.best * uniform(match) - MATES_BALL.missed
     if clean <= 0.0:
         forget_kick(player)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY, STEP
+from envs.football.physics.bodies import PUSH
 from envs.football.physics.dribble import push_on
 from envs.football.physics.running import READY, START, SURE
 from envs.football.physics.vectors import length
@@ -35,6 +36,7 @@ class Control(NamedTuple):
     far_away_weight: float = 4.0  # of that, in how far the ball jumps
     surprise_time: float = 0.73  # s after an opponent's kick
     surprise_power: float = 0.6
+    pushed_weight: float = 4.0  # of who has just been pushed, in how far it jumps; a quarter of it in how high
     surprise_weight: float = 5.0
     surprise_keep: float = 0.1  # of that, in how much the ball goes on as it came
     skill: float = 0.75  # 1 less half of the ball control that players have
@@ -69,15 +71,16 @@ def difficulty(match, player):
         ball.x - player.x - CONTROL.ahead * player.facing_x, ball.y - player.y - CONTROL.ahead * player.facing_y
     )
     surprise = CONTROL.surprise_weight * surprised(match, player) ** CONTROL.surprise_power
-    if fast <= CONTROL.fast_from and away <= CONTROL.far_from and surprise == 0.0:
+    pushed = CONTROL.pushed_weight * player.pushed / PUSH.most
+    if fast <= CONTROL.fast_from and away <= CONTROL.far_from and surprise == 0.0 and pushed == 0.0:
         return 0.0, 0.0, 0.0
     fast = (
         CONTROL.fast_weight * min(max((fast - CONTROL.fast_from) / CONTROL.fast_range, 0.0), 1.0) ** CONTROL.fast_power
     )
     away = CONTROL.far_weight * min(max((away - CONTROL.far_from) / CONTROL.far_range, 0.0), 1.0) ** 2.0
     skill = (1.0 - (1.0 - CONTROL.skill) * player.skill) * (0.5 + 0.5 * uniform(match))
-    far_off = skill * (fast + CONTROL.far_away_weight * away + surprise)
-    high_off = skill * (2.0 * fast + away + surprise)
+    far_off = skill * (fast + CONTROL.far_away_weight * away + surprise + pushed)
+    high_off = skill * (2.0 * fast + away + surprise + 0.25 * pushed)
     return min(far_off, 1.0), min(high_off, 1.0), skill * min(CONTROL.surprise_keep * surprise, 0.9)
 
 

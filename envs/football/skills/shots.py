@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from envs.football.physics.bodies import PUSH
 from envs.football.physics.pitch import attacked_goal_x
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
@@ -43,6 +44,7 @@ class Power(NamedTuple):
     across_from: float = 0.785  # rad from run to shot, from where on power is lost
     across_range: float = 0.534  # rad more, until all of it is:
     across_weak: float = 0.04
+    pushed: float = 0.6  # share of it that the hardest push costs
     meeting_gain: float = 0.2  # more power from a ball that comes with 10 m/s
 
 
@@ -54,6 +56,7 @@ class Difficulty(NamedTuple):
     speed: float = 0.3
     meeting: float = 0.4
     effort: float = 0.4
+    pushed: float = 0.7
     easy_speed: float = 3.5  # m/s
     speed_range: float = 4.0  # m/s
     volley_skill: float = 0.37
@@ -137,7 +140,8 @@ def strike(match, player, ux, uy, power):
     along = eased(1.0 - max(off - HARD.easy_angle, 0.0) / math.pi, 0.8) ** 0.8
     force = force_of(player, along, speed, power) * (1.0 + POWER.meeting_gain * meeting)
     force *= 1.0 - POWER.across_weak * min(max((off - POWER.across_from) / POWER.across_range, 0.0), 1.0)
-    hard = 1.0 - ease(along, speed, meeting, force)
+    pushed = player.pushed / PUSH.most
+    hard = 1.0 - ease(along, speed, meeting, force) * (1.0 - HARD.pushed * pushed)
     exponent = HARD.skill_weight * SHOT_SKILL[player.shirt % len(SHOT_SKILL)] * player.skill
     bad = uniform(match) ** exponent
     sx, sy, sz = bad_direction(match, rx, ry, ux, uy, hard)
@@ -166,6 +170,7 @@ def force_of(player, along, speed, power):
     him.
     """
     share = (0.7 + 0.3 * along) * (0.7 + 0.3 * min(speed / 8.0, 1.0) ** 0.3)
+    share *= 1.0 - POWER.pushed * player.pushed / PUSH.most
     force = share * POWER.full * (POWER.least + POWER.gauge * math.sqrt(power))
     stand = POWER.stand_share + (POWER.run_share - POWER.stand_share) * min(
         (speed - POWER.step_in) / (POWER.running_from - POWER.step_in), 1.0
