@@ -30,7 +30,7 @@ from envs.football.constants import (
 )
 from envs.football.simulator import step_everybody
 from envs.football.skills.first_touch import difficulty
-from envs.football.skills.kicks import delay, gauge
+from envs.football.skills.kicks import aim_again, delay, gauge, swing_legs
 from envs.football.skills.passes import choose_mate, place_of
 
 
@@ -192,6 +192,36 @@ def test_who_asks_for_a_pass_from_rest_goes_on_at_a_walk_until_it_leaves(held: i
     fast, _ = speeds(matches, [0, 0, 0, DIRECTION_RIGHT, *[0] * held, SHORT_PASS, 0, 0, 0, 0])
     assert 2.0 < fast[-2:].mean() < 4.0
     assert fast.max() < 4.5
+
+
+@pytest.mark.parametrize(("left", "mate"), [(0.35, 2), (0.2, 1)])
+def test_a_pass_is_for_whom_the_keys_say_until_shortly_before_it_leaves(left: float, mate: int) -> None:
+    """Measured: keys that change 0.4 s before the contact choose another mate, in the last 0.25 s they do not."""
+    players = [(0.0, 0.0, LEFT, CM), (12.0, 14.0, LEFT, CM), (12.0, -14.0, LEFT, CM), (50.0, 33.0, RIGHT, GK)]
+    matches = position(players, (0.4, 0.0))
+    passer = matches["players"][0, 0]
+    passer["kick"], passer["kick_held"], passer["kick_ready"], passer["kick_wait"] = SHORT_PASS, 1, True, left
+    passer["aim_x"], passer["aim_y"], passer["kick_mate"], passer["direction"] = 12.0, 14.0, 1, DIRECTION_BOTTOM_RIGHT
+    matches["carrier"], matches["kicker"], matches["last_touch"], matches["players"]["vx"][0, 0] = 0, 0, 0, 3.0
+    swing_legs(matches[0])
+    assert passer["kick_mate"] == mate
+    assert (passer["aim_x"], passer["aim_y"]) == pytest.approx((12.0, -14.0) if mate == 2 else (12.3, 14.0))
+
+
+@pytest.mark.parametrize(("degrees", "turned", "mate"), [(20, 20, 2), (40, 27, 2), (60, 0, 1)])
+def test_other_keys_turn_a_pass_that_leaves_as_far_as_a_foot_can(degrees: int, turned: int, mate: int) -> None:
+    """As read in the original: up to 27 degrees it is another's, up to 54 it is turned so far towards him."""
+    angle = np.radians(degrees)
+    players = [(0.0, 0.0, LEFT, CM), (15.0, 0.0, LEFT, CM), (9.0 * np.cos(angle), 9.0 * np.sin(angle), LEFT, CM)]
+    matches = position(players, (0.0, 0.0))
+    passer = matches["players"][0, 0]
+    passer["kick"], passer["kick_held"], passer["direction"] = SHORT_PASS, 1, DIRECTION_TOP_RIGHT
+    passer["aim_x"], passer["aim_y"], passer["kick_mate"] = 15.0, 0.0, 1
+    if degrees > 45:
+        passer["direction"] = DIRECTION_TOP
+    aim_again(matches[0], 0)
+    assert np.degrees(np.arctan2(passer["aim_y"], passer["aim_x"])) == pytest.approx(turned, abs=1.0)
+    assert passer["kick_mate"] == mate
 
 
 def test_a_longer_press_looks_further() -> None:

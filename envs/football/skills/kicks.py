@@ -64,6 +64,7 @@ class Swing(NamedTuple):
     sprint: float = 0.12  # s more: catching up with the ball
     sprint_spread: float = 0.2  # s either way, at a sprint
     spread: float = 0.04  # s either way, the phase of the stride
+    meant: float = 0.28  # s before the contact from when on a pass is meant for somebody, and other keys only turn it
     from_run_up: float = 0.06  # s left for who has asked for a kick on his way to the ball: he swings as he arrives
     patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
 
@@ -83,14 +84,19 @@ KICK_REACH = 1.2  # m from the body to the ball when the leg swings
 FAR = 1e4  # m, from where a point is no more than a direction
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
 STANDS = 1.0  # m/s, who is slower kicks from where he looks
-AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, as far off the first aim as this
+AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, as far off the first aim as this;
+AIM_TOWARD = 2.0 * AIM_AGAIN  # rad, and if that is further off, but not so far, it is turned so far towards the new
 
 
 @kernel
 def swing_legs(match):
     """Start the swing of whoever is to kick and has the ball."""
     i = match.carrier
-    if i == NOBODY or match.kicker != NOBODY:
+    if match.kicker != NOBODY:
+        if match.kicker == i:
+            mean_pass(match, i)
+        return
+    if i == NOBODY:
         return
     player = match.players[i]
     if not player.kick_ready or player.kick == 0 or apart(match.ball, player) > KICK_REACH:
@@ -104,6 +110,20 @@ def swing_legs(match):
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
         player.kick_wait = max(player.kick_wait - run_up, SWING.from_run_up)
     match.kicker = i
+
+
+@kernel
+def mean_pass(match, i):
+    """Let the keys choose the mate for the pass of player i, whose leg swings, until it is too late for that; then it
+    keeps its direction, wherever his run takes the foot.
+    """
+    player = match.players[i]
+    if player.kick == SHOT or player.is_aimed:
+        return
+    if player.kick_wait > SWING.meant:
+        aim(match, i)
+    else:
+        player.aim_x, player.aim_y = player.aim_x + STEP * player.vx, player.aim_y + STEP * player.vy
 
 
 @kernel
@@ -205,13 +225,23 @@ def aim(match, i):
 
 @kernel
 def aim_again(match, i):
-    """Correct a pass for what has moved since the leg began to swing, unless it would go quite another way."""
+    """Correct a pass for what has moved since the leg began to swing, and for what the keys say now.
+
+    It turns as far as a foot can that already swings; if it would go quite another way, it stays as it was meant.
+    """
     player, ball = match.players[i], match.ball
-    x, y, mate = player.aim_x, player.aim_y, player.kick_mate
+    x, y, mate = player.aim_x - ball.x, player.aim_y - ball.y, player.kick_mate
     aim(match, i)
-    off = angle_between(x - ball.x, y - ball.y, player.aim_x - ball.x, player.aim_y - ball.y)
-    if abs(off) > AIM_AGAIN:
-        player.aim_x, player.aim_y, player.kick_mate = x, y, mate
+    new_x, new_y = player.aim_x - ball.x, player.aim_y - ball.y
+    off = angle_between(x, y, new_x, new_y)
+    if abs(off) <= AIM_AGAIN:
+        return
+    if abs(off) < AIM_TOWARD:
+        share, distance = AIM_AGAIN / abs(off), length(x, y)
+        size = (1.0 + share * (length(new_x, new_y) / distance - 1.0)) if distance > 0.0 else 1.0
+        cosine, sine = size * math.cos(AIM_AGAIN), math.copysign(size * math.sin(AIM_AGAIN), off)
+        x, y, mate = x * cosine - y * sine, x * sine + y * cosine, player.kick_mate
+    player.aim_x, player.aim_y, player.kick_mate = ball.x + x, ball.y + y, mate
 
 
 @kernel
