@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
 from envs.football.physics.pitch import forward
-from envs.football.physics.possession import ball_speed, look_ahead, travelled
+from envs.football.physics.possession import ball_speed, look_ahead, time_needed, travelled
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.shots import eased
 from envs.football.skills.steering import chase
@@ -45,14 +45,10 @@ class Await(NamedTuple):
     nearest: float = 0.1  # and of where it passes nearest
     urgency: float = 2.6  # 1/s, velocity by distance
     fastest: float = 8.0  # m/s
-    leg: float = 0.38  # m that he need not run: his leg, and the ball before his foot
-    gathers: float = 0.7  # s until a runner has gathered speed,
-    way_gathering: float = 2.56  # m that he has then run
 
 
 # Documented of Google Research Football; checked by its own episodes, played on from where they were after each step.
 PULL, AWAIT = Pull(), Await()
-RISE = AWAIT.gathers / math.sqrt(AWAIT.way_gathering)  # s per root of m from the stand
 
 
 @kernel
@@ -119,8 +115,7 @@ def awaits(match, i):
         if rating > best:
             best = rating
             distance = length(dx, dy)
-            needs = RISE * math.sqrt(max(distance - AWAIT.leg, 0.0))
-            pace = min(needs / (time + share * (latest - time)), 1.0) * player.top_speed
+            pace = min(time_needed(player, dx, dy) / (time + share * (latest - time)), 1.0) * player.top_speed
             pace = pace / (distance + 1e-9) if pace > PULL.standing else 0.0
             player.desired_vx, player.desired_vy = pace * dx, pace * dy
     return True

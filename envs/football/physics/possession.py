@@ -33,6 +33,17 @@ class Chase(NamedTuple):
     landed: float = 0.6  # share of its speed that a ball keeps when it comes down
 
 
+class Run(NamedTuple):
+    """How the original reckons how long somebody needs to a place."""
+
+    leg: float = 0.28  # m that he need not run,
+    foot: float = 0.1  # m, and the ball before his foot,
+    stands: float = 1.8  # m/s: where he runs, if he is faster, or else where he is to go
+    fades: float = 0.7  # s in which his run fades, and his reach grows, the faster the longer, to
+    pace: float = 0.94  # share of his top speed
+    looks: int = 10  # how often in that time it is looked at
+
+
 class Ahead(NamedTuple):
     """How the ball goes on while nobody touches it: the same for all who run for it, so it is worked out once."""
 
@@ -45,7 +56,7 @@ class Ahead(NamedTuple):
 
 # Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
 # family matches.
-OWNED, CHASE = Owned(), Chase()
+OWNED, CHASE, RUN = Owned(), Chase(), Run()
 PUSH_KEPT = 0.6  # share of a push that is still felt a step later, as documented: 0.95 a frame
 PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
@@ -108,6 +119,32 @@ def meeting_time(ball, ahead, player):
         if time == last:
             break  # he waits where it comes down
     return time
+
+
+@kernel
+def time_needed(player, dx, dy):
+    """Return in how many s a player can have a ball that lies (dx, dy) m away, as the original reckons: the sooner the
+    more his run leads there, for that carries him on while it fades.
+    """
+    speed, distance = length(player.vx, player.vy), length(dx, dy) + 1e-9
+    if speed > RUN.stands:
+        share = RUN.foot / speed
+        dx, dy = dx - share * player.vx, dy - share * player.vy
+    else:
+        share = min(RUN.foot / distance, 1.0)
+        dx, dy = dx - share * dx, dy - share * dy
+    lacks, step = length(dx, dy) - RUN.leg, RUN.fades / RUN.looks
+    if lacks <= 0.0:
+        return 0.0
+    for look in range(1, RUN.looks + 1):
+        time = step * look
+        grown = 0.5 * time * time / RUN.fades
+        run = time - grown
+        last, lacks = lacks, length(dx - run * player.vx, dy - run * player.vy) - RUN.leg
+        lacks -= RUN.pace * player.top_speed * grown
+        if lacks <= 0.0:
+            return time - step * lacks / (lacks - last)
+    return RUN.fades + lacks / (RUN.pace * player.top_speed)
 
 
 @kernel
