@@ -37,7 +37,7 @@ from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_our
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
 from envs.football.physics.possession import forget_kick, look_ahead, owns, time_to_meet
-from envs.football.physics.vectors import apart, length
+from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
 
@@ -56,6 +56,7 @@ class Ask(NamedTuple):
 ASK = Ask()  # documented of Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
+SETTING_OFF = 4  # steps since he got the ball in which a carrier who has asked for a pass still ends his first turn
 PASSING_PACE = 2.9  # m/s up to which a carrier who has asked for a pass still gathers speed
 STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
 PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
@@ -180,7 +181,7 @@ def steer(match, i):
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
     speed = key_speed(player, match.carrier == i)
     if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
-        run_on(player, speed)
+        run_on(player, speed, player.kick < SHOT and match.carry_age < SETTING_OFF)
         return
     if match.carrier == i and player.stance_wait > 0.0:  # he stops with the ball first
         player.desired_vx, player.desired_vy = 0.0, 0.0
@@ -192,16 +193,22 @@ def steer(match, i):
 
 
 @kernel
-def run_on(player, speed):
+def run_on(player, speed, sets_off):
     """Let the carrier who has asked for a kick run straight on, up to a run if his keys do not lead back.
 
-    Who hardly runs yet starts where his keys lead; who is to pass gathers no more than `PASSING_PACE`.
+    Who hardly runs yet starts where his keys lead, and who sets off with the ball to pass turns to where they led
+    before; who is to pass gathers no more than `PASSING_PACE`.
     """
     now = length(player.vx, player.vy)
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     if now < PULL.standing:
         speed = min(speed, PASSING_PACE) if player.kick < SHOT else speed
         player.desired_vx, player.desired_vy = speed * ux, speed * uy
+        return
+    if sets_off and player.vx * player.desired_vx + player.vy * player.desired_vy > 0.0:
+        ux, uy = toward(player.desired_vx, player.desired_vy)
+        pace = max(min(speed, PASSING_PACE), now)
+        player.desired_vx, player.desired_vy = pace * ux, pace * uy
         return
     if player.direction == 0:
         ux, uy = player.vx, player.vy
