@@ -12,6 +12,7 @@ from envs.football.ai.attack import push_of_rivals
 from envs.football.ai.decide import choose_command
 from envs.football.ai.defence import guarding_place, wins_race
 from envs.football.ai.formation import formation_slots
+from envs.football.ai.positions import take_position
 from envs.football.config import FootballConfig
 from envs.football.constants import (
     CB,
@@ -154,6 +155,21 @@ def test_nobody_supports_from_an_offside_place() -> None:
             favoured = (matches["team_in_possession"] == LEFT) & (matches["ball"]["x"] < line)
             ahead += list((front - np.maximum(line, 0.0))[favoured])
     assert np.percentile(ahead, 90) < 2.0
+
+
+@pytest.mark.parametrize(("away", "choices"), [(25.0, 2), (8.0, 6)])
+def test_far_from_the_ball_a_player_chooses_anew_at_the_end_of_a_stride(away: float, choices: int) -> None:
+    """As documented: that is every quarter of a second, not for all at once; within 10 m of the ball in every step."""
+    players = [*KEEPERS, (-1.0, 0.0, LEFT, CM), (away, 0.0, LEFT, CM), (1.0, 0.0, RIGHT, CM)]
+    match = alone(players, (0.0, 0.0), n=1)[0]
+    match["team_in_possession"], match["chaser"] = LEFT, (2, 4)
+    player, chosen = match["players"][3], 0
+    match["step"] = 20
+    for player["shirt"] in range(6):
+        player["desired_vx"], player["place_step"] = 99.0, 19
+        take_position(match, 3)
+        chosen += player["desired_vx"] != 99.0
+    assert chosen == choices
 
 
 def test_a_striker_before_an_open_goal_shoots() -> None:

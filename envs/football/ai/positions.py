@@ -28,21 +28,25 @@ class Own(NamedTuple):
 
 # Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
 OWN = Own()
-CHOSEN_EVERY = 4  # steps; who chooses when is staggered by shirts
+STRIDE = 3  # steps that a stride lasts, at whose end a player chooses anew; when that is differs between shirts,
+NEAR_BALL = 10.0  # m to the ball: nearer he does not wait for that
 
 
 @kernel
 def take_position(match, i):
-    """Head for the place that was chosen last, choosing anew every few steps; who marks the carrier always, and who has
-    just given up the ball at once.
+    """Head for where player i wants to be, as he chose it at the end of his last stride; near the ball, or if he marks
+    the carrier, at once.
     """
     player = match.players[i]
     rival = man_on_ball(match, 1 - player.team)
     on_carrier = player.marked_opponent != NOBODY and player.marked_opponent == match.carrier
     is_back = player.place_step < match.step - 1
-    if match.step <= 1 or on_carrier or is_back or (match.step + player.shirt) % CHOSEN_EVERY == 0:
-        choose_place(match, i)
     player.place_step = match.step
+    is_first = match.chaser[player.team] == i
+    at_once = match.step <= 1 or is_back or on_carrier or is_first or apart(match.ball, player) < NEAR_BALL
+    if not at_once and (match.step + player.shirt) % STRIDE != 0:
+        return
+    choose_place(match, i)
     if on_carrier and run_round(player, match.players[match.carrier], player.place_x, player.place_y):
         return
     head_for(match, player, player.place_x, player.place_y, match.players[rival if rival != NOBODY else i])
