@@ -65,7 +65,9 @@ def test_mates_push_past_each_other(v: tuple[float, float, float, float], angle:
     part_bodies(matches[0], crowded(matches[0]))
     assert tuple(players["vx"][0, :2]) + tuple(players["vy"][0, :2]) == v[::2] + v[1::2]
     assert (players["pushed"][0, :2] <= 0.1).all()
-    assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) > 0.72 - 0.03
+    assert (
+        np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) > 0.72 - 0.04
+    )  # they take over some of each other's movement
 
 
 def test_two_who_stand_in_one_place_stumble_apart_sideways() -> None:
