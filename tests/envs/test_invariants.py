@@ -39,16 +39,22 @@ def test_torture(seed: int) -> None:
     assert torture(32, 400, seed) > 0
 
 
-@given(st.tuples(speed, speed, speed, speed), st.floats(0, 2 * math.pi), st.floats(0.031, 0.7))
-@settings(max_examples=200, deadline=None)
-def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
+def parted(team: int, v: tuple[float, float, float, float], angle: float, apart: float) -> np.ndarray:
+    """Let a left player and one of `team`, overlapping, with velocities (vx, vy, vx, vy), be parted: the players."""
     x, y = apart * math.cos(angle), apart * math.sin(angle)
-    matches = position([(0.0, 0.0, LEFT, CM), (x, y, RIGHT, CM)], (30.0, 0.0))
+    matches = position([(0.0, 0.0, LEFT, CM), (x, y, team, CM)], (30.0, 0.0))
     players = matches["players"]
     players["vx"][0, :2], players["vy"][0, :2] = v[::2], v[1::2]
     crowd = crowded(matches[0])
     assert crowd == 0b11
     part_bodies(matches[0], crowd)
+    return players
+
+
+@given(st.tuples(speed, speed, speed, speed), st.floats(0, 2 * math.pi), st.floats(0.031, 0.7))
+@settings(max_examples=200, deadline=None)
+def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
+    players = parted(RIGHT, v, angle, apart)
     after = (players["vx"][0, :2] ** 2 + players["vy"][0, :2] ** 2).sum()
     assert after <= sum(each * each for each in v) + 1e-9
     assert np.hypot(*(players[name][0, 0] - players[name][0, 1] for name in ("x", "y"))) == pytest.approx(0.72)
@@ -58,11 +64,7 @@ def test_bodies_that_meet_gain_no_energy(v: tuple[float, float, float, float], a
 @settings(max_examples=100, deadline=None)
 def test_mates_push_past_each_other(v: tuple[float, float, float, float], angle: float, apart: float) -> None:
     """They keep their velocities, and are a body apart; what they feel of it is 0.1 m at most."""
-    x, y = apart * math.cos(angle), apart * math.sin(angle)
-    matches = position([(0.0, 0.0, LEFT, CM), (x, y, LEFT, CM)], (30.0, 0.0))
-    players = matches["players"]
-    players["vx"][0, :2], players["vy"][0, :2] = v[::2], v[1::2]
-    part_bodies(matches[0], crowded(matches[0]))
+    players = parted(LEFT, v, angle, apart)
     assert tuple(players["vx"][0, :2]) + tuple(players["vy"][0, :2]) == v[::2] + v[1::2]
     assert (players["pushed"][0, :2] <= 0.1).all()
     assert (

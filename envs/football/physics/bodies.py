@@ -21,7 +21,8 @@ class Push(NamedTuple):
     speed_range: float = 8.0  # m/s,
     ball: float = 0.4  # less for who has the ball, all of it within -1 and 1;
     least: float = 0.25  # share of the way that he gives then at least
-    most: float = 0.1  # m of it that he still feels afterwards, at most
+    most: float = 0.1  # m of it that he still feels afterwards, at most,
+    kept: float = 0.6  # share of that a step later: 0.95 a frame
     along: float = 1.87  # m between mates, within which they take over each other's movement,
     drag: float = 0.24  # at most so much of the difference,
     uneven: float = 0.45  # by so much more than half of it who gives way

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from envs.football.physics.ball import AIR, rolled
+from envs.football.physics.bodies import PUSH
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
@@ -57,7 +58,6 @@ class Ahead(NamedTuple):
 # Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
 # family matches.
 OWNED, CHASE, RUN = Owned(), Chase(), Run()
-PUSH_KEPT = 0.6  # share of a push that is still felt a step later, as documented: 0.95 a frame
 PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
 CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
 SURE = 1e-6  # m, more than rounding makes of distances
@@ -287,6 +287,6 @@ def advance_timers(match):
         player = match.players[i]
         player.touch_wait = max(player.touch_wait - STEP, 0.0)
         player.down_wait = max(player.down_wait - STEP, 0.0)
-        player.pushed *= PUSH_KEPT
+        player.pushed *= PUSH.kept
         if player.down_wait == 0.0:
             player.is_sliding, player.is_slide_spent = False, False

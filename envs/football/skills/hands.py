@@ -14,6 +14,7 @@ from envs.football.physics.pitch import in_box_of, own_goal_x
 from envs.football.physics.possession import lose_ball
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.rules.offside import whistled
+from envs.football.skills.saves import SAVE
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import normal, uniform
@@ -47,7 +48,6 @@ class Parry(NamedTuple):
     out: float = 4.0  # m/s away from his goal,
     aside: float = 1.0  # and to either side at most
     lift: float = 1.2  # m/s
-    blocked: float = 0.22  # s since the shot: sooner, it has hit him somewhere
     wait: float = 0.5  # s until the keeper can touch the ball again
 
 
@@ -139,7 +139,7 @@ def parry(match, i):
         return
     player, ball = match.players[i], match.ball
     lose_ball(match)
-    if match.was_kicked and match.kick_age < PARRY.blocked and match.last_touch != NOBODY:
+    if match.was_kicked and match.kick_age < SAVE.sudden and match.last_touch != NOBODY:
         bounce_off(match, player)
     else:
         knock_out(match, player, player.vx, player.vy)
