@@ -18,7 +18,7 @@ from envs.football.control.keys import key_of_command
 from envs.football.control.reward import agent_reward, team_reward
 from envs.football.observation.observe import observe, remember_minimap
 from envs.football.physics.motion import take_stance
-from envs.football.physics.variation import choose_mirrored, vary_engine
+from envs.football.physics.variation import vary_engine
 from envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
 from envs.football.scenic.world_table import THE_BALL, Cast
 from envs.football.simulator import choose_actions, play
@@ -214,10 +214,7 @@ def begin(batch, where, settings):
 
 @kernel
 def begin_episode(batch, index, settings):
-    """Draw what differs from episode to episode: the engine, who is mirrored in it, and in what movement the whistle
-    finds everybody.
-    """
-    choose_mirrored(batch.matches[index])
+    """Draw what differs from episode to episode: the engine, and in what movement the whistle finds everybody."""
     vary_engine(batch.matches[index])
     take_stance(batch.matches[index])
     remember_minimap(batch, index, settings.observation)

@@ -177,7 +177,6 @@ MATCH_FIELDS: Table = (
         "",
         "by which the factors of `engine` are drawn anew around what they are, per episode",
     ),
-    ("mirrored", SIDE, (), "", "team that the original plays in a mirror: its kicks spin the other way; -1 none"),
     # Written by every draw
     ("random", "u8", (), "", "state of the stream of random numbers"),
     # Who decides for whom in the next step: `control` at the end of a step
@@ -260,7 +259,7 @@ MATCH_FIELDS: Table = (
 NOBODY_YET = (
     *("reported_owner", "carrier", "keeper_holding", "kicker", "last_touch", "last_owned_team", "saver", "chaser"),
     *("receiver", "restart_team", "restart_kick", "taker", "foul_player", "foul_victim", "designated"),
-    *("team_in_possession", "last_carrier", "hunter", "helper", "runner", "mirrored"),
+    *("team_in_possession", "last_carrier", "hunter", "helper", "runner"),
 )
 
 

@@ -96,7 +96,6 @@ def shoot(
     places = np.concatenate([strikers[:, None], np.broadcast_to(others, (n, *np.shape(others)))], axis=1)
     config = MatchConfig(**{**vars(OPEN_END), "right_team_difficulty": difficulty})
     stage = Stage(places, strikers + (0.01, 0.0), roster, config, n, seed)
-    stage.matches["mirrored"] = np.arange(n) % 2
     stage.matches["end_episode_on_score"] = stage.matches["end_episode_on_out_of_play"] = True
     actions = np.full((len(keys) + AFTERWARDS, n, places.shape[1]), AI)
     actions[:, :, 0] = IDLE

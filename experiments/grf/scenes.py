@@ -13,7 +13,6 @@ import numpy as np
 from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
 from envs.football.kick_off import MatchConfig, Roster
 from envs.football.physics.motion import take_stance
-from envs.football.physics.variation import choose_mirrored
 from experiments.grf.stage import Stage
 from scenic_lite.kernels.jit import kernel
 
@@ -82,15 +81,12 @@ def stage_scene(name: str, config: MatchConfig, n: int, seed: int = 0) -> Stage:
     places = np.array([(x, y) for _, x, y in players]) * STRETCH
     settings = replace(config, game_duration=scene.duration)
     stage = Stage(places, scene.ball, roster, settings, n, seed, mirrored=True)
-    begin(stage.matches)
+    take_stances(stage.matches)
     return stage
 
 
 @kernel
-def begin(matches):
-    """Draw for every match who is mirrored, and in what stances the first whistle finds its bodies, as an environment
-    does.
-    """
+def take_stances(matches):
+    """Let the first whistle of every match find its bodies in stances of their own, as it does in an environment."""
     for e in range(len(matches)):
-        choose_mirrored(matches[e])
         take_stance(matches[e])

@@ -8,8 +8,6 @@ import numpy as np
 
 from envs.football.constants import CM, FIXED, FREE_KICK, GK, LEFT, NOBODY, RIGHT
 from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.physics.motion import take_stance
-from envs.football.physics.variation import choose_mirrored
 from envs.football.simulator import step_matches
 from envs.football.state import MATCH
 
@@ -25,14 +23,6 @@ def position(
     places = np.array([[player[:2] for player in players]] * len(seeds), float)
     roster = Roster([player[2] for player in players], [player[3] for player in players])
     return kick_off(places, np.array([ball] * len(seeds), float), roster, seeds, config).view(np.recarray)
-
-
-def whistled(matches: np.ndarray) -> np.ndarray:
-    """Let the first whistle find everybody somewhere in his idle movement, one team mirrored, as environments do."""
-    for match in matches:
-        choose_mirrored(match)
-        take_stance(match)
-    return matches
 
 
 def runner(config: MatchConfig = OPEN) -> np.ndarray:

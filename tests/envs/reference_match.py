@@ -13,7 +13,6 @@ import numpy as np
 from envs.football.constants import RUNNING
 from envs.football.control.agents import assign_actions
 from envs.football.physics.motion import take_stance
-from envs.football.physics.variation import choose_mirrored
 from envs.football.scenic.lineup import Lineup
 from envs.football.scenic.scripted_step import command_players
 from envs.football.scenic.world import FOOTBALL_WORLD
@@ -40,7 +39,6 @@ class ReferenceMatch:
     def __init__(self, program: Program, theta: np.ndarray, seed: int) -> None:
         self.lineup = Lineup(program)
         self.matches = self.lineup.starts(theta[None], np.array([seed], np.uint64)).view(np.recarray)
-        choose_mirrored(self.matches[0])
         take_stance(self.matches[0])
         self.reference = Reference(program, theta, FOOTBALL_WORLD)
         self.size = len(self.lineup.object_to_player)

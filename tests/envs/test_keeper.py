@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from pitch import OPEN, play, position, take_over, whistled
+from pitch import OPEN, play, position, take_over
 
 from envs.football.ai.keeper import bisector_foot, boldness
 from envs.football.constants import CM, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, GK, LEFT, RIGHT, SHOT, SPRINT
@@ -38,28 +38,21 @@ def test_with_a_back_behind_the_ball_he_stays() -> None:
     assert keeper_after(15, (25.0, 20.0), (24.4, 20.0), True)[0] > 52.0
 
 
-@pytest.mark.parametrize(
-    ("swerves", "start", "often", "least", "most"), [(False, -3.0, 0.2, 0.3, 1.0), (True, -1.0, 0.9, 0.0, 0.25)]
-)
-def test_outside_his_box_he_slides_and_misses_who_swerves(
-    swerves: bool, start: float, often: float, least: float, most: float
-) -> None:
-    """Measured: of 42 slides at a striker who swerves by 30 to 50 degrees at 21 m, 8 met the ball.
-
-    He slides where the ball has just been knocked on: so where the run starts decides how often he does.
-    """
+@pytest.mark.parametrize(("swerves", "least", "most"), [(False, 0.8, 1.0), (True, 0.0, 0.4)])
+def test_outside_his_box_he_slides_and_misses_who_swerves(swerves: bool, least: float, most: float) -> None:
+    """Measured: of 42 slides at a striker who swerves by 30 to 50 degrees at 21 m, 8 met the ball."""
     matches = position(
-        [(start, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK), (-50.0, 0.0, LEFT, GK)], (start + 0.4, 0.0), OPEN, range(40)
+        [(1.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK), (-50.0, 0.0, LEFT, GK)], (1.4, 0.0), OPEN, range(40)
     )
-    play(whistled(matches), [SPRINT], 0)
+    play(matches, [SPRINT], 0)
     slid, kicked = np.zeros(40, bool), np.zeros(40, bool)
-    for _ in range(50):
+    for _ in range(45):
         striker, keeper = matches["players"][:, 0], matches["players"][:, 1]
         near = swerves and keeper["x"][0] - striker["x"][0] < 21.0
         play(matches, [DIRECTION_TOP_RIGHT if near else DIRECTION_RIGHT], 0)
         slid |= keeper["is_sliding"] & (keeper["down_wait"] > 0.0)
         kicked |= slid & (matches["last_touch"] == 1)
-    assert slid.mean() > often
+    assert slid.mean() > 0.9
     assert least <= kicked[slid].mean() <= most
 
 

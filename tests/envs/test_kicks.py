@@ -304,18 +304,18 @@ def test_a_shot_asked_for_too_early_waits_for_the_ball_for_2_s() -> None:
         assert (fastest > 20.0) == shot
 
 
-@pytest.mark.parametrize(("mate", "key"), [((0.0, 22.0), 3), ((22.0, 0.0), 5)])
-def test_passes_of_the_mirrored_team_fly(mate: tuple[float, float], key: int) -> None:
-    """Measured: 0.45 to 0.50 of 540 drawn ones, in any direction: in each episode the original mirrors one team."""
+@pytest.mark.parametrize(("mate", "key", "least", "most"), [((0.0, 22.0), 3, 0.35, 0.65), ((22.0, 0.0), 5, 0.0, 0.0)])
+def test_half_of_the_passes_across_the_pitch_fly(
+    mate: tuple[float, float], key: int, least: float, most: float
+) -> None:
+    """Measured: 10 of 30, and 4 of 16; those of the episodes that the original plays in a mirror."""
     players = [(0.0, 0.0, LEFT, CM), (*mate, LEFT, CM), (-54.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)]
     matches = position(players, (0.4, 0.0), seeds=range(100))
-    matches["mirrored"] = np.where(np.arange(100) % 2 == 0, LEFT, RIGHT)
     highest = np.zeros(100)
     for action in [key, SHORT_PASS] + [0] * 12:
         play(matches, [action], 0)
         highest = np.maximum(highest, matches["ball"]["z"])
-    assert np.median(highest[::2]) > 0.5
-    assert np.median(highest[1::2]) < 0.35
+    assert least <= np.mean(highest > 0.7) <= most
 
 
 def test_a_shot_keeps_its_direction_while_the_run_takes_the_foot_elsewhere() -> None:
@@ -378,39 +378,3 @@ def test_who_stops_with_a_ball_that_rested_does_so_before_his_keys_lead() -> Non
     striker = matches["players"][:, 0]
     assert (matches["carrier"] == 0).all() and (np.hypot(striker["vx"], striker["vy"]) < 1.0).all()
     assert (striker["y"] < 0.01).all()
-
-
-@pytest.mark.parametrize(("asked", "touches"), [(0, False), (7, True)])
-def test_who_asks_before_he_is_at_a_ball_that_lies_hits_it_as_it_lies(asked: int, touches: bool) -> None:
-    """Drawn starts: of 222 who asked 0.3 s before the first contact none touched the ball first, who ask later do."""
-    matches = position([(0.0, 0.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)], (1.6, 0.0), OPEN, range(20))
-    moved = np.zeros(20, bool)
-    touched = np.zeros(20, bool)
-    for step in range(14):
-        play(matches, [SHOT if step == asked else DIRECTION_RIGHT])
-        speed = np.hypot(matches["ball"]["vx"], matches["ball"]["vy"])
-        touched |= ~moved & (speed > 0.5) & (speed < 15.0)
-        moved |= speed > 0.5
-    assert moved.all() and (touched == touches).all()
-
-
-def test_who_stands_with_no_key_lets_a_ball_lie_at_his_feet_and_shoots_it_there() -> None:
-    """Drawn starts within 0.75 m: the ball moves when it is shot, 0.4 s after the button, and not before."""
-    matches = position([(0.0, 0.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)], (0.5, 0.0), OPEN, range(20))
-    play(matches, [0] * 5)
-    assert (matches["ball"]["x"] == 0.5).all() and (matches["carrier"] == 0).all()
-    assert (matches["reported_owner"] == -1).all()
-    play(matches, [SHOT, 0, 0, 0, 0])
-    assert (matches["ball"]["vx"] > 20.0).all()
-
-
-def test_the_first_touch_of_a_ball_that_comes_turns_nobody_at_once() -> None:
-    """Drawn passes: it rolls on at 4 m/s, and new keys move him at 0.5 m/s their way after 0.2 s."""
-    matches = position([(0.0, 0.0, LEFT, CM), (-50.0, 33.0, RIGHT, GK)], (4.0, 0.0), OPEN, range(20))
-    matches["ball"]["vx"] = -9.0
-    while (matches["carrier"] != 0).any():
-        play(matches, [DIRECTION_RIGHT])
-    ball = matches["ball"]
-    assert (np.hypot(ball["vx"], ball["vy"]) > 3.0).all()
-    play(matches, [DIRECTION_TOP] * 2)
-    assert (np.abs(matches["players"]["vy"][:, 0]) < 1.0).all()

@@ -172,8 +172,7 @@ def check_sane(matches: np.ndarray) -> None:
     assert (np.abs(ball["x"]) < 60.0).all() and (np.abs(ball["y"]) < 41.0).all() and (ball["z"] > 0.1).all()
     assert (np.sqrt(ball["vx"] ** 2 + ball["vy"] ** 2 + ball["vz"] ** 2) < 48.0).all()
     swinging = np.argwhere(players["kick_wait"] > 0.0)
-    swingers = players[swinging[:, 0], swinging[:, 1]]
-    assert (swingers["kick_ready"] & (swingers["kick"] > 0)).all()
+    assert (matches["kicker"][swinging[:, 0]] == swinging[:, 1]).all()
     rows = np.flatnonzero(matches["reported_owner"] >= 0)
     owners = players[rows, matches["reported_owner"][rows]]
     assert (np.hypot(owners["x"] - ball["x"][rows], owners["y"] - ball["y"][rows]) < 2.0).all()

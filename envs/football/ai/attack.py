@@ -70,7 +70,7 @@ def meet_free_ball(match, i):
     """
     player = match.players[i]
     chase(match, i, player.top_speed)
-    if not kicks_himself(match, player) or player.kick_wait > 0.0:  # his leg swings already
+    if not kicks_himself(match, player):
         return
     forget_kick(player)
     if match.arrival[player.team] > FREE_BALL.at_once:

@@ -36,7 +36,7 @@ from envs.football.constants import (
 from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, forget_kick, look_ahead, owns, time_to_meet
+from envs.football.physics.possession import forget_kick, look_ahead, owns, time_to_meet
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
@@ -54,8 +54,6 @@ class Ask(NamedTuple):
 
 
 ASK = Ask()  # documented of Google Research Football
-STOPPED = 2.0  # m/s of a ball that has just been stopped, at most; one that was let roll is faster
-SWING_REACH = 0.9  # m to a free ball, nearer a runner whose leg swings at it turns no more
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
 SETTING_OFF = 4  # steps since he got the ball in which a carrier who has asked for a pass still ends his first turn
@@ -180,33 +178,18 @@ def steer(match, i):
     got it of the pull: then his keys alone count, as in Google Research Football.
     """
     player = match.players[i]
-    if match.carrier == i and match.last_touch != i and match.kicker != i and player.direction > 0:
-        match.carrier = NOBODY  # he stood over it, and now goes to play it
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
-    if match.carrier == i and player.stance_wait > 0.0:  # he has just got it: he stops with it first, or runs on
-        if player.direction == 0 or ball_speed(match.ball) < STOPPED:
-            player.desired_vx, player.desired_vy = 0.0, 0.0
-        else:
-            player.desired_vx, player.desired_vy = player.vx, player.vy
-        return
     speed = key_speed(player, match.carrier == i)
-    keys_lead = player.kick == SHOT and player.direction > 0 and match.kicker != i and player.touch_wait == 0.0
-    if at_feet and player.kick != 0 and not keys_lead:
+    if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed, player.kick < SHOT and match.carry_age < SETTING_OFF)
         return
-    if swings_on_his_way(match, player):
-        run_on(player, speed, False)
+    if match.carrier == i and player.stance_wait > 0.0:  # he stops with the ball first
+        player.desired_vx, player.desired_vy = 0.0, 0.0
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
     freed = player.sprint and player.dribble and not owns(match.ball, player)
     if match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:
         follow_magnet(match, i)
-
-
-@kernel
-def swings_on_his_way(match, player):
-    """Return whether a player's leg swings at a free ball within its reach: then he runs through it."""
-    return match.carrier == NOBODY and player.kick_wait > 0.0 and apart(match.ball, player) < SWING_REACH
 
 
 @kernel

@@ -29,7 +29,8 @@ class Pull(NamedTuple):
     soon: float = 1.7  # s to the ball at most
     standing: float = 1.8  # m/s, slower he stands
     at_rest: float = 0.5  # m/s, slower rests who or what does
-    leg: float = 0.83  # m to a ball that rests, up to which who stands does not run for it
+    body: float = 0.75  # m to a ball that rests, from where on who stands puts out a leg for it,
+    leg: float = 0.83  # and up to where
 
 
 class Await(NamedTuple):
@@ -80,7 +81,7 @@ def at_hand(match, player):
         player.direction == 0
         and length(player.vx, player.vy) < PULL.at_rest
         and ball_speed(ball) < PULL.at_rest
-        and apart(ball, player) < PULL.leg
+        and PULL.body <= apart(ball, player) < PULL.leg
     )
 
 

@@ -364,13 +364,10 @@ def dribble(match):
         return False
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     want = math.sqrt(player.desired_vx * player.desired_vx + player.desired_vy * player.desired_vy)
-    stands = want < AT_FOOT.walking and speed < AT_FOOT.walking
-    if match.last_touch != i and (kicking or stands):
-        return False  # it lies there, and nobody has touched it
     if kicking:
         ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
         put_at_foot(ball, player, ux, uy)
-    elif stands:
+    elif want < AT_FOOT.walking and speed < AT_FOOT.walking:
         put_at_foot(ball, player, player.facing_x, player.facing_y)
     elif 0.0 <= player.stride < STEP:
         faster = 1.0 + player.lunge_loss / max(speed, AT_FOOT.walking)

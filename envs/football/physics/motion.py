@@ -51,13 +51,10 @@ SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 SUDDEN = 0.1  # s in which a shot taken in this step or the last is at a keeper who then cannot do anything any more
 AT_REST = 0.3  # m/s
+AT_FEET = 0.8  # m from the body to a ball that he has
 BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
 SETS_HIMSELF = 0.02  # s
-IN_REACH = 0.75  # m, nearer at the first whistle he has but to put his foot to it,
-SETS_FOOT = 0.1  # s; and to reach out for it, up to
-REACHES_OUT = 0.2  # s more, if it is further off than
-AT_HIS_FEET = 0.55  # m and further aside than
-BEFORE_FEET = 0.2  # m
+IN_REACH = 0.75  # m, nearer at the first whistle he plays it at once
 NEAR_BALL = 16.0  # m: nearer, who stands is on his toes
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
@@ -74,17 +71,10 @@ def take_stance(match):
         drawn = uniform(match)
         player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < NEAR_BALL else STANCE * drawn
         if away < IN_REACH:
-            late = REACHES_OUT * drawn if away > AT_HIS_FEET and aside(player, match.ball) > BEFORE_FEET else 0.0
-            player.stance_wait, player.touch_wait = late, SETS_FOOT + late
+            player.stance_wait = 0.0
         elif away < BEFORE_HIM:
             player.stance_wait += SETS_HIMSELF
             player.touch_wait = player.stance_wait
-
-
-@kernel
-def aside(player, ball):
-    """Return how far in m the ball is aside of straight ahead, along the pitch."""
-    return abs(ball.y - player.y)
 
 
 @kernel
@@ -123,7 +113,7 @@ def plan_motion(match, i):
 def on_his_toes(match, player):
     """Return whether a player who stands is off at once: the ball is near, but no free ball just before him."""
     away = apart(match.ball, player)
-    return away < NEAR_BALL and not (match.carrier == NOBODY and away < BEFORE_HIM)
+    return away < NEAR_BALL and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
 
 
 @kernel

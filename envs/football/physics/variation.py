@@ -8,7 +8,7 @@ Read next: `state`, the table of the factors.
 
 from __future__ import annotations
 
-from envs.football.constants import GK, LEFT, RIGHT
+from envs.football.constants import GK
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -35,12 +35,6 @@ def vary_engine(match):
         player.reaction_time, player.start_lag = engine.reaction_time, engine.start_lag
         if player.role == GK:
             player.top_speed *= faster
-
-
-@kernel
-def choose_mirrored(match):
-    """Draw the team that the original plays in a mirror in an episode about to begin."""
-    match.mirrored = LEFT if uniform(match) < 0.5 else RIGHT
 
 
 @kernel

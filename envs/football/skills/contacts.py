@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import BUILTIN_AI, GK, KICK_PATIENCE, NOBODY, NORMAL, SHOT, STEP
+from envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
-from envs.football.physics.possession import ball_speed, forget_kick, lose_ball
+from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.first_touch import cushion, lies
+from envs.football.skills.first_touch import cushion
 from envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
-from envs.football.skills.kicks import AFTER_KICK, FREE_BALL, kick_first_time, swings_through
+from envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from envs.football.skills.saves import DIVE, foresee
 from envs.football.skills.tackles import (
     STANDING,
@@ -41,6 +41,7 @@ class Trap(NamedTuple):
     body_reach: float = 0.3  # m, to a shot too sudden to put out a leg:
     sudden_age: float = 0.25  # s since it was struck, at most,
     sudden_speed: float = 22.0  # m/s, at least
+    first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m
 
 
@@ -227,39 +228,14 @@ def challenge(match, i, distance):
 
 @kernel
 def trap(match, i):
-    """Let player i bring a free ball under control, or, if he has asked for a kick, play it on without stopping it: a
-    fast one at once, a slow one when his leg has swung.
-    """
+    """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
     player = match.players[i]
-    if player.kick_ready and player.kick != 0:
-        if ball_speed(match.ball) > FREE_BALL.slow:
-            kick_first_time(match, i, 1.0)
-        elif swings_through(match, i):
-            if player.kick == SHOT and length(player.vx, player.vy) > STANDING:
-                player.pushed = max(player.pushed, FREE_BALL.stretches)
-            kick_first_time(match, i, 1.0)
-        return
-    if lets_lie(match.ball, player):
-        stand_over(match, i)
+    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from:
+        kick_first_time(match, i, 1.0)
         return
     cushion(match, i)
     if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
         foresee(match, player.team)
-
-
-@kernel
-def lets_lie(ball, player):
-    """Return whether a player lets a ball lie at his feet: he stands, and his agent's keys lead nowhere."""
-    still = player.direction == 0 and length(player.vx, player.vy) < STANDING and lies(ball)
-    return still and player.action != BUILTIN_AI and apart(ball, player) < TRAP.reach
-
-
-@kernel
-def stand_over(match, i):
-    """Let player i have a ball that lies at his feet without touching it: opponents come for it all the same."""
-    lose_ball(match)
-    match.saver = NOBODY
-    match.carrier = i
 
 
 @kernel

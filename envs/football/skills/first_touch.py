@@ -12,7 +12,7 @@ from envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY
 from envs.football.physics.bodies import PUSH
 from envs.football.physics.dribble import push_on
 from envs.football.physics.running import READY, START, SURE
-from envs.football.physics.vectors import length, toward
+from envs.football.physics.vectors import length
 from envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -46,18 +46,13 @@ class Control(NamedTuple):
     least_gap: float = 0.2  # m
     lift: float = 4.0  # m/s
     loose: float = 0.5  # a ball that jumps further off than this is anybody's
-    rolls_on: float = 4.0  # m/s at least at which it rolls before who takes it along,
-    rolls_faster: float = 1.0  # m/s, so much faster than he runs,
-    keys_turn: float = 1.0  # m/s the way of his keys, added to his run: that is where to,
-    rolls_for: float = 0.4  # s until he plays it again;
-    settles: float = 0.1  # s after which his keys lead him again;
-    slows: float = 0.9  # m/s that taking along one that lay costs
+    slows: float = 0.9  # m/s that taking it along in the run costs
     turns: float = 0.5  # share of a run elsewhere that this touch turns;
     back_speed: float = 2.3  # m/s of the ball where the keys lead back,
     back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
     lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
-    set_off: float = 2.7  # m/s, so fast it goes;
+    set_off: float = 3.0  # m/s, so fast it goes;
     steps_up: float = 0.5  # m/s, who runs to it faster plays it in his stride,
     steps_round: float = -0.6  # cosine of that run to his keys, from where on they do not lead back:
     stride_ball: float = 4.3  # m/s, so fast it goes then;
@@ -109,7 +104,7 @@ def surprised(match, player):
 
 @kernel
 def take_along(ball, player):
-    """Play a ball that lies the way that a player's keys lead, in his run to it: it costs him some pace.
+    """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace.
 
     The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way; if that leads
     back he stops first.
@@ -134,36 +129,9 @@ def take_along(ball, player):
 
 
 @kernel
-def let_roll(ball, player):
-    """Let a ball that is easy to control roll on before a player with keys: where he runs, and a little their way.
-
-    This touch turns him no more than that: his body had begun it before his keys said so.
-    """
-    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
-    ux, uy = toward(player.vx + CONTROL.keys_turn * ux, player.vy + CONTROL.keys_turn * uy)
-    pace = max(CONTROL.rolls_on, length(player.vx, player.vy) + CONTROL.rolls_faster)
-    ball.vx, ball.vy = pace * ux, pace * uy
-    player.stride = 0.0
-    settle(player)
-
-
-@kernel
-def settle(player):
-    """Let a player who has brought a ball that came under control run on, and leave it to roll, for a while."""
-    player.stance_wait, player.touch_wait = CONTROL.settles, CONTROL.rolls_for
-
-
-@kernel
 def lies(ball):
     """Return whether a ball does not roll."""
     return length(ball.vx, ball.vy) < CONTROL.lying
-
-
-@kernel
-def leads_away(ball, player):
-    """Return whether a player's keys lead away from where the ball is."""
-    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
-    return (ball.x - player.x) * ux + (ball.y - player.y) * uy < 0.0
 
 
 @kernel
@@ -199,13 +167,10 @@ def cushion(match, i):
     if rests and has_keys and in_stride(ball, player):
         return
     runs = length(player.vx, player.vy) > START.jump
-    if far_off == 0.0 and high_off == 0.0 and has_keys and not rests:
-        let_roll(ball, player)
-        return
     if runs and far_off == 0.0 and high_off == 0.0 and has_keys:
         take_along(ball, player)
         return
-    if not runs and has_keys and rests and not leads_away(ball, player):
+    if not runs and has_keys and rests:
         ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
         ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
         return
@@ -222,5 +187,3 @@ def cushion(match, i):
         match.carrier = NOBODY
     ball.z, ball.vz = z, (1.0 - kept) * high_off * (vz + CONTROL.lift) + kept * vz
     player.touch_wait = CONTROL.touch_again
-    if not rests and match.carrier == i:
-        settle(player)

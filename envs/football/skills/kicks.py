@@ -20,7 +20,7 @@ from envs.football.constants import (
     SHOT,
     STEP,
 )
-from envs.football.physics.possession import ball_speed, forget_kick, lose_ball
+from envs.football.physics.possession import forget_kick, lose_ball
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.rules.offside import whistled
 from envs.football.skills.passes import aim_pass, play_pass
@@ -69,15 +69,6 @@ class Swing(NamedTuple):
     patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
 
 
-class FreeBall(NamedTuple):
-    """A free ball that is kicked without stopping it."""
-
-    slow: float = 3.0  # m/s: a faster one is met as it comes, a slower one with a full swing,
-    reach: float = 0.83  # m, which begins so far off and farther, as far as a runner gets meanwhile
-    behind: float = 0.6  # m by which he has run past it, when he plays it at the latest
-    stretches: float = 0.006  # m by which his body must give way to shoot it as it lies
-
-
 class Behind(NamedTuple):
     """Kicks behind the body: he turns on the spot and kicks from short of the kick's direction."""
 
@@ -88,7 +79,7 @@ class Behind(NamedTuple):
 
 # Fitted to delays measured of Google Research Football, whose animations quantise them: `regista benchmark --suite
 # grf`, families passes and shots.
-GAUGE, SWING, FREE_BALL, BEHIND = Gauge(), Swing(), FreeBall(), Behind()
+GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
 FAR = 1e4  # m, from where a point is no more than a direction
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
@@ -99,8 +90,7 @@ AIM_TOWARD = 2.0 * AIM_AGAIN  # rad, and if that is further off, but not so far,
 
 @kernel
 def swing_legs(match):
-    """Start the swing of whoever is to kick and has the ball, or is about to meet a free one."""
-    swing_at_free_ball(match)
+    """Start the swing of whoever is to kick and has the ball."""
     i = match.carrier
     if match.kicker != NOBODY:
         if match.kicker == i:
@@ -113,49 +103,13 @@ def swing_legs(match):
         return
     if not player.is_aimed:
         aim(match, i)
-    player.kick_wait = swing_time(match, player, False)
+    player.kick_wait = swing_time(match, player)
     if player.kick == SHOT:
         keep_direction(player)
     if match.carry_age <= 1 and not player.is_aimed:
         run_up = STEP * (KICK_PATIENCE - 1 - player.kick_patience)
         player.kick_wait = max(player.kick_wait - run_up, SWING.from_run_up)
     match.kicker = i
-
-
-@kernel
-def swing_at_free_ball(match):
-    """Let who has asked for a kick swing at a free ball that lies or rolls slowly: he does not stop it first.
-
-    Whose ball has gone meanwhile swings no more; whose foot does not reach it yet plays it as soon as it does.
-    """
-    ball = match.ball
-    slow = match.carrier == NOBODY and ball_speed(ball) < FREE_BALL.slow
-    for i in range(match.num_players):
-        player = match.players[i]
-        if player.kick == 0 or not player.kick_ready or i == match.kicker:
-            continue
-        away = apart(ball, player)
-        if not slow or away > FREE_BALL.reach + SWING.running * length(player.vx, player.vy):
-            player.kick_wait = 0.0
-        elif player.kick_wait <= 0.0:
-            if not player.is_aimed:
-                aim(match, i)
-            player.kick_wait = swing_time(match, player, True)
-        elif away > FREE_BALL.reach:
-            player.kick_wait = max(player.kick_wait - STEP, DT)
-
-
-@kernel
-def swings_through(match, i):
-    """Let a frame of the swing of player i, who has the free ball in his reach, pass; return whether he meets it now:
-    then, or before he has run past it too far.
-    """
-    player, ball = match.players[i], match.ball
-    if player.kick_wait <= 0.0:
-        return False
-    player.kick_wait -= DT
-    leaves = (ball.x - player.x) * (ball.vx - player.vx) + (ball.y - player.y) * (ball.vy - player.vy) > 0.0
-    return player.kick_wait <= 0.0 or (leaves and apart(ball, player) > FREE_BALL.behind)
 
 
 @kernel
@@ -193,18 +147,14 @@ def heading(player):
 
 
 @kernel
-def swing_time(match, player, free):
-    """Return the seconds from the command to the contact: longer across the run, round the body, and at a sprint; a
-    `free` ball is met wherever it lies before him.
-    """
+def swing_time(match, player):
+    """Return the seconds from the command to the contact: longer across the run, round the body, and at a sprint."""
     hx, hy, speed = heading(player)
     dx, dy = player.aim_x - player.x, player.aim_y - player.y
     starting = speed > STANDS or player.direction > 0
     angle = abs(angle_between(hx, hy, dx, dy))
     if player.kick != SHOT:
         angle = max(angle, abs(angle_between(match.ball.x - player.x, match.ball.y - player.y, dx, dy)))
-    if free and angle < SWING.round_from:
-        angle = 0.0
     time = delay(player.kick, angle, speed, starting, length(dx, dy))
     spread = SWING.spread
     if speed > SWING.sprinting_from:

@@ -54,6 +54,7 @@ class Flight(NamedTuple):
     ground_spin: float = 5.2  # m/s, at this speed and more:
     high_spin: float = -1.5  # m/s
     full_spin: float = 15.0  # m/s
+    mirrored: float = 0.5  # share of passes whose spin across the pitch is reversed: those fly
     scatter: float = 0.02  # rad either way
     hard_scatter: float = 0.15  # quarter turns more of a ball that is hard to play
     hard_keep: float = 0.3
@@ -127,8 +128,7 @@ def look_ahead(kick, gauge):
 def play_pass(match, player, ux, uy, distance):
     """Give the ball the velocity of a pass along (ux, uy) over this distance.
 
-    In each episode the original plays one of the teams in a mirror that turns the ball's way but not its spin: that
-    team's passes along the ground fly.
+    The original plays every other episode in a mirror, but for the spin: there, passes across the pitch fly.
     """
     ball = match.ball
     far = min(distance / FLIGHT.gain_distance, 1.0) ** FLIGHT.gain_power
@@ -155,5 +155,5 @@ def play_pass(match, player, ux, uy, distance):
     wx, wy = ux * cosine - uy * sine, ux * sine + uy * cosine
     ball.vx, ball.vy, ball.vz = flat * wx, flat * wy, flat * rise + excess
     spin = (FLIGHT.high_spin if high else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)
-    spin *= -1.0 if match.mirrored == player.team else 1.0
-    ball.spin_x, ball.spin_y, ball.curl = spin * wx, spin * wy, 0.0
+    side = -1.0 if uniform(match) < FLIGHT.mirrored else 1.0
+    ball.spin_x, ball.spin_y, ball.curl = spin * wx, side * spin * wy, 0.0

@@ -141,11 +141,8 @@ def follow_shot(match, player, goal_x):
 
 @kernel
 def save_chance(player, effort, gap, time):
-    """Return the chance of saving a shot that passes `gap` m away in `time` s, and costs `effort` m/s to meet.
-
-    A shot that is nearest to him in the first frame has passed him already: it leaves his body behind.
-    """
-    body = SAVE.body * max(1.0 - (gap / SAVE.body_gap) ** 2, 0.0) if DT < time < SAVE.sudden else 0.0
+    """Return the chance of saving a shot that passes `gap` m away in `time` s, and costs `effort` m/s to meet."""
+    body = SAVE.body * max(1.0 - (gap / SAVE.body_gap) ** 2, 0.0) if time < SAVE.sudden else 0.0
     able = effort < DIVE.speed and player.down_wait <= 0.0
     hands = hands_chance(player, effort, gap, time) if able else 0.0
     if not in_box_of(player.team, player.x, player.y):

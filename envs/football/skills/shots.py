@@ -150,7 +150,7 @@ def strike(match, player, ux, uy, power):
     ball.vx, ball.vy = meant * ux + weak * sx, meant * uy + weak * sy
     ball.vz = meant * BAD.height_meant + weak * sz
     bend(match, player)
-    spin_back(match, player.team, CURL.spin_spread + CURL.spin_bad * bad)
+    spin_back(match, CURL.spin_spread + CURL.spin_bad * bad)
 
 
 @kernel
@@ -223,15 +223,11 @@ def bend(match, player):
 
 
 @kernel
-def spin_back(match, team, spread):
-    """Give a shot back spin that varies by this share in its direction and across, beside what it had.
-
-    In each episode the original plays one of the teams in a mirror that turns the ball's way but not its spin: that
-    team's shots have top spin, and dip.
-    """
-    ball, side = match.ball, -1.0 if match.mirrored == team else 1.0
+def spin_back(match, spread):
+    """Give a shot back spin that varies by this share in its direction and across, beside what it had."""
+    ball = match.ball
     flat = length(ball.vx, ball.vy) + 1e-9
-    back = side * CURL.spin * (1.0 + spread * (2.0 * uniform(match) - 1.0))
+    back = CURL.spin * (1.0 + spread * (2.0 * uniform(match) - 1.0))
     across = CURL.spin * spread * (2.0 * uniform(match) - 1.0)
     ball.spin_x = CURL.spin_kept * ball.spin_x + (back * ball.vx - across * ball.vy) / flat
     ball.spin_y = CURL.spin_kept * ball.spin_y + (back * ball.vy + across * ball.vx) / flat
