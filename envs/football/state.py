@@ -127,7 +127,7 @@ PLAYER_FIELDS: Table = (
         REAL,
         (),
         "s",
-        "until the body leaves the stance of the first whistle, or has stopped with the ball",
+        "until the body leaves the stance of the first whistle, has stopped with the ball, or ends a touch",
     ),
     ("tiredness", REAL, (), "", "0 fresh .. 0.99"),
     ("stride", REAL, (), "s", "since he last played the ball that he leads; negative until he does, going for it"),
@@ -136,6 +136,7 @@ PLAYER_FIELDS: Table = (
     ("touch_wait", Real(math.inf), (), "s", "until this player can touch the ball again"),
     ("down_wait", Real(math.inf), (), "s", "until he is on his feet again after a slide or a dive"),
     ("pushed", REAL, (), "m", "by which other bodies have just moved him: his shots are weak then, and go astray"),
+    ("turns_wide", "?", (), "", "the player's turn with the ball has begun in a sprint: it goes in an arc"),
     ("is_sliding", "?", (), "", "the player is down because he slides into a tackle"),
     ("is_slide_spent", "?", (), "", "his slide has met the carrier: felled him, or not"),
     # Cards: `rules.fouls`

@@ -16,14 +16,14 @@ from envs.football.ai.positions import take_position
 from envs.football.ai.run_speed import REACTION, reaction_time
 from envs.football.ai.support import choose_runners
 from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.physics.possession import first_at_ball, owns
+from envs.football.physics.possession import first_at_ball, man_on_ball, owns
 from envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
 MARKED_EVERY, MARKED_AT = 4, 3  # steps; which of them: at first nobody is marked
 SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of who has been the first at a free ball; s, added to both
-LATE, LATE_SHARE = 0.2, 2.0  # s, and times the opponents' time to a free ball: who needs longer does not run for it
+LATE, LATE_SHARE = 0.2, 2.0  # s if he marks nobody, and times the opponents' time to a free ball: later, he lets it be
 
 
 @kernel
@@ -84,7 +84,7 @@ def choose_command(match, i):
         race(match, i)
     elif match.team_in_possession != player.team and tackles(match, player):
         tackle(match, i)
-    elif match.carrier != NOBODY and hunts(match, i) and must_move(player, match.players[match.carrier]):
+    elif hunts(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):
         go_for_ball(match, i, player.top_speed)
     else:
         take_position(match, i)
@@ -102,7 +102,8 @@ def unaware_of_kick(match, player):
 def goes_for_free_ball(match, i):
     """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents.
 
-    Where an opponent is already so near it that he could be said to own it, touched or not, he may not be later.
+    Where an opponent is already so near it that he could be said to own it, touched or not, he may not be later; who
+    marks somebody leaves a ball sooner.
     """
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:
@@ -110,4 +111,5 @@ def goes_for_free_ball(match, i):
     rival = match.chaser[1 - team]
     if rival != NOBODY and match.arrival[team] > match.arrival[1 - team] and owns(match.ball, match.players[rival]):
         return False
-    return match.arrival[team] < LATE_SHARE * match.arrival[1 - team] + LATE
+    late = LATE if match.players[i].marked_opponent == NOBODY else 0.0
+    return match.arrival[team] < LATE_SHARE * match.arrival[1 - team] + late

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from envs.football.ai.formation import LINE, MINDSET, between
-from envs.football.ai.run_speed import go, reaction_time
+from envs.football.ai.run_speed import go
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.ball import rolled
 from envs.football.physics.pitch import forward, own_goal_x
@@ -208,8 +208,7 @@ def guarding_place(match, player, x, y):
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
-    lead = GUARD.lead - reaction_time(player)
-    from_x, from_y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
+    from_x, from_y = rival.x + GUARD.lead * rival.vx, rival.y + GUARD.lead * rival.vy
     to_goal = length(goal_x - from_x, from_y) + 1e-9
     on_ball = player.marked_opponent == man_on_ball(match, rival.team) and match.team_in_possession == rival.team
     way = min(max(to_goal - (GUARD.shot_from if on_ball else GUARD.danger_from), GUARD.nearest), HALF_LENGTH)

@@ -36,10 +36,11 @@ from envs.football.constants import (
 from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
 from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import forget_kick, look_ahead, owns, time_to_meet
+from envs.football.physics.possession import ball_speed, forget_kick, look_ahead, owns, time_to_meet
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
+from scenic_lite.kernels.rng import uniform
 
 
 class Ask(NamedTuple):
@@ -53,10 +54,24 @@ class Ask(NamedTuple):
     slide: float = 1.15  # and who is in time by more than this for a free ball does not slide
 
 
+class Turns(NamedTuple):
+    """How long a carrier runs on when his keys lead elsewhere: until his touch has ended, or not at all."""
+
+    at_once: float = 0.1  # s; its share of itself and the longest wait is how often he turns at once
+    runner: float = 0.15  # s at most
+    dribbler: float = 0.2  # s
+    sprinter: float = 0.4  # s
+    slow: float = 2.0  # m/s: who has come down to it leaves the arc of a sprinter
+    sets_off: float = 0.3  # s, who stands, or stops, and begins to dribble
+
+
+# Fitted to 600 drawn turns of Google Research Football: `regista benchmark --suite grf`, family motion.
+TURNS = Turns()
 ASK = Ask()  # documented of Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
 CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
 SETTING_OFF = 4  # steps since he got the ball in which a carrier who has asked for a pass still ends his first turn
+STOPPED = 2.0  # m/s of a ball with which a carrier stops, at most
 PASSING_PACE = 2.9  # m/s up to which a carrier who has asked for a pass still gathers speed
 STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
 PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
@@ -70,7 +85,7 @@ def apply_action(match, i, actions):
     directions, of a key and its release, of kicks and slides.
     """
     player = match.players[i]
-    button = IDLE
+    button, direction, dribble = IDLE, player.direction, player.dribble
     while actions > 0:  # from the last to the first
         action = actions % NUM_COMMANDS
         press_key(player, action)
@@ -81,7 +96,29 @@ def apply_action(match, i, actions):
         hold_kick(player, button)
     if button == SLIDING and may_slide(match, i):
         slide(match, i)
+    if match.carrier == i and match.keeper_holding != i:
+        begin_turn(match, player, direction, dribble)
     steer(match, i)
+
+
+@kernel
+def begin_turn(match, player, direction, dribble):
+    """Let a carrier whose keys led along `direction`, and now lead elsewhere, end the touch at which he is first.
+
+    That takes as long as chance has it. A turn that begins with sprint held goes in an arc. Who stands, or stops with
+    the ball, and begins to dribble touches it anew before he sets off.
+    """
+    speed = length(player.vx, player.vy)
+    if speed > STANDS and player.direction != direction and player.direction > 0 and direction > 0:
+        longest = TURNS.sprinter if player.sprint else TURNS.dribbler if player.dribble else TURNS.runner
+        drawn = uniform(match) * (longest + TURNS.at_once) - TURNS.at_once
+        player.stance_wait = max(player.stance_wait, player.start_lag * drawn)
+        player.turns_wide = player.sprint
+        return
+    if speed < TURNS.slow:
+        player.turns_wide = False
+    if (speed <= STANDS or player.stance_wait > 0.0) and player.dribble and not dribble:
+        player.stance_wait = max(player.stance_wait, player.start_lag * TURNS.sets_off)
 
 
 @kernel
@@ -179,6 +216,12 @@ def steer(match, i):
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
+    if match.carrier == i and player.stance_wait > 0.0 and player.kick == 0:  # he stops with it, or ends his touch
+        if player.direction == 0 or ball_speed(match.ball) < STOPPED:
+            player.desired_vx, player.desired_vy = 0.0, 0.0
+        else:
+            player.desired_vx, player.desired_vy = player.vx, player.vy
+        return
     speed = key_speed(player, match.carrier == i)
     if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed, player.kick < SHOT and match.carry_age < SETTING_OFF)

@@ -81,8 +81,9 @@ class TurnBack(NamedTuple):
 
 
 class Arc(NamedTuple):
-    """Sprints: they change direction only around a touch."""
+    """Sprints: they change direction only around a touch, also while he still gathers speed."""
 
+    above: float = 3.0  # m/s, from where on that holds for a turn that began with sprint held
     time: float = 0.401  # s after a touch until which he can, from when he goes for it
     rate: float = 0.677  # rad/s meanwhile
     cosine: float = math.cos(rate * STEP)  # of the turn in a whole step
@@ -216,7 +217,7 @@ def steered(ball, player, speed, want):
         return player.desired_vx, player.desired_vy
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
     cosine = along / (speed * want) if speed > 1e-6 and want > 1e-6 else 1.0
-    sprinting = speed > BRAKING.sprinting - 0.5
+    sprinting = speed > BRAKING.sprinting - 0.5 or (player.turns_wide and speed > ARC.above)
     if sprinting and cosine > TURN_BACK.below and want > BRAKING.sprinting:
         player.turning = 0
         return arc(ball, player, speed, want, cosine)
@@ -274,11 +275,13 @@ def arc(ball, player, speed, want, cosine):
     ux, uy = player.vx / speed, player.vy / speed
     turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
     if cosine < ARC.straight and turning > 0.0 and not leaves(ball, player, speed):
-        new = speed - ARC.slows * turning if speed > want * ARC.pace else speed
+        kept = want * ARC.pace
+        new = speed - ARC.slows * turning if speed > kept else min(speed + sprint_gain(speed, player.top_speed), kept)
         angle = ARC.rate * turning
         wx, wy = bent(ux, uy, player.desired_vx / want, player.desired_vy / want, math.cos(angle), math.sin(angle))
         return wx * new, wy * new
-    new = min(speed + sprint_gain(speed, player.top_speed), max(want, speed))
+    more = gain(speed, player.top_speed, 1.0) if speed < RUN_SPEED else sprint_gain(speed, player.top_speed)
+    new = min(speed + more, max(want, speed))
     return ux * new, uy * new
 
 

@@ -6,6 +6,7 @@ just kicked it. The law and its numbers are those documented of Google Research 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY, STEP
@@ -46,7 +47,10 @@ class Control(NamedTuple):
     least_gap: float = 0.2  # m
     lift: float = 4.0  # m/s
     loose: float = 0.5  # a ball that jumps further off than this is anybody's
-    slows: float = 0.9  # m/s that taking it along in the run costs
+    slows: float = 0.9  # m/s that taking it along in the run costs where that leads aside, less straight on
+    along_pace: float = 1.3  # times his speed after that touch
+    along_more: float = 1.5  # m/s and this is the ball's,
+    along_most: float = 0.93  # times the speed that he wants at most
     turns: float = 0.5  # share of a run elsewhere that this touch turns;
     back_speed: float = 2.3  # m/s of the ball where the keys lead back,
     back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
@@ -62,7 +66,8 @@ class Control(NamedTuple):
     aside_kept: float = 0.8  # of what led aside,
     aside_most: float = 2.9  # m/s of it at most
     stops: float = 0.82  # of his run is left to who runs to it with no direction: he stops with it,
-    stops_for: float = 0.15  # s in which his keys lead nowhere
+    stops_ball: float = 0.12  # and of that the ball has so much,
+    stops_for: float = 0.2  # s in which his keys lead nowhere
 
 
 CONTROL = Control()
@@ -104,7 +109,8 @@ def surprised(match, player):
 
 @kernel
 def take_along(ball, player):
-    """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace.
+    """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace,
+    but not straight on.
 
     The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way; if that leads
     back he stops first.
@@ -112,8 +118,8 @@ def take_along(ball, player):
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
     player.desired_vx, player.desired_vy = want * ux, want * uy
-    keep = max(speed - CONTROL.slows, 0.0) / max(speed, 1e-9)
     along = player.vx * ux + player.vy * uy
+    keep = max(speed - CONTROL.slows * math.sqrt(max(1.0 - (along / speed) ** 2, 0.0)), 0.0) / max(speed, 1e-9)
     if along < -SURE:
         player.vx, player.vy = CONTROL.back_keeps * player.vx, CONTROL.back_keeps * player.vy
         player.turning = READY
@@ -125,6 +131,9 @@ def take_along(ball, player):
     player.vx, player.vy = along * ux + share * aside_x, along * uy + share * aside_y
     player.turning, player.stride = READY, STEP  # this very moment
     push_on(ball, player, player.vx, player.vy, want)
+    fast = min(CONTROL.along_pace * length(player.vx, player.vy) + CONTROL.along_more, CONTROL.along_most * want)
+    share = fast / (length(ball.vx, ball.vy) + 1e-9)
+    ball.vx, ball.vy = share * ball.vx, share * ball.vy
     player.stride = 0.0
 
 
@@ -177,6 +186,9 @@ def cushion(match, i):
     if runs and player.direction == 0 and player.kick == 0 and player.action != BUILTIN_AI and rests:
         player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
         player.turning, player.stance_wait = 0, CONTROL.stops_for
+        ball.vx, ball.vy = CONTROL.stops_ball * player.vx, CONTROL.stops_ball * player.vy
+        player.touch_wait = CONTROL.touch_again
+        return
     to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9
