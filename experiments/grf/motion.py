@@ -4,7 +4,8 @@ A curve is compared by the root mean square of its difference over the steps sin
 the highest speed in it, for the speed and for its component along the direction asked for; ours is shifted by the
 whole number of steps that fits best, because the original begins a movement when its animations allow. With the ball
 the key may also come some steps later, in another phase between two touches; so the best of these phases counts. Turns
-are measured to both sides and the worse one counts. Read next: `grf.ball`.
+are measured to both sides and the worse one counts. When a turn with the ball begins, such a curve does not tell: that
+is compared by how far many drawn ones have got, without a shift. Read next: `grf.ball`.
 """
 
 from __future__ import annotations
@@ -48,6 +49,8 @@ SLIDE_TOLERANCE = 0.1  # of the distance slid; of the speed before, for its curv
 DISTANCE_TOLERANCE = 0.1  # of the distance between ball and player
 SHIFTS = range(-3, 4)  # steps by which a curve may begin earlier or later
 RUN_UP = 41  # steps before a turn
+TURN_TOLERANCE = 0.3  # m, of drawn turns
+DRAWN, TURNS_LAST = 200, 30  # turns of a kind, and the steps that they are played
 PHASES = 8  # with the ball, so many run-ups, each a step longer
 STEP = 0.1  # s
 
@@ -79,8 +82,9 @@ class Curve:
 
 
 def measure(effort: float = 1.0) -> list[Row]:
-    """Compare with the original; nothing here is random, so `effort` changes nothing."""
-    return [*steady_rows(), *start_rows(), *curve_rows(), *slide_rows(), *carry_rows(), *tired_rows()]
+    """Compare with the original; `effort` changes nothing."""
+    curves = [*steady_rows(), *start_rows(), *curve_rows()]
+    return [*curves, *drawn_turn_rows(), *slide_rows(), *carry_rows(), *tired_rows()]
 
 
 # ---------------------------------------------------------------- the runner
@@ -219,6 +223,48 @@ def shifted(values: np.ndarray, shift: int, count: int) -> np.ndarray:
 def rms(values: np.ndarray) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+# ---------------------------------------------------------------- when turns with the ball begin
+
+
+def drawn_turn_rows() -> list[Row]:
+    """Compare how far drawn turns with the ball have got, in the mean: when they begin differs from one to the next."""
+    rows = []
+    for target in read_data("turns"):
+        way = drawn_turns(target["mode"], int(target["turn"])).mean(axis=1)
+        for steps in (5, 8):
+            name = f"{target['mode'].replace('_', ' ')}, drawn turn {target['turn']}: way after {steps * STEP:.1f} s"
+            there = float(target[f"after_{steps}"])
+            rows.append(by_distance("motion", name, float(way[steps]), there, "m", TURN_TOLERANCE))
+    return rows
+
+
+def drawn_turns(mode: str, turn: int) -> np.ndarray:
+    """Return how far `[9, DRAWN]` in m players have got along the new direction, per step since the key.
+
+    They start at a ball that lies before them, and turn 4 to 8 steps after they have first touched it.
+    """
+    rng = np.random.default_rng(turn)
+    ball = np.column_stack([rng.uniform(-0.3885, -0.3755, DRAWN), rng.uniform(0.098, 0.102, DRAWN)])
+    stage = Stage([(-0.4, 0.1), (-1.0, 0.0), (1.0, 0.42)], ball, Roster([0, 0, 1], [CB, GK, GK]), n=DRAWN)
+    first, left = PRESSED.get(mode, ()), rng.random(DRAWN) < 0.5
+    due = rng.integers(4, 9, DRAWN)  # steps from the first touch to the key
+    key_at = np.full(DRAWN, 10**6)
+    for step in range(TURNS_LAST):
+        key = np.where(step < key_at, DIRECTION_RIGHT, np.where(left, *TURNS[turn]))
+        if 1 <= step <= len(first):
+            key = np.full(DRAWN, first[step - 1])
+        elif mode == "then_sprint":
+            key = np.where(step == key_at + 1, SPRINT, key)
+        stage.step(np.column_stack([key, np.full((DRAWN, 2), STAND)]))
+        touched = (stage.matches["last_touch"] == 0) & (key_at == 10**6)
+        key_at = np.where(touched, step + 1 + due, key_at)
+    side = np.where(left, 1.0, -1.0) * np.sin(np.radians(turn))
+    asked = np.column_stack([np.full(DRAWN, np.cos(np.radians(turn))), side])
+    places, match = stage.trace().places[:, :, 0], np.arange(DRAWN)
+    ways = [places[key_at + steps, match] - places[key_at, match] for steps in range(9)]
+    return np.einsum("tnk,nk->tn", ways, asked)
 
 
 # ---------------------------------------------------------------- slides

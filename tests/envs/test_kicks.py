@@ -377,4 +377,4 @@ def test_who_stops_with_a_ball_that_rested_does_so_before_his_keys_lead() -> Non
     play(matches, [SPRINT, 0, 0, DIRECTION_TOP, 0])
     striker = matches["players"][:, 0]
     assert (matches["carrier"] == 0).all() and (np.hypot(striker["vx"], striker["vy"]) < 1.0).all()
-    assert (striker["y"] < 0.01).all()
+    assert (striker["y"] < 0.01).all() and (np.abs(matches["ball"]["x"] - 1.2) < 0.15).all()
