@@ -233,10 +233,9 @@ def drawn_turn_rows() -> list[Row]:
     rows = []
     for target in read_data("turns"):
         way = drawn_turns(target["mode"], int(target["turn"])).mean(axis=1)
-        for steps in (5, 8):
+        for steps, column in ((5, "way"), (8, "later_way")):
             name = f"{target['mode'].replace('_', ' ')}, drawn turn {target['turn']}: way after {steps * STEP:.1f} s"
-            there = float(target[f"after_{steps}"])
-            rows.append(by_distance("motion", name, float(way[steps]), there, "m", TURN_TOLERANCE))
+            rows.append(by_distance("motion", name, float(way[steps]), float(target[column]), "m", TURN_TOLERANCE))
     return rows
 
 
