@@ -56,7 +56,8 @@ class Guard(NamedTuple):
     nearest: float = 0.4  # m in front of him at least
     buffer: float = 4.0  # m nearer than he is to where he will shoot
     late: float = 0.7  # share of the m by which a guard is too late that he falls back
-    clear_by: float = 1.5  # m by which he passes the opponent on the way back,
+    rounds_from: float = 3.0  # m to an opponent in his way back: from there on he runs round him,
+    clear_by: float = 1.5  # m beside him,
     abreast: float = 0.3  # m, until he is abreast of him
     most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the hold on the ball
     curve: float = 0.7
@@ -234,9 +235,9 @@ def run_round(player, rival, x, y):
     distance = length(dx, dy) + 1e-9
     to_x, to_y = rival.x - player.x, rival.y - player.y
     along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
-    if not GUARD.abreast < along < distance or abs(across) > GUARD.clear_by:
+    if not GUARD.abreast < along < min(distance, GUARD.rounds_from) or abs(across) > GUARD.clear_by:
         return False
-    aside = math.copysign(GUARD.clear_by - abs(across), across)  # to the side on which he is not
+    aside = math.copysign(GUARD.clear_by, across)  # to the side on which he is not
     x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
     go(player, x + dx / distance - player.x, y + dy / distance - player.y, player.top_speed)
     return True

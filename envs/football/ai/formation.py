@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from envs.football.ai.balance import lean_towards, mean_ball
-from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH
+from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, LEFT, RIGHT
 from envs.football.physics.pitch import forward
 from envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
@@ -264,25 +264,45 @@ def exchange_posts(match, on_ball):
         player = match.players[i]
         if player.role != GK:
             player.slot_place_x, player.slot_place_y = post_place(match, player, i, on_ball)
+    of_two_left, of_two_right = outfield(match, LEFT) == 2, outfield(match, RIGHT) == 2
     for i in range(1, match.num_players):
         a = match.players[i]
         if a.role == GK or a.has_left:
             continue
+        of_two = of_two_left if a.team == LEFT else of_two_right
         x, y = a.x + LOOK_AHEAD * a.vx, a.y + LOOK_AHEAD * a.vy
         for j in range(i):
             b = match.players[j]
             if b.team == a.team and b.role != GK and not b.has_left:
-                exchange(match, a, b, x, y)
+                exchange(match, a, b, x, y, of_two)
 
 
 @kernel
-def exchange(match, a, b, x, y):
-    """Exchange two mates' slots if that shortens their ways; a will be at (x, y)."""
+def outfield(match, team):
+    """Return how many players of `team` are on the pitch and no keepers."""
+    count = 0
+    for i in range(match.num_players):
+        player = match.players[i]
+        count += player.team == team and player.role != GK and not player.has_left
+    return count
+
+
+@kernel
+def exchange(match, a, b, x, y, of_two):
+    """Exchange two mates' slots if that shortens their ways; a will be at (x, y).
+
+    Of a team of two either way must become shorter than both are now: the original looks for exchanges of short ways
+    first, and of two mates it tries no others.
+    """
     here, there = match.players[a.post], match.players[b.post]
     other_x, other_y = b.x + LOOK_AHEAD * b.vx, b.y + LOOK_AHEAD * b.vy
-    stay = squared_way(x, y, here) + squared_way(other_x, other_y, there)
-    change = squared_way(x, y, there) + squared_way(other_x, other_y, here)
-    if change < EXCHANGE * stay:
+    stay, other_stay = squared_way(x, y, here), squared_way(other_x, other_y, there)
+    change, other_change = squared_way(x, y, there), squared_way(other_x, other_y, here)
+    if of_two:
+        shorter = max(change, other_change) < min(stay, other_stay)
+    else:
+        shorter = change + other_change < EXCHANGE * (stay + other_stay)
+    if shorter:
         a.post, b.post = b.post, a.post
 
 

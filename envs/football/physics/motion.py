@@ -55,7 +55,7 @@ AT_FEET = 0.8  # m from the body to a ball that he has
 BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
 SETS_HIMSELF = 0.02  # s
 IN_REACH = 0.75  # m, nearer at the first whistle he plays it at once
-NEAR_BALL = 16.0  # m: nearer, who stands is on his toes
+NEAR_BALL, FIRST_NEAR = 10.0, 12.0  # m: nearer, who stands is on his toes; the second of the first of his team at it
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
@@ -69,7 +69,7 @@ def take_stance(match):
         player = match.players[i]
         away = apart(player, match.ball)
         drawn = uniform(match)
-        player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < NEAR_BALL else STANCE * drawn
+        player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < near_ball(match, i) else STANCE * drawn
         if away < IN_REACH:
             player.stance_wait = 0.0
         elif away < BEFORE_HIM:
@@ -93,7 +93,7 @@ def plan_motion(match, i):
         keep = max(speed - FOLLOW.slows * STEP, 0.0) / max(speed, 1e-9)
         vx, vy = keep * player.vx, keep * player.vy
     else:
-        ready = int(player.turning == 0 and player.stance_wait == 0.0 and on_his_toes(match, player))
+        ready = int(player.turning == 0 and player.stance_wait == 0.0 and on_his_toes(match, i))
         player.turning += ready
         vx, vy = run_free(player, speed)
         player.turning -= min(ready, player.turning)
@@ -110,10 +110,16 @@ def plan_motion(match, i):
 
 
 @kernel
-def on_his_toes(match, player):
+def near_ball(match, i):
+    """Return from how far in m to the ball player i is on his toes."""
+    return FIRST_NEAR if match.chaser[match.players[i].team] == i else NEAR_BALL
+
+
+@kernel
+def on_his_toes(match, i):
     """Return whether a player who stands is off at once: the ball is near, but no free ball just before him."""
-    away = apart(match.ball, player)
-    return away < NEAR_BALL and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
+    away = apart(match.ball, match.players[i])
+    return away < near_ball(match, i) and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
 
 
 @kernel
