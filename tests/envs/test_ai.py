@@ -18,15 +18,19 @@ from envs.football.constants import (
     CB,
     CF,
     CM,
+    DIRECTION_RIGHT,
     GK,
     HIGH_PASS,
+    LB,
     LEFT,
     LONG_PASS,
     NOBODY,
     POSSESSION,
+    RB,
     RIGHT,
     SHORT_PASS,
     SHOT,
+    SPRINT,
 )
 from envs.football.kick_off import MatchConfig
 from envs.football.vector_env import FootballVectorEnv
@@ -59,6 +63,27 @@ def test_players_run_to_their_numbers_slots_wherever_the_scene_puts_them() -> No
     play(matches, [0] * 30, player=1)
     place = matches["players"][:, 3]
     assert np.all(np.abs(place["x"] - 22.5) < 1.2) and np.all(np.abs(place["y"] + 4.0) < 1.2)
+
+
+def test_one_of_two_backs_does_not_take_the_others_slot_where_only_both_together_gain() -> None:
+    """Measured: who is behind the sprinter runs to his own slot, the other goes with him."""
+    players = [(-55.0, 0.0, LEFT, GK), (10.9, 3.7, LEFT, CF), (55.0, 0.0, RIGHT, GK)]
+    players += [(4.5, 4.7, RIGHT, LB), (9.8, 1.9, RIGHT, RB)]
+    matches = position(players, (11.8, 3.7), OPEN, range(10))
+    play(matches, [DIRECTION_RIGHT, SPRINT, *[DIRECTION_RIGHT] * 16], player=1)
+    behind, beside = matches["players"][:, 3], matches["players"][:, 4]
+    assert np.all(np.abs(behind["x"] - 9.0) < 2.0) and np.all(np.abs(behind["y"] + 3.7) < 2.0)
+    assert np.all(np.abs(beside["x"] - 19.4) < 2.0) and np.all(np.abs(beside["y"] - 1.0) < 2.0)
+
+
+def test_two_backs_exchange_their_slots_where_either_way_becomes_shorter_than_both_were() -> None:
+    """Measured of these: the first keeps to y 3.6, the other to -4.3, though their slots are on the other sides."""
+    players = [(-55.0, 0.0, LEFT, GK), (-10.5, 12.7, LEFT, CF), (55.0, 0.0, RIGHT, GK)]
+    players += [(-12.0, 2.7, RIGHT, LB), (-10.0, -8.3, RIGHT, RB)]
+    matches = position(players, (-9.6, 12.7), OPEN, range(10))
+    play(matches, [DIRECTION_RIGHT, SPRINT, *[DIRECTION_RIGHT] * 22], player=1)
+    assert np.all(np.abs(matches["players"]["y"][:, 3] - 3.6) < 1.5)
+    assert np.all(np.abs(matches["players"]["y"][:, 4] + 4.3) < 1.5)
 
 
 def test_the_block_follows_the_ball() -> None:

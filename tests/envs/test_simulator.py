@@ -96,7 +96,7 @@ def test_compiled_and_uncompiled_agree(tmp_path: Path) -> None:
 
 
 def test_seen_in_a_mirror() -> None:
-    """y → −y of scene and actions gives the mirrored match, exactly, until a kick, a slide, a touch of the keeper or a set piece."""
+    """y → −y of scene and actions gives the mirrored match, exactly, until a kick, a slide, a keeper or a set piece."""
     rng = np.random.default_rng(1)
     for _ in range(10):
         striker, keeper = (rng.uniform(20, 35), rng.uniform(-9, 9)), (rng.uniform(40, 50), rng.uniform(-9, 9))

@@ -1,0 +1,114 @@
+"""Backs and chasers: where built-in players run while a carrier runs on, in drawn scenes without anybody else.
+
+In some a lone back stands before the carrier, in the others one to three players are beside and behind him. Read next:
+`grf.report`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+
+from envs.football.constants import CF, IDLE
+from envs.football.vector_env import FootballVectorEnv
+from experiments.grf.differential import OURS
+from experiments.grf.drawn_scenes import program_text
+from experiments.grf.episodes import Episodes, play_keys
+from experiments.grf.figures import Panel, draw_panels
+from experiments.grf.report import read_data
+from experiments.grf.rows import Row, by_distance
+from experiments.grf.scenes import KEEPER, Scene
+from ued.upomdp import level_dtype
+
+TITLE = "backs and chasers"
+REQUIRED = 1.0
+EPISODES = 4  # of each scene, as in the original
+LEAST = 2  # of them that go on for so long: else the place is not known
+STEPS = {"early": 8, "middle": 16, "late": 25}  # what the columns are called, and after how many steps
+TOLERANCES = {"early": 0.5, "middle": 0.7, "late": 0.9}  # m
+BEHIND = 0.02  # of the original's units, from the carrier to the ball
+KINDS = {"a lone back": range(100, 200), "chasers": range(100)}  # by the scene's number
+FIRST = 3  # player of the right team who is not its keeper
+
+
+@dataclass(frozen=True)
+class Chase:
+    """A drawn scene and its keys, and where the original's `runners` `[R]` are by the columns' names: nan unknown."""
+
+    number: int
+    scene: Scene
+    keys: np.ndarray
+    places: dict[str, np.ndarray]  # [R, 2] m
+
+    def play(self) -> Episodes:
+        """Play it in our simulator."""
+        with closing(FootballVectorEnv(program_text(self.scene), EPISODES, config=OURS)) as env:
+            levels = np.zeros(EPISODES, level_dtype(env.theta_dim))
+            levels["seed"] = EPISODES * self.number + np.arange(EPISODES)
+            return play_keys(env, self.keys, levels)
+
+    def apart(self) -> dict[str, np.ndarray]:
+        """Return how far in m ours are from the original's in the mean, `[R]` by the columns' names."""
+        ours = self.play()
+        return {
+            name: np.linalg.norm(mean_places(ours, step) - self.places[name], axis=1) for name, step in STEPS.items()
+        }
+
+
+def mean_places(episodes: Episodes, step: int) -> np.ndarray:
+    """Return where the runners are after a step, `[R, 2]` m: the mean of the episodes that go on for as long."""
+    there = episodes.lengths >= step
+    runners = episodes.places[:, min(step, episodes.places.shape[1] - 1), FIRST:]
+    return runners[there].mean(0) if there.sum() >= LEAST else np.full(runners.shape[1:], np.nan)
+
+
+def chases() -> Iterator[Chase]:
+    """Read the scenes."""
+    for number, rows in groupby(read_data("chases"), key=lambda row: int(row["scene"])):
+        runners = list(rows)
+        x, y = float(runners[0]["ball_x"]), float(runners[0]["ball_y"])
+        right = tuple((int(row["role"]), float(row["x"]), float(row["y"])) for row in runners)
+        keys = np.full(max(STEPS.values()), IDLE)
+        pressed = [int(key) for key in runners[0]["keys"].split()][: len(keys)]
+        keys[: len(pressed)] = pressed
+        places = {
+            name: np.array([[float(row[f"{name}_{axis}"] or "nan") for axis in "xy"] for row in runners])
+            for name in STEPS
+        }
+        yield Chase(number, Scene((KEEPER, (CF, x - BEHIND, y)), (KEEPER, *right), (x, y)), keys, places)
+
+
+def measure(effort: float = 1.0) -> list[Row]:
+    """Compare how far ours are from where the original's are; `effort` below 1 plays fewer of the scenes."""
+    rows = []
+    for kind, distances in apart_by_kind(effort).items():
+        for name, step in STEPS.items():
+            median = float(np.nanmedian(distances[name]))
+            what = f"{kind}: apart after {step / 10:.1f} s, median"
+            rows.append(by_distance("chases", what, median, 0.0, "m", TOLERANCES[name]))
+    return rows
+
+
+def apart_by_kind(effort: float) -> dict[str, dict[str, np.ndarray]]:
+    """Return how far ours are from where the original's are, of all runners of a kind, by the columns' names."""
+    every = max(round(1.0 / effort), 1)
+    found = {kind: [chase.apart() for chase in chases() if chase.number in numbers and chase.number % every == 0]
+             for kind, numbers in KINDS.items()}  # fmt: skip
+    return {kind: {name: np.concatenate([one[name] for one in some]) for name in STEPS} for kind, some in found.items()}
+
+
+def figure(path: Path, effort: float = 1.0) -> None:
+    """Draw how far all runners are from where the original's are, the nearest first."""
+    panels = []
+    for kind, distances in apart_by_kind(effort).items():
+        for name, step in STEPS.items():
+            ours = np.sort(distances[name][np.isfinite(distances[name])])
+            order = np.linspace(0.0, 1.0, len(ours))
+            title = f"{kind}, {step / 10:.1f} s"
+            panels.append(Panel(title, (order, np.zeros(len(ours))), (order, ours), "share of them", "m apart"))
+    draw_panels(path, TITLE, panels, columns=3)
