@@ -33,12 +33,14 @@ STEPS = {"early": 8, "middle": 16, "late": 25}  # what the columns are called, a
 TOLERANCES = {"early": 0.5, "middle": 0.7, "late": 0.9}  # m
 BEHIND = 0.02  # of the original's units, from the carrier to the ball
 KINDS = {"a lone back": range(100, 200), "chasers": range(100)}  # by the scene's number
-FIRST = 3  # player of the right team who is not its keeper
+FIRST = 3  # index of the first runner: before him are both keepers and the carrier
 
 
 @dataclass(frozen=True)
 class Chase:
-    """A drawn scene and its keys, and where the original's `runners` `[R]` are by the columns' names: nan unknown."""
+    """A drawn scene, the carrier's keys `[T]`, and where the original's R runners are, by the name of `STEPS`; nan where
+    that is not known.
+    """
 
     number: int
     scene: Scene
@@ -53,7 +55,7 @@ class Chase:
             return play_keys(env, self.keys, levels)
 
     def apart(self) -> dict[str, np.ndarray]:
-        """Return how far in m ours are from the original's in the mean, `[R]` by the columns' names."""
+        """Return how far in m ours are in the mean from the original's, `[R]`, by the name of `STEPS`."""
         ours = self.play()
         return {
             name: np.linalg.norm(mean_places(ours, step) - self.places[name], axis=1) for name, step in STEPS.items()
@@ -95,7 +97,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def apart_by_kind(effort: float) -> dict[str, dict[str, np.ndarray]]:
-    """Return how far ours are from where the original's are, of all runners of a kind, by the columns' names."""
+    """Return how far in m ours are from the original's, all runners of a kind, by the name of `STEPS`."""
     every = max(round(1.0 / effort), 1)
     found = {kind: [chase.apart() for chase in chases() if chase.number in numbers and chase.number % every == 0]
              for kind, numbers in KINDS.items()}  # fmt: skip
