@@ -38,8 +38,8 @@ FIRST = 3  # index of the first runner: before him are both keepers and the carr
 
 @dataclass(frozen=True)
 class Chase:
-    """A drawn scene, the carrier's keys `[T]`, and where the original's R runners are, by the name of `STEPS`; nan where
-    that is not known.
+    """A drawn scene, the carrier's keys `[T]`, and where the original's R runners are, by the name of `STEPS`; nan:
+    not known.
     """
 
     number: int
@@ -97,7 +97,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def apart_by_kind(effort: float) -> dict[str, dict[str, np.ndarray]]:
-    """Return how far in m ours are from the original's, all runners of a kind, by the name of `STEPS`."""
+    """Return how far in m ours are from the original's, all runners of a kind."""
     every = max(round(1.0 / effort), 1)
     found = {kind: [chase.apart() for chase in chases() if chase.number in numbers and chase.number % every == 0]
              for kind, numbers in KINDS.items()}  # fmt: skip
