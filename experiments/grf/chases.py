@@ -7,23 +7,20 @@ In some a lone back stands before the carrier, in the others one to three player
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import closing
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import CF, IDLE
-from envs.football.vector_env import FootballVectorEnv
-from experiments.grf.differential import OURS
+from envs.football.constants import CF, IDLE, STEP
+from experiments.grf.differential import OURS, play_seeds
 from experiments.grf.drawn_scenes import program_text
-from experiments.grf.episodes import Episodes, play_keys
+from experiments.grf.episodes import Episodes
 from experiments.grf.figures import Panel, draw_panels
 from experiments.grf.report import read_data
 from experiments.grf.rows import Row, by_distance
 from experiments.grf.scenes import KEEPER, Scene
-from ued.upomdp import level_dtype
 
 TITLE = "backs and chasers"
 REQUIRED = 1.0
@@ -49,10 +46,8 @@ class Chase:
 
     def play(self) -> Episodes:
         """Play it in our simulator."""
-        with closing(FootballVectorEnv(program_text(self.scene), EPISODES, config=OURS)) as env:
-            levels = np.zeros(EPISODES, level_dtype(env.theta_dim))
-            levels["seed"] = EPISODES * self.number + np.arange(EPISODES)
-            return play_keys(env, self.keys, levels)
+        seeds = EPISODES * self.number + np.arange(EPISODES)
+        return play_seeds(program_text(self.scene), self.keys, seeds, OURS)
 
     def apart(self) -> dict[str, np.ndarray]:
         """Return how far in m ours are in the mean from the original's, `[R]`, by the name of `STEPS`."""
@@ -91,7 +86,7 @@ def measure(effort: float = 1.0) -> list[Row]:
     for kind, distances in apart_by_kind(effort).items():
         for name, step in STEPS.items():
             median = float(np.nanmedian(distances[name]))
-            what = f"{kind}: apart after {step / 10:.1f} s, median"
+            what = f"{kind}: apart after {step * STEP:.1f} s, median"
             rows.append(by_distance("chases", what, median, 0.0, "m", TOLERANCES[name]))
     return rows
 
@@ -99,9 +94,12 @@ def measure(effort: float = 1.0) -> list[Row]:
 def apart_by_kind(effort: float) -> dict[str, dict[str, np.ndarray]]:
     """Return how far in m ours are from the original's, all runners of a kind."""
     every = max(round(1.0 / effort), 1)
-    found = {kind: [chase.apart() for chase in chases() if chase.number in numbers and chase.number % every == 0]
-             for kind, numbers in KINDS.items()}  # fmt: skip
-    return {kind: {name: np.concatenate([one[name] for one in some]) for name in STEPS} for kind, some in found.items()}
+    chosen = [chase for chase in chases() if chase.number % every == 0]
+    distances = {}
+    for kind, numbers in KINDS.items():
+        found = [chase.apart() for chase in chosen if chase.number in numbers]
+        distances[kind] = {name: np.concatenate([one[name] for one in found]) for name in STEPS}
+    return distances
 
 
 def figure(path: Path, effort: float = 1.0) -> None:
@@ -111,6 +109,6 @@ def figure(path: Path, effort: float = 1.0) -> None:
         for name, step in STEPS.items():
             ours = np.sort(distances[name][np.isfinite(distances[name])])
             order = np.linspace(0.0, 1.0, len(ours))
-            title = f"{kind}, {step / 10:.1f} s"
+            title = f"{kind}, {step * STEP:.1f} s"
             panels.append(Panel(title, (order, np.zeros(len(ours))), (order, ours), "share of them", "m apart"))
     draw_panels(path, TITLE, panels, columns=3)

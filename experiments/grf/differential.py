@@ -118,10 +118,15 @@ def play_scenes(
 
 
 def _play(program: str, drawn: DrawnScene, config: FootballConfig, count: int, engine: int) -> Episodes:
-    with closing(FootballVectorEnv(program, count, config=config)) as env:
-        levels = np.zeros(count, level_dtype(env.theta_dim))
-        levels["seed"] = drawn.seeds(engine, count)
-        return play_keys(env, drawn.keys, levels)
+    return play_seeds(program, drawn.keys, drawn.seeds(engine, count), config)
+
+
+def play_seeds(program: str, keys: np.ndarray, seeds: np.ndarray, config: FootballConfig) -> Episodes:
+    """Play the same keys `[T]` in a program without parameters, an episode for each seed `[E]`."""
+    with closing(FootballVectorEnv(program, len(seeds), config=config)) as env:
+        levels = np.zeros(len(seeds), level_dtype(env.theta_dim))
+        levels["seed"] = seeds
+        return play_keys(env, keys, levels)
 
 
 def compare(pairs: Sequence[Pair]) -> list[Row]:

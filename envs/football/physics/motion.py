@@ -55,7 +55,8 @@ AT_FEET = 0.8  # m from the body to a ball that he has
 BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
 SETS_HIMSELF = 0.02  # s
 IN_REACH = 0.75  # m, nearer at the first whistle he plays it at once
-NEAR_BALL, FIRST_NEAR = 10.0, 12.0  # m: nearer, who stands is on his toes; the second of the first of his team at it
+NEAR_BALL = 10.0  # m: nearer, who stands is on his toes,
+FIRST_NEAR = 12.0  # m; in play the first of a team at the ball already from here
 TURN = 0.4  # rad turned in a step on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
@@ -69,7 +70,7 @@ def take_stance(match):
         player = match.players[i]
         away = apart(player, match.ball)
         drawn = uniform(match)
-        player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < near_ball(match, i) else STANCE * drawn
+        player.stance_wait = TOES * (1.0 + drawn) if BEFORE_HIM < away < NEAR_BALL else STANCE * drawn
         if away < IN_REACH:
             player.stance_wait = 0.0
         elif away < BEFORE_HIM:
@@ -110,16 +111,11 @@ def plan_motion(match, i):
 
 
 @kernel
-def near_ball(match, i):
-    """Return from how far in m to the ball player i is on his toes."""
-    return FIRST_NEAR if match.chaser[match.players[i].team] == i else NEAR_BALL
-
-
-@kernel
 def on_his_toes(match, i):
     """Return whether a player who stands is off at once: the ball is near, but no free ball just before him."""
-    away = apart(match.ball, match.players[i])
-    return away < near_ball(match, i) and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
+    player = match.players[i]
+    away, near = apart(match.ball, player), FIRST_NEAR if match.chaser[player.team] == i else NEAR_BALL
+    return away < near and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
 
 
 @kernel
