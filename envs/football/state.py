@@ -136,6 +136,7 @@ PLAYER_FIELDS: Table = (
     ("touch_wait", Real(math.inf), (), "s", "until this player can touch the ball again"),
     ("down_wait", Real(math.inf), (), "s", "until he is on his feet again after a slide or a dive"),
     ("pushed", REAL, (), "m", "by which other bodies have just moved him: his shots are weak then, and go astray"),
+    ("brings_down", "?", (), "", "the ball still rolls from the player's first touch, and his run hardly changes"),
     ("turns_wide", "?", (), "", "the player's turn with the ball has begun in a sprint: it goes in an arc"),
     ("is_sliding", "?", (), "", "the player is down because he slides into a tackle"),
     ("is_slide_spent", "?", (), "", "his slide has met the carrier: felled him, or not"),

@@ -10,7 +10,7 @@ from pitch import OPEN, play, position, take_over
 
 from envs.football.ai.attack import push_of_rivals
 from envs.football.ai.decide import choose_command
-from envs.football.ai.defence import guarding_place, wins_race
+from envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, time_to_led_ball
 from envs.football.ai.formation import formation_slots
 from envs.football.ai.positions import take_position
 from envs.football.config import FootballConfig
@@ -135,28 +135,39 @@ def led_ball(away: float, stride: float = 0.0, team: int = RIGHT) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("away", "stride", "team", "wins"),
-    [(1.5, 0.0, RIGHT, True), (5.5, 0.0, RIGHT, False), (1.5, -0.17, RIGHT, False), (1.5, 0.0, LEFT, False)],
-    ids=["sooner", "too far", "hardly sooner", "a mate's"],
+    ("away", "stride", "team", "goes"),
+    [
+        (1.5, 0.0, RIGHT, True),
+        (5.5, 0.0, RIGHT, True),
+        (13.0, 0.0, RIGHT, False),
+        (5.5, -0.05, RIGHT, False),
+        (1.5, 0.0, LEFT, False),
+    ],
+    ids=["near", "sooner", "too far", "about to be played", "a mate's"],
 )
-def test_who_is_clearly_sooner_at_a_led_ball_runs_for_it(away: float, stride: float, team: int, wins: bool) -> None:
+def test_who_is_as_soon_at_a_led_ball_goes_for_it(away: float, stride: float, team: int, goes: bool) -> None:
     matches = led_ball(away, stride, team)
-    assert bool(wins_race(matches[0], 3)) == wins
+    assert bool(goes_for_led_ball(matches[0], 3)) == goes
     matches["chaser"][:, LEFT] = 0
-    assert not wins_race(matches[0], 3)  # not the first of his team
+    assert not goes_for_led_ball(matches[0], 3)  # not the first of his team
 
 
 def test_nobody_races_for_a_ball_that_is_free_or_in_hands() -> None:
     free, held = led_ball(1.5), led_ball(1.5)
     free["carrier"], held["keeper_holding"] = NOBODY, 2
-    assert not wins_race(free[0], 3) and not wins_race(held[0], 3)
+    assert not goes_for_led_ball(free[0], 3) and not goes_for_led_ball(held[0], 3)
 
 
-def test_who_wins_the_race_leaves_whom_he_marks() -> None:
-    for stride, runs in ((0.0, True), (-0.17, False)):
-        matches = led_ball(1.5, stride)
-        choose_command(matches[0], 3)
-        assert bool(matches["players"]["desired_vx"][0, 3] > 5.0) == runs
+@pytest.mark.parametrize(("in_time", "least", "most"), [(0.9, -10.0, 0.0), (1.05, 5.0, 10.0), (1.3, -0.1, 3.0)])
+def test_a_guard_leaves_whom_he_marks_for_a_led_ball_and_lets_it_come(
+    in_time: float, least: float, most: float
+) -> None:
+    """Later than the carrier he goes on guarding, as soon he runs at the ball, clearly sooner he waits for it."""
+    matches = led_ball(4.0)
+    mine = time_to_led_ball(matches[0]["ball"], matches[0]["players"][3], 8.0)
+    matches["players"]["stride"][:, 2] = RACE.patience - in_time * (mine + RACE.patience)
+    choose_command(matches[0], 3)
+    assert least <= matches["players"]["desired_vx"][0, 3] <= most
 
 
 def test_a_guard_of_whom_is_past_the_line_goes_behind_his_back() -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from envs.football.ai.attack import meet_free_ball, play_ball
 from envs.football.ai.balance import remember
-from envs.football.ai.defence import lay_traps, must_move, race, tackle, tackles, wins_race
+from envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
 from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
 from envs.football.ai.keeper import choose_keeper_command
 from envs.football.ai.marking import choose_hunters, choose_markers, hunts
@@ -80,8 +80,8 @@ def choose_command(match, i):
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
         meet_free_ball(match, i)
-    elif wins_race(match, i):
-        race(match, i)
+    elif goes_for_led_ball(match, i):
+        return
     elif match.team_in_possession != player.team and tackles(match, player):
         tackle(match, i)
     elif hunts(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):

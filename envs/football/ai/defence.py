@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from envs.football.ai.attack import run_by_forces
 from envs.football.ai.formation import LINE, MINDSET, between
-from envs.football.ai.run_speed import go
+from envs.football.ai.run_speed import go, reaction_time
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.ball import rolled
 from envs.football.physics.pitch import forward, own_goal_x
 from envs.football.physics.possession import ball_speed, man_on_ball
-from envs.football.physics.vectors import apart, length, squared_apart
-from envs.football.skills.steering import go_for_ball, slide
+from envs.football.physics.vectors import apart, length, squared_apart, toward
+from envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
 
 
@@ -40,16 +41,18 @@ class Race(NamedTuple):
     fades: float = 0.7  # s until his run has faded out
     pace: float = 0.94  # share of his top speed at which it grows in the end
     step: float = 0.03  # s of the search
-    longest: float = 0.66  # s: who needs longer is not asked
-    nearest: float = 5.0  # m to the ball, the same
-    sooner: float = 0.85  # share of the carrier's time in which he has to be there
-    slack: float = 0.01  # s, added to both
+    longest: float = 1.5  # s: who needs longer is not asked
+    nearest: float = 12.0  # m to the ball, the same
+    on_his_way: float = 0.3  # s since the carrier has played it, from when on he is on his way to the next touch,
+    touches_every: float = 0.7  # s, which comes so long after the last
+    in_time: float = 0.99  # of the carrier's time by his, from where on he goes for it,
+    patience: float = 0.2  # s that both are longer than they are
 
 
 class Guard(NamedTuple):
     """Staying between an opponent and the goal."""
 
-    lead: float = 0.5  # s by which the opponent's run is led
+    lead: float = 0.5  # s by which the opponent's run is led, as it was a reaction time ago
     own_lead: float = 0.14  # s by which his own is
     shot_from: float = 24.0  # m to the goal: from where the opponent on the ball shoots,
     danger_from: float = 8.0  # and from where any other is dangerous
@@ -108,10 +111,12 @@ def tackles(match, player):
 
 
 @kernel
-def wins_race(match, i):
-    """Return whether player i, the first of his team at a ball that an opponent leads, is clearly sooner at it.
+def goes_for_led_ball(match, i):
+    """Let player i, the first of his team at a ball that an opponent leads, go for it if he is as soon at it; return
+    whether he does.
 
-    The original has its one designated player run for the ball then, whomever he marks.
+    The original has its one designated player do so, whomever he marks. After each touch of a sprinter a back 6 m
+    before him is sooner at the ball for a moment: he then stops, and lets it come.
     """
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.keeper_holding != NOBODY or match.chaser[player.team] != i:
@@ -121,19 +126,30 @@ def wins_race(match, i):
         return False
     speed = ball_speed(ball)
     mine = time_to_led_ball(ball, player, speed)
+    if mine >= RACE.longest:
+        return False
     his = time_to_led_ball(ball, carrier, speed)
     if carrier.stride < 0.0:
         his = min(his, -carrier.stride)  # he is about to play it
-    return mine + RACE.slack < RACE.sooner * (his + RACE.slack)
+    elif carrier.stride > RACE.on_his_way:
+        his = min(his, max(RACE.touches_every - carrier.stride, 0.0))
+    in_time = (his + RACE.patience) / (mine + RACE.patience)
+    if in_time < RACE.in_time:
+        return False
+    if in_time < AWAIT.in_time or not awaits_carrier(match, player, mine):
+        share = rolled(speed, mine) / speed if speed > 0.0 else 0.0
+        go(player, ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y, player.top_speed)
+    return True
 
 
 @kernel
-def race(match, i):
-    """Run to where the led ball will be when player i can play it, as his run takes him."""
-    player, ball = match.players[i], match.ball
-    speed = ball_speed(ball)
-    share = rolled(speed, time_to_led_ball(ball, player, speed)) / speed if speed > 0.0 else 0.0
-    go(player, ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y, player.top_speed)
+def awaits_carrier(match, player, time):
+    """Let a player who is at a led ball in `time` s, clearly sooner than its carrier, meet it where that suits where he
+    would dribble; return whether it comes to him.
+    """
+    run_by_forces(match, player)
+    ux, uy = toward(player.desired_vx, player.desired_vy)
+    return await_ball(match.ball, player, time, ux, uy)
 
 
 @kernel
@@ -145,10 +161,11 @@ def time_to_led_ball(ball, player, speed):
     while time < RACE.longest:
         time += RACE.step
         share = rolled(speed, time) / speed if speed > 0.0 else 0.0
-        run = time * (1.0 - 0.5 * time / RACE.fades)
+        fading = min(time, RACE.fades)
+        run = fading - 0.5 * fading * fading / RACE.fades
         away_x = ball.x + share * ball.vx - here_x - run * player.vx
         away_y = ball.y + share * ball.vy - here_y - run * player.vy
-        reach = RACE.leg + 0.5 * pace * time * time / RACE.fades
+        reach = RACE.leg + pace * (time - run)
         if away_x * away_x + away_y * away_y < reach * reach:
             break
     return time
@@ -209,7 +226,8 @@ def guarding_place(match, player, x, y):
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
-    from_x, from_y = rival.x + GUARD.lead * rival.vx, rival.y + GUARD.lead * rival.vy
+    lead = GUARD.lead - reaction_time(player)
+    from_x, from_y = rival.x + lead * rival.vx, rival.y + lead * rival.vy
     to_goal = length(goal_x - from_x, from_y) + 1e-9
     on_ball = player.marked_opponent == man_on_ball(match, rival.team) and match.team_in_possession == rival.team
     way = min(max(to_goal - (GUARD.shot_from if on_ball else GUARD.danger_from), GUARD.nearest), HALF_LENGTH)

@@ -38,6 +38,7 @@ from envs.football.physics.dribble import TOUCH
 from envs.football.physics.motion import SLIDE
 from envs.football.physics.possession import ball_speed, forget_kick, look_ahead, owns, time_to_meet
 from envs.football.physics.vectors import apart, length, toward
+from envs.football.skills.first_touch import is_about_to_play
 from envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
@@ -231,7 +232,10 @@ def steer(match, i):
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
     freed = player.sprint and player.dribble and not owns(match.ball, player)
-    if match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:
+    plays = match.carrier == NOBODY and player.direction > 0 and player.kick == 0
+    if plays and is_about_to_play(match.ball, player):
+        player.desired_vx, player.desired_vy = player.vx, player.vy
+    elif match.use_magnet and not at_feet and not freed and match.game_mode == NORMAL:
         follow_magnet(match, i)
 
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
 from envs.football.physics.pitch import forward
-from envs.football.physics.possession import ball_speed, look_ahead, time_needed, travelled
+from envs.football.physics.possession import ball_speed
 from envs.football.physics.vectors import apart, length, toward
 from envs.football.skills.shots import eased
-from envs.football.skills.steering import chase
+from envs.football.skills.steering import AWAIT, await_ball, chase
 from scenic_lite.kernels.jit import kernel
 
 
@@ -33,22 +33,8 @@ class Pull(NamedTuple):
     leg: float = 0.83  # and up to where
 
 
-class Await(NamedTuple):
-    """How a player takes a ball that comes to him, who is clearly the first at it."""
-
-    in_time: float = 1.1  # of the opponents' time by his, with `Pull.patience`, from where on he takes his time
-    rolling: float = 1.0  # m/s, a slower ball does not come
-    longest: float = 3.0  # s until it passes
-    choices: int = 2  # places are compared: where he has it first, where it passes nearest, and between
-    pace: float = 0.4  # weight of how alike his way's velocity is to that of his keys
-    way: float = 0.6  # and its direction
-    nearest: float = 0.1  # and of where it passes nearest
-    urgency: float = 2.6  # 1/s, velocity by distance
-    fastest: float = 8.0  # m/s
-
-
 # Documented of Google Research Football; checked by its own episodes, played on from where they were after each step.
-PULL, AWAIT = Pull(), Await()
+PULL = Pull()
 
 
 @kernel
@@ -89,47 +75,13 @@ def at_hand(match, player):
 def awaits(match, i):
     """Let player i, who is clearly the first at a ball that comes, meet it where that suits his keys best; return
     whether he does.
-
-    That is anywhere from where he can have it first to where it passes nearest; he goes there as fast as he must.
     """
-    player, ball = match.players[i], match.ball
-    speed, time = ball_speed(ball), match.arrival[player.team]
-    if match.carrier == i or speed < AWAIT.rolling or in_time_by(match, player, time) < AWAIT.in_time:
+    player = match.players[i]
+    time = match.arrival[player.team]
+    if match.carrier == i or in_time_by(match, player, time) < AWAIT.in_time:
         return False
-    ahead, ux, uy = look_ahead(ball), ball.vx / speed, ball.vy / speed
-    first, last = travelled(ahead, time), (player.x - ball.x) * ux + (player.y - ball.y) * uy
-    if last <= first:
-        return False
-    latest = last / speed
-    for _ in range(2):
-        latest *= last / travelled(ahead, latest)
-    if latest > AWAIT.longest:
-        return False
-    best = -1.0
-    wanted_x, wanted_y = player.desired_vx, player.desired_vy
-    for part in range(AWAIT.choices + 1):
-        share = part / AWAIT.choices
-        way = first + share * (last - first)
-        dx, dy = ball.x + way * ux - player.x, ball.y + way * uy - player.y
-        rating = suits(player, wanted_x, wanted_y, dx, dy) + AWAIT.nearest * share
-        if rating > best:
-            best = rating
-            distance = length(dx, dy)
-            pace = min(time_needed(player, dx, dy) / (time + share * (latest - time)), 1.0) * player.top_speed
-            pace = pace / (distance + 1e-9) if pace > PULL.standing else 0.0
-            player.desired_vx, player.desired_vy = pace * dx, pace * dy
-    return True
-
-
-@kernel
-def suits(player, wanted_x, wanted_y, dx, dy):
-    """Return how well going (dx, dy) m suits keys that want a velocity, or else where he looks."""
-    distance = length(dx, dy) + 1e-9
-    pace = min(AWAIT.urgency, AWAIT.fastest / distance)
-    like = 1.0 - min(length(wanted_x - pace * dx, wanted_y - pace * dy) / AWAIT.fastest, 1.0)
     ux, uy = keys_direction(player)
-    angle = math.acos(min(max((ux * dx + uy * dy) / distance, -1.0), 1.0))
-    return AWAIT.pace * like + AWAIT.way * (1.0 - min(angle / (0.5 * math.pi), 1.0))
+    return await_ball(match.ball, player, time, ux, uy)
 
 
 @kernel

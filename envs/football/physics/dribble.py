@@ -56,6 +56,7 @@ class Touch(NamedTuple):
     slowing: float = 2.5  # m/s² of a ball that rolls
     aside_time: float = 0.55  # s in which a touch brings the ball back to his line
     aside: float = 2.0  # m/s at most, to that end
+    first_gain: float = 4.5  # m/s² until the ball that he has brought down can be played again
     pace_left: float = 0.934  # share of the speed wanted that is left when a sprinter has played the ball
 
 
@@ -150,6 +151,8 @@ def run_with_ball(match, i, speed):
     vx, vy = player.vx, player.vy
     if not out_runs(ball, player, speed, away_x, away_y):
         vx, vy = steered(ball, player, speed, want)
+        if player.brings_down:
+            vx, vy = held(player, vx, vy)
     player.lunge_loss = 0.0
     speed = math.sqrt(vx * vx + vy * vy)
     if lunging > 0.0 and want > AT_FOOT.walking and speed > 0.0:
@@ -162,6 +165,14 @@ def run_with_ball(match, i, speed):
         vx *= now / speed
         vy *= now / speed
     return vx, vy
+
+
+@kernel
+def held(player, vx, vy):
+    """Return the velocity (vx, vy), as far as a player can come to it while the ball rolls on from his first touch."""
+    dx, dy = vx - player.vx, vy - player.vy
+    share = min(TOUCH.first_gain * STEP / (math.sqrt(dx * dx + dy * dy) + 1e-9), 1.0)
+    return player.vx + share * dx, player.vy + share * dy
 
 
 @kernel

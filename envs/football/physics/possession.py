@@ -288,5 +288,7 @@ def advance_timers(match):
         player.touch_wait = max(player.touch_wait - STEP, 0.0)
         player.down_wait = max(player.down_wait - STEP, 0.0)
         player.pushed *= PUSH.kept
+        if player.touch_wait == 0.0:
+            player.brings_down = False
         if player.down_wait == 0.0:
             player.is_sliding, player.is_slide_spent = False, False

@@ -54,7 +54,8 @@ def stand_still(player):
     """Stop a player and clear what he was about to do."""
     player.vx, player.vy = 0.0, 0.0
     player.desired_vx, player.desired_vy = 0.0, 0.0
-    player.down_wait, player.touch_wait, player.turning, player.is_sliding = 0.0, 0.0, 0, False
+    player.down_wait, player.touch_wait, player.turning = 0.0, 0.0, 0
+    player.brings_down, player.is_sliding = False, False
     forget_kick(player)
 
 

@@ -14,7 +14,7 @@ from envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
 from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.first_touch import cushion
+from envs.football.skills.first_touch import cushion, lets_come
 from envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
 from envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from envs.football.skills.saves import DIVE, foresee
@@ -191,7 +191,7 @@ def meet(match, i, distance):
             kick_mates_ball(match, i)
     elif player.role == GK and distance < CLAIM.reach and ball.z < CLAIM.below and has_hands(match, i):
         catch(match, i)
-    elif distance < reach_of(match, player) and ball.z < TRAP.below:
+    elif distance < reach_of(match, player) and ball.z < TRAP.below and not lets_come(ball, player):
         trap(match, i)
 
 

@@ -24,12 +24,19 @@ class Tackle(NamedTuple):
     below: float = 0.9  # m, its height
     idles: float = 0.5  # m/s, who is slower and wants no more does not try
     meant_cosine: float = 0.85  # of the angle between the way that a tackler wants to go and the ball
-    shielding_cosine: float = 0.6  # of the angle at the carrier's body between the way to him and on to the ball
+    shielding_cosine: float = 0.5  # of the angle at the carrier's body between the way to him and on to the ball
     passing_most: float = 9.0  # m/s at which the ball passes
     contact: float = 0.85  # m between bodies, for a poke round the carrier's
     at_feet: float = 0.6  # m to the ball from the carrier's body, for that
     chance: float = 0.9
     hurried: float = 0.02  # less of it per m/s of the carrier
+    built_in: float = 0.94  # of a built-in player,
+    built_in_hurried: float = 0.225  # less per m/s of the carrier,
+    built_in_far: float = 1.7  # more per m of the ball from the carrier's body,
+    built_in_most: float = 0.95  # but at most:
+    built_in_least: float = 0.45  # of that the least skilful have so much,
+    built_in_skill: float = 0.75  # and the more skilful more
+    beside: float = 0.35  # cosine of straight ahead of who runs, from where on a built-in player tries
     behind: float = 0.3  # share of the chance that is left from behind
     behind_cosine: float = -0.3  # of straight ahead of the carrier: behind him
     skill_least: float = 0.9  # share of the chance that the least skilful have
@@ -87,22 +94,23 @@ def in_tackle_reach(match, i, distance):
 
 @kernel
 def goes_for_ball(match, i, distance):
-    """Return whether the way that player i wants to go leads to the ball, this far from him; who stands lets it come.
+    """Return whether player i tries for the ball, this far from him: where the way that he wants to go leads to it, or
+    he stands and lets it come.
 
-    A built-in player does not try past the carrier's body, nor when they run at each other too fast.
+    A built-in player does so wherever he goes, but not past the carrier's body, nor when they run at each other too
+    fast.
     """
     player, ball = match.players[i], match.ball
     carrier = match.players[match.carrier]
-    want = length(player.desired_vx, player.desired_vy)
-    along = player.desired_vx * (ball.x - player.x) + player.desired_vy * (ball.y - player.y)
-    if along < TACKLE.meant_cosine * want * distance:
-        return False
     if player.action != BUILTIN_AI:
-        return True
+        want = length(player.desired_vx, player.desired_vy)
+        along = player.desired_vx * (ball.x - player.x) + player.desired_vy * (ball.y - player.y)
+        return along >= TACKLE.meant_cosine * want * distance
     to_x, to_y = toward(carrier.x - player.x, carrier.y - player.y)
     ball_x, ball_y = toward(ball.x - carrier.x, ball.y - carrier.y)
     slow = length(ball.vx - player.vx, ball.vy - player.vy) < TACKLE.passing_most
-    return slow and to_x * ball_x + to_y * ball_y < TACKLE.shielding_cosine
+    ahead = frontal(player, carrier) > TACKLE.beside or length(carrier.vx, carrier.vy) < STANDING
+    return slow and ahead and to_x * ball_x + to_y * ball_y < TACKLE.shielding_cosine
 
 
 @kernel
@@ -110,10 +118,13 @@ def tackle(match, i):
     """Let player i try to take the ball off the carrier's feet."""
     player, carrier = match.players[i], match.players[match.carrier]
     front, speed = frontal(player, carrier), length(carrier.vx, carrier.vy)
-    chance = (TACKLE.chance - TACKLE.hurried * speed) * share_of_skill(player) * within_reach(match, i, TACKLE.swerve)
-    chance *= 1.0 + TACKLE.clumsy * (1.0 - carrier.skill) ** 2
-    if front < TACKLE.behind_cosine:
-        chance *= TACKLE.behind
+    if player.action == BUILTIN_AI:
+        chance = chance_of_built_in(match, player, carrier, speed)
+    else:
+        chance = (TACKLE.chance - TACKLE.hurried * speed) * within_reach(match, i, TACKLE.swerve)
+        chance *= share_of_skill(player) * (1.0 + TACKLE.clumsy * (1.0 - carrier.skill) ** 2)
+        if front < TACKLE.behind_cosine:
+            chance *= TACKLE.behind
     chance *= match.engine.tackle_odds
     if uniform(match) < chance:
         win(match, i)
@@ -123,6 +134,16 @@ def tackle(match, i):
         player.down_wait = max(player.down_wait, TACKLE.beaten_down)
         if front < SIDE_COSINE and uniform(match) < TACKLE.trip_chance:
             report_foul(match, i, match.carrier, 0.0, False)
+
+
+@kernel
+def chance_of_built_in(match, player, carrier, speed):
+    """Return the chance of a built-in player, who lets the ball come, against a carrier of this speed in m/s.
+
+    It is the better the further that one has played the ball ahead.
+    """
+    chance = TACKLE.built_in - TACKLE.built_in_hurried * speed + TACKLE.built_in_far * apart(match.ball, carrier)
+    return min(chance, TACKLE.built_in_most) * (TACKLE.built_in_least + TACKLE.built_in_skill * player.skill)
 
 
 @kernel
