@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from pitch import OPEN, duel, play, position
 
 from envs.football.constants import (
+    BUILTIN_AI,
     CB,
     CM,
     DIRECTION_LEFT,
     DIRECTION_RIGHT,
     FREE_KICK,
     GK,
+    IDLE,
     KICK_PATIENCE,
     LEFT,
+    NOBODY,
     RIGHT,
     SHOT,
     SLIDING,
@@ -24,10 +29,11 @@ from envs.football.control.keys import may_slide
 from envs.football.rules.fouls import YELLOW_FROM
 from envs.football.simulator import step_everybody
 from envs.football.skills.contacts import kick_mates_ball
+from envs.football.skills.first_touch import lets_come
 from envs.football.skills.hands import parry
 from envs.football.skills.saves import foresee_shot
 from envs.football.skills.shots import strike
-from envs.football.skills.tackles import slide_into
+from envs.football.skills.tackles import goes_for_ball, slide_into
 
 MANY = range(200)
 
@@ -59,6 +65,61 @@ def test_who_runs_to_a_resting_ball_with_no_direction_held_stops_with_it() -> No
     assert before < 5.6
     assert matches["players"]["x"][0, 0] - before < 1.8
     assert matches["carrier"][0] == 0
+
+
+@dataclass(frozen=True)
+class Touch:
+    """What a first touch leaves, a step later: m/s along the x axis."""
+
+    player: float
+    ball: float
+
+
+@pytest.mark.parametrize(
+    ("run", "key", "measured"),
+    [(5.6, DIRECTION_RIGHT, Touch(4.1, 5.4)), (0.0, DIRECTION_LEFT, Touch(-1.9, -3.6))],
+    ids=["he runs to it", "it comes from behind"],
+)
+def test_a_hard_ball_is_brought_down_at_the_body(run: float, key: int, measured: Touch) -> None:
+    """Measured of 646 first touches: within 0.1 to 0.55 m of the body, and he is its owner for as long as he runs."""
+    matches = position([(0.0, 0.0, LEFT, CM), (-40.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)], (9.0, 0.1))
+    player, ball = matches["players"][:, 0], matches["ball"]
+    player["vx"], player["stance_wait"], player["direction"] = run, 0.0, key
+    player["facing_x"], player["facing_y"] = 1.0, 0.0
+    ball["vx"], matches["last_touch"], matches["was_kicked"], matches["kick_age"] = -13.0, 1, True, 1.0
+    matches["carrier"], matches["last_owned_team"] = NOBODY, LEFT
+    while matches["carrier"][0] != 0:
+        play(matches, [IDLE], player=0)
+    assert abs(ball["x"][0] - player["x"][0]) < 0.65
+    assert player["vx"][0] == pytest.approx(measured.player, abs=0.4)
+    assert ball["vx"][0] == pytest.approx(measured.ball, abs=0.7)
+    for _ in range(4):  # until he plays it again
+        before = player["vx"][0]
+        play(matches, [IDLE], player=0)
+        assert abs(player["vx"][0] - before) < 0.7  # measured: 0.3 to 0.6
+        assert matches["reported_owner"][0] == 0
+
+
+def test_who_stands_idly_takes_a_hard_ball_with_his_leg() -> None:
+    matches = position([(0.0, 0.0, LEFT, CM), (-40.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)], (9.0, 0.1))
+    matches["ball"]["vx"], matches["last_touch"], matches["carrier"] = -13.0, 1, NOBODY
+    player, ball = matches["players"][0, 0], matches["ball"][0]
+    assert not lets_come(ball, player)
+    player["direction"] = DIRECTION_RIGHT
+    assert lets_come(ball, player)
+    player["kick"], player["kick_ready"] = SHOT, True
+    assert not lets_come(ball, player)
+
+
+def test_a_built_in_player_does_not_try_from_beside_who_runs() -> None:
+    """Measured: of 28 who come beside or behind a runner with the ball one has it within 0.8 s."""
+    matches = position([(0.0, 0.0, LEFT, CM), (0.0, 0.7, RIGHT, CB), (-40.0, 0.0, RIGHT, GK)], (0.6, 0.0))
+    carrier, tackler = matches["players"][0, 0], matches["players"][0, 1]
+    matches["carrier"], tackler["action"], carrier["facing_x"], carrier["facing_y"] = 0, BUILTIN_AI, 1.0, 0.0
+    for x, speed, tries in ((0.1, 5.0, False), (0.6, 5.0, True), (0.1, 0.0, True)):
+        tackler["x"], carrier["vx"] = x, speed
+        distance = np.hypot(tackler["x"] - 0.6, tackler["y"])
+        assert bool(goes_for_ball(matches[0], 1, distance)) == tries
 
 
 def tackled(carrier_keys: list[int], defender: tuple[float, float], steps: int = 45) -> float:
