@@ -76,13 +76,13 @@ class Touch:
 
 
 @pytest.mark.parametrize(
-    ("run", "key", "measured"),
-    [(5.6, DIRECTION_RIGHT, Touch(4.1, 5.4)), (0.0, DIRECTION_LEFT, Touch(-1.9, -3.6))],
+    ("run", "key", "away", "measured"),
+    [(5.6, DIRECTION_RIGHT, 9.0, Touch(4.1, 5.4)), (0.0, DIRECTION_LEFT, 4.0, Touch(-1.9, -3.6))],
     ids=["he runs to it", "it comes from behind"],
 )
-def test_a_hard_ball_is_brought_down_at_the_body(run: float, key: int, measured: Touch) -> None:
+def test_a_hard_ball_is_brought_down_at_the_body(run: float, key: int, away: float, measured: Touch) -> None:
     """Measured of 646 first touches: within 0.1 to 0.55 m of the body, and he is its owner for as long as he runs."""
-    matches = position([(0.0, 0.0, LEFT, CM), (-40.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)], (9.0, 0.1))
+    matches = position([(0.0, 0.0, LEFT, CM), (-40.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)], (away, 0.1))
     player, ball = matches["players"][:, 0], matches["ball"]
     player["vx"], player["stance_wait"], player["direction"] = run, 0.0, key
     player["facing_x"], player["facing_y"] = 1.0, 0.0
