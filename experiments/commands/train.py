@@ -12,14 +12,14 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 from experiments.pictures import plots
-from experiments.run import arguments, build, origin
+from experiments.run import arguments, build, origin, provenance
 from experiments.run.arguments import group
 from experiments.run.config import TrainConfig
 from experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
@@ -134,7 +134,17 @@ def restore(run: RunFolder, method: Any) -> float:
     except DAMAGE as error:  # it is damaged, or of environments that keep their state otherwise by now
         raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
     run.cut_back(state["update"])
+    tell_of_change(run, state)
     return float(state["elapsed"])
+
+
+def tell_of_change(run: RunFolder, state: Mapping[str, Any]) -> None:
+    """Warn that a run goes on in a simulator that is not the one of its checkpoint, where that is known."""
+    if build.is_football(run.config) and state.get("simulator", provenance.simulator()) != provenance.simulator():
+        build.warn(
+            f"{run.path} was trained up to here on another simulator (commit {run.about.get('commit') or 'unknown'}): "
+            f"what it learns from now on it learns on this one; start anew for numbers of one simulator"
+        )
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
@@ -147,6 +157,8 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
     progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
     whole = method.upomdp.gives_state
     progress |= {"spaces": spaces_of(method.upomdp)}
+    if build.is_football(run.config):
+        progress["simulator"] = provenance.simulator()
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 
 
