@@ -139,12 +139,17 @@ def restore(run: RunFolder, method: Any) -> float:
 
 
 def tell_of_change(run: RunFolder, state: Mapping[str, Any]) -> None:
-    """Warn that a run goes on in a simulator that is not the one of its checkpoint, where that is known."""
-    if build.is_football(run.config) and state.get("simulator", provenance.simulator()) != provenance.simulator():
+    """Warn that a run goes on with other code of our simulator than its checkpoint, where that is known."""
+    if plays_ours(run) and state.get("simulator", provenance.simulator()) != provenance.simulator():
         build.warn(
             f"{run.path} was trained up to here on another simulator (commit {run.about.get('commit') or 'unknown'}): "
-            f"what it learns from now on it learns on this one; start anew for numbers of one simulator"
+            f"its code has changed since, and what is learnt from now on is learnt on this one"
         )
+
+
+def plays_ours(run: RunFolder) -> bool:
+    """Return whether a run plays football in our simulator."""
+    return build.is_football(run.config) and run.config.env.engine != "grf"
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
@@ -157,7 +162,7 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
     progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
     whole = method.upomdp.gives_state
     progress |= {"spaces": spaces_of(method.upomdp)}
-    if build.is_football(run.config):
+    if plays_ours(run):
         progress["simulator"] = provenance.simulator()
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 

@@ -16,7 +16,7 @@ from envs.football.ai.run_speed import go, reaction_time
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
 from envs.football.physics.ball import rolled
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import ball_speed, man_on_ball
+from envs.football.physics.possession import RUN, ball_speed, man_on_ball
 from envs.football.physics.vectors import apart, length, squared_apart, toward
 from envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
@@ -34,12 +34,8 @@ class Duel(NamedTuple):
 
 
 class Race(NamedTuple):
-    """Who is sooner at a led ball: his run fades out while a circle that he reaches grows around it."""
+    """Who is sooner at a led ball: his run fades while a circle that he reaches grows around it, as `Run` says."""
 
-    ahead: float = 0.1  # m before the body, where the circle begins
-    leg: float = 0.28  # m, its radius then
-    fades: float = 0.7  # s until his run has faded out
-    pace: float = 0.94  # share of his top speed at which it grows in the end
     step: float = 0.03  # s of the search
     longest: float = 1.5  # s: who needs longer is not asked
     nearest: float = 12.0  # m to the ball, the same
@@ -155,17 +151,17 @@ def awaits_carrier(match, player, time):
 @kernel
 def time_to_led_ball(ball, player, speed):
     """Estimate in s how soon a player plays the ball, which rolls on at `speed` m/s meanwhile."""
-    pace = RACE.pace * player.top_speed
-    here_x, here_y = player.x + RACE.ahead * player.facing_x, player.y + RACE.ahead * player.facing_y
+    pace = RUN.pace * player.top_speed
+    here_x, here_y = player.x + RUN.foot * player.facing_x, player.y + RUN.foot * player.facing_y
     time = 0.0
     while time < RACE.longest:
         time += RACE.step
         share = rolled(speed, time) / speed if speed > 0.0 else 0.0
-        fading = min(time, RACE.fades)
-        run = fading - 0.5 * fading * fading / RACE.fades
+        fading = min(time, RUN.fades)
+        run = fading - 0.5 * fading * fading / RUN.fades
         away_x = ball.x + share * ball.vx - here_x - run * player.vx
         away_y = ball.y + share * ball.vy - here_y - run * player.vy
-        reach = RACE.leg + pace * (time - run)
+        reach = RUN.leg + pace * (time - run)
         if away_x * away_x + away_y * away_y < reach * reach:
             break
     return time
