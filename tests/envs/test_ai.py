@@ -10,7 +10,7 @@ from pitch import OPEN, play, position, take_over
 
 from envs.football.ai.attack import push_of_rivals
 from envs.football.ai.decide import choose_command
-from envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, time_to_led_ball
+from envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, lay_traps
 from envs.football.ai.formation import formation_slots
 from envs.football.ai.positions import take_position
 from envs.football.config import FootballConfig
@@ -35,6 +35,7 @@ from envs.football.constants import (
     SPRINT,
 )
 from envs.football.kick_off import MatchConfig
+from envs.football.physics.possession import look_ahead, meeting_time
 from envs.football.vector_env import FootballVectorEnv
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
@@ -161,19 +162,22 @@ def test_nobody_races_for_a_ball_that_is_free_or_in_hands() -> None:
 
 
 @pytest.mark.parametrize(
-    ("carrier", "back", "role"),
-    [((5.4, 22.6), (18.1, 25.2), CM), ((4.3, -0.4), (23.0, -16.0), LB)],
-    ids=["near", "far"],
+    ("carrier", "back", "role", "key"),
+    [
+        ((-6.4, -24.6), (12.7, -26.5), LB, DIRECTION_RIGHT),
+        ((4.3, -0.4), (23.0, -16.0), LB, DIRECTION_BOTTOM_RIGHT),
+    ],
+    ids=["ahead", "aside"],
 )
 def test_a_back_stops_before_a_sprinter_and_has_the_ball(
-    carrier: tuple[float, float], back: tuple[float, float], role: int
+    carrier: tuple[float, float], back: tuple[float, float], role: int, key: int
 ) -> None:
     """Measured of either: 4 of 4 lose the ball within 35 steps, to a back who has come down to 2 to 4 m/s before."""
     players = [(-54.4, 0.0, LEFT, GK), (*carrier, LEFT, CF), (54.4, 0.0, RIGHT, GK), (*back, RIGHT, role)]
     matches = position(players, (carrier[0] + 1.0, carrier[1]), OPEN, range(40))
     lost, stopped = np.zeros(40, bool), np.zeros(40, bool)
-    for key in [DIRECTION_BOTTOM_RIGHT, DIRECTION_BOTTOM_RIGHT, SPRINT, *[IDLE] * 37]:
-        play(matches, [key], player=1)
+    for pressed in [key, key, SPRINT, *[IDLE] * 37]:
+        play(matches, [pressed], player=1)
         runner, guard = matches["players"][:, 1], matches["players"][:, 3]
         away = np.hypot(guard["x"] - runner["x"], guard["y"] - runner["y"])
         stopped |= ~lost & (away > 2.5) & (away < 6.0) & (np.hypot(guard["vx"], guard["vy"]) < 4.0)
@@ -188,7 +192,8 @@ def test_a_guard_leaves_whom_he_marks_for_a_led_ball_and_lets_it_come(
 ) -> None:
     """Later than the carrier he goes on guarding, as soon he runs at the ball, clearly sooner he waits for it."""
     matches = led_ball(4.0)
-    mine = time_to_led_ball(matches[0]["ball"], matches[0]["players"][3], 8.0)
+    ball = matches[0]["ball"]
+    mine = meeting_time(ball, look_ahead(ball), matches[0]["players"][3])
     matches["players"]["stride"][:, 2] = RACE.patience - in_time * (mine + RACE.patience)
     choose_command(matches[0], 3)
     assert least <= matches["players"]["desired_vx"][0, 3] <= most
@@ -202,6 +207,15 @@ def test_a_guard_of_whom_is_past_the_line_goes_behind_his_back() -> None:
     matches["trap"][:, RIGHT], back["marked_opponent"] = -36.0, 1
     x, y = guarding_place(matches[0], matches[0].players[2], 36.0, -4.0)
     assert x < 38.0 and y < -7.0
+
+
+@pytest.mark.parametrize(("run", "line"), [(-4.0, 9.48), (0.0, 10.0), (4.0, 10.52)])
+def test_opponents_see_where_the_last_line_will_be(run: float, line: float) -> None:
+    """As documented they lead its run by 0.24 s, but as it was a reaction time ago."""
+    matches = alone([*KEEPERS, *FOUR, (10.0, 0.0, RIGHT, CB), (2.0, -13.0, RIGHT, CF)], (-20.0, 0.0), n=1)
+    matches["players"]["vx"][:, 6] = run
+    lay_traps(matches[0])
+    assert matches["second_last"][0, RIGHT] == pytest.approx(line, abs=0.1)
 
 
 def test_nobody_supports_from_an_offside_place() -> None:

@@ -24,6 +24,7 @@ from envs.football.constants import (
     SHOT,
     SLIDING,
     SPRINT,
+    STAND,
 )
 from envs.football.control.keys import may_slide
 from envs.football.rules.fouls import YELLOW_FROM
@@ -219,6 +220,34 @@ def test_a_shot_from_close_by_hits_the_keeper() -> None:
         foresee_shot(match, LEFT)
     step_everybody(matches, np.zeros((len(matches), 2), np.int64))
     assert np.mean(matches["ball"]["vx"] < 0.0) > 0.75
+
+
+@pytest.mark.parametrize(
+    ("ahead", "aside", "mate", "least", "most"),
+    [
+        (2.5, 0.0, NOBODY, 0.85, 1.0),  # straight at his body
+        (2.5, 0.45, NOBODY, 0.2, 0.7),
+        (2.5, 0.9, NOBODY, 0.0, 0.0),  # past it
+        (0.8, 0.8, NOBODY, 0.4, 0.7),  # his leg is out for the ball
+        (2.5, 0.9, 2, 0.0, 0.0),
+        (0.8, 0.8, 2, 0.0, 0.0),  # a pass
+    ],
+)
+def test_a_back_in_the_way_of_a_shot_blocks_it(
+    ahead: float, aside: float, mate: int, least: float, most: float
+) -> None:
+    """
+    S o→   B    measured of 1280 shots: 0.9 within 0.3 m of his middle, none past 0.6 m; half up to 1 m in 50 ms
+    """
+    players = [(20.0, 0.0, LEFT, CM), (20.4 + ahead, aside, RIGHT, CB), (40.0, 20.0, LEFT, CM), (54.0, 20.0, RIGHT, GK)]
+    matches = position(players, (20.4, 0.0), OPEN, MANY)
+    matches["last_touch"], matches["receiver"] = 0, mate
+    matches["ball"]["vx"], matches["ball"]["vz"] = 24.0, 1.5
+    for match in matches:
+        foresee_shot(match, LEFT)
+    for _ in range(3):
+        step_everybody(matches, np.full((len(matches), 4), STAND))
+    assert least <= np.mean(matches["ball"]["vx"] < 12.0) <= most
 
 
 def test_who_is_pushed_shoots_weakly_and_astray() -> None:

@@ -30,8 +30,9 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
+from envs.football.physics.ball import rolled
 from envs.football.physics.motion import plan_motion, take_stance
-from envs.football.physics.possession import time_needed
+from envs.football.physics.possession import look_ahead, meeting_time, time_needed
 
 TRACES = Path(__file__).parent / "turn_traces.csv"
 
@@ -258,6 +259,24 @@ def test_how_long_one_needs_to_a_place_heeds_how_he_runs(away: float, run: float
     player = matches["players"][0, 0]
     player["vx"], player["top_speed"] = run, 7.8
     assert time_needed(player, away, 0.0) == pytest.approx(time, abs=0.06)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_who_can_be_at_a_rolling_ball_first_can_be_there_no_sooner(seed: int) -> None:
+    """The time found is the first of all, looked through one by one, at which it is as near as he reaches."""
+    rng = np.random.default_rng(seed)
+    matches = runner()
+    player, ball = matches["players"][0, 0], matches["ball"][0]
+    (player["vx"], player["vy"]), player["top_speed"] = rng.uniform(-5.0, 5.0, 2), 7.7
+    ball["x"], ball["y"] = player["x"] + rng.uniform(-8.0, 8.0), player["y"] + rng.uniform(-8.0, 8.0)
+    ball["vx"], ball["vy"] = rng.uniform(-6.0, 6.0, 2)
+    speed = float(np.hypot(ball["vx"], ball["vy"]))
+    for time in np.arange(0.0, 3.0, 0.002):
+        share = rolled(speed, time) / speed
+        dx, dy = ball["x"] + share * ball["vx"] - player["x"], ball["y"] + share * ball["vy"] - player["y"]
+        if time_needed(player, dx, dy) <= time:
+            break
+    assert meeting_time(ball, look_ahead(ball), player) == pytest.approx(max(time, 0.1), abs=0.04)
 
 
 def test_who_runs_on_in_nearly_the_same_direction_gathers_speed_as_if_straight() -> None:

@@ -14,9 +14,8 @@ from envs.football.ai.attack import run_by_forces
 from envs.football.ai.formation import LINE, MINDSET, between
 from envs.football.ai.run_speed import go, reaction_time
 from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
-from envs.football.physics.ball import rolled
 from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import RUN, ball_speed, man_on_ball
+from envs.football.physics.possession import look_ahead, man_on_ball, meeting_time, travelled
 from envs.football.physics.vectors import apart, length, squared_apart, toward
 from envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
@@ -36,7 +35,6 @@ class Duel(NamedTuple):
 class Race(NamedTuple):
     """Who is sooner at a led ball: his run fades while a circle that he reaches grows around it, as `Run` says."""
 
-    step: float = 0.03  # s of the search
     longest: float = 1.5  # s: who needs longer is not asked
     nearest: float = 12.0  # m to the ball, the same
     on_his_way: float = 0.3  # s since the carrier has played it, from when on he is on his way to the next touch,
@@ -81,6 +79,7 @@ class Trap(NamedTuple):
     caution: float = 4.0  # m before the opponent on the ball,
     rival_lead: float = 0.15  # s, his run
     slack: float = 4.0  # m that a mate may be behind the line
+    seen_lead: float = 0.24 - 0.11  # s by which opponents lead their runs, whom they see a reaction time ago
     soft: float = 2.0  # m before the line, from where on places are pressed together
 
 
@@ -120,11 +119,11 @@ def goes_for_led_ball(match, i):
     carrier = match.players[match.carrier]
     if carrier.team == player.team or squared_apart(player, ball.x, ball.y) > RACE.nearest * RACE.nearest:
         return False
-    speed = ball_speed(ball)
-    mine = time_to_led_ball(ball, player, speed)
+    ahead = look_ahead(ball)
+    mine = meeting_time(ball, ahead, player)
     if mine >= RACE.longest:
         return False
-    his = time_to_led_ball(ball, carrier, speed)
+    his = meeting_time(ball, ahead, carrier)
     if carrier.stride < 0.0:
         his = min(his, -carrier.stride)  # he is about to play it
     elif carrier.stride > RACE.on_his_way:
@@ -133,7 +132,7 @@ def goes_for_led_ball(match, i):
     if in_time < RACE.in_time:
         return False
     if in_time < AWAIT.in_time or not awaits_carrier(match, player, mine):
-        share = rolled(speed, mine) / speed if speed > 0.0 else 0.0
+        share = travelled(ahead, mine) / (ahead.speed + 1e-9)
         go(player, ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y, player.top_speed)
     return True
 
@@ -146,25 +145,6 @@ def awaits_carrier(match, player, time):
     run_by_forces(match, player)
     ux, uy = toward(player.desired_vx, player.desired_vy)
     return await_ball(match.ball, player, time, ux, uy)
-
-
-@kernel
-def time_to_led_ball(ball, player, speed):
-    """Estimate in s how soon a player plays the ball, which rolls on at `speed` m/s meanwhile."""
-    pace = RUN.pace * player.top_speed
-    here_x, here_y = player.x + RUN.foot * player.facing_x, player.y + RUN.foot * player.facing_y
-    time = 0.0
-    while time < RACE.longest:
-        time += RACE.step
-        share = rolled(speed, time) / speed if speed > 0.0 else 0.0
-        fading = min(time, RUN.fades)
-        run = fading - 0.5 * fading * fading / RUN.fades
-        away_x = ball.x + share * ball.vx - here_x - run * player.vx
-        away_y = ball.y + share * ball.vy - here_y - run * player.vy
-        reach = RUN.leg + pace * (time - run)
-        if away_x * away_x + away_y * away_y < reach * reach:
-            break
-    return time
 
 
 @kernel
@@ -276,13 +256,15 @@ def deepest_danger(match, team):
     if on_ball != NOBODY:
         rival = match.players[on_ball]
         deepest = max(deepest, depth * (rival.x + TRAP.rival_lead * rival.vx) + TRAP.caution)
-    last, second = -math.inf, -math.inf
+    last, second, led_last, led_second = -math.inf, -math.inf, -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]
         if player.team == team and not player.has_left:
             here = depth * player.x
             last, second = max(last, here), max(second, min(last, here))
-    match.second_last[team] = second
+            here += TRAP.seen_lead * depth * player.vx
+            led_last, led_second = max(led_last, here), max(led_second, min(led_last, here))
+    match.second_last[team] = led_second
     return max(deepest, max(second, ball, 0.0) - TRAP.slack)
 
 

@@ -72,7 +72,7 @@ SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # hold above 0.5: from 
 RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push
 LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's push
 BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's way pushes
-ONSIDE, ONSIDE_LEAD = 0.08, 0.24  # m before the line; s by which defenders are led
+ONSIDE = 0.08  # m before the line
 RUNS_EVERY, HELPER_EVERY = 5, 15  # steps
 
 

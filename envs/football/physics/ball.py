@@ -70,6 +70,9 @@ def advance_ball(ball):
         return
     if on_ground:
         drag_on_ground(ball, 1.0, AIR.drag)
+        if abs(ball.curl) > AIR.spin_least:
+            swerve(ball, math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
+            ball.vz = 0.0
     else:
         fly(ball)
     x, y, z = ball.x, ball.y, ball.z

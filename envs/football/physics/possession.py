@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
-from envs.football.physics.ball import AIR, rolled
+from envs.football.physics.ball import AIR, GROUND, MEAN_DRAG, rolled
 from envs.football.physics.bodies import PUSH
 from envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
@@ -28,7 +28,6 @@ class Owned(NamedTuple):
 class Chase(NamedTuple):
     """Estimates of who is soonest at the ball."""
 
-    speed: float = 7.5  # m/s, a runner's
     over_heads: float = 1.3  # m, height of a ball that nobody reaches in its flight
     caught_at: float = 0.9  # m, height at which he then does
     landed: float = 0.6  # share of its speed that a ball keeps when it comes down
@@ -42,7 +41,16 @@ class Run(NamedTuple):
     stands: float = 1.8  # m/s: where he runs, if he is faster, or else where he is to go
     fades: float = 0.7  # s in which his run fades, and his reach grows, the faster the longer, to
     pace: float = 0.94  # share of his top speed
-    looks: int = 10  # how often in that time it is looked at
+    tick: float = 0.01  # s that he runs on before that
+    looks: int = 12  # how often it is looked at, at most
+    most: float = 8.0  # m/s, faster nobody runs
+    near: float = 0.01  # m that he may be short of the ball
+    least: float = 0.1  # share of the greatest speed at which they near each other, that is reckoned with at least
+    longest: float = 3.0  # s for which the ball is looked ahead
+    far_run: float = 0.2  # s of his run, and
+    far_pace: float = 0.75  # share of his top speed, by which it is reckoned then
+    at_hand: float = 0.1  # s: a ball that he reaches sooner is the sooner his, the nearer it is by then than
+    hand: float = 0.6  # m
 
 
 class Ahead(NamedTuple):
@@ -107,18 +115,67 @@ def look_ahead(ball):
 
 @kernel
 def meeting_time(ball, ahead, player):
-    """Estimate in s how soon a player can be at the ball, which goes on as it is seen `ahead` meanwhile."""
-    time = length(ball.x - player.x, ball.y - player.y) / CHASE.speed
-    if ahead.speed < 1.0:
+    """Estimate in s how soon a player can play the ball, which goes on as it is seen `ahead` meanwhile, as the original
+    reckons: his run carries him on while it fades, and a circle that he reaches grows around where he is.
+
+    Found by the secant method; what does not change on the way is worked out before, for this is asked very often.
+    """
+    speed, pace, lands = length(player.vx, player.vy), RUN.pace * player.top_speed, ahead.flight
+    ux, uy = ball.vx / (ahead.speed + 1e-9), ball.vy / (ahead.speed + 1e-9)
+    slowing = GROUND.friction + MEAN_DRAG * ahead.left * ahead.left
+    rests = ahead.left / slowing
+    on, reach = stands_at(speed)
+    x = ball.x + ahead.air * ux - player.x - on * player.vx
+    y = ball.y + ahead.air * uy - player.y - on * player.vy
+    closing = most = ahead.speed + max(speed, pace)
+    time, last, lacks = lands, 0.0, 0.0
+    for look in range(RUN.looks):
+        rolls, fading = min(time - lands, rests), min(time, RUN.fades)
+        way = rolls * (ahead.left - 0.5 * slowing * rolls)
+        run = fading - 0.5 / RUN.fades * fading * fading
+        before = lacks
+        lacks = length(x + way * ux - run * player.vx, y + way * uy - run * player.vy) - reach - pace * (time - run)
+        if lacks < RUN.near and (look == 0 or lacks > -RUN.near):
+            break
+        if look > 0:  # as fast as seen over the last step, but it never stands still
+            closing = max((before - lacks) / (time - last), RUN.least * most)
+        last, time = time, min(max(time + lacks / closing, lands), max(RUN.longest, lands))
+        if time == last or (look == 0 and lacks > RUN.longest * most):
+            return far_time(ball, ahead, player)
+    if time >= RUN.at_hand:
         return time
-    time = max(time, ahead.flight)
-    for _ in range(3):
-        last, share = time, (ahead.air + rolled(ahead.left, time - ahead.flight)) / ahead.speed
-        reach = length(ball.x + share * ball.vx - player.x, ball.y + share * ball.vy - player.y)
-        time = max(0.5 * (time + reach / CHASE.speed), ahead.flight)
-        if time == last:
-            break  # he waits where it comes down
-    return time
+    dx = ball.x - player.x + RUN.at_hand * (ball.vx - player.vx)
+    dy = ball.y - player.y + RUN.at_hand * (ball.vy - player.vy)
+    return RUN.at_hand * min(length(dx, dy) / RUN.hand, 1.0)
+
+
+@kernel
+def stands_at(speed):
+    """Return by how many s of his run a player who runs at `speed` m/s is reckoned to be further on, and his reach in
+    m.
+    """
+    if speed > RUN.stands:
+        return RUN.foot / speed + RUN.tick, RUN.leg
+    return 0.0, RUN.leg + RUN.foot
+
+
+@kernel
+def short_of(player, speed, dx, dy, time):
+    """Return how many m a player, who runs at `speed` m/s, is short of a place (dx, dy) m away after `time` s."""
+    fading = min(time, RUN.fades)
+    run = fading - 0.5 * fading * fading / RUN.fades
+    on, reach = stands_at(speed)
+    on += run
+    return length(dx - on * player.vx, dy - on * player.vy) - reach - RUN.pace * player.top_speed * (time - run)
+
+
+@kernel
+def far_time(ball, ahead, player):
+    """Return in how many s at least a player is at a ball that he does not reach within the time looked ahead."""
+    share = travelled(ahead, RUN.longest) / (ahead.speed + 1e-9)
+    dx = ball.x + share * ball.vx - player.x - RUN.far_run * player.vx
+    dy = ball.y + share * ball.vy - player.y - RUN.far_run * player.vy
+    return max(length(dx, dy) / (RUN.far_pace * player.top_speed), RUN.longest)
 
 
 @kernel
@@ -126,25 +183,17 @@ def time_needed(player, dx, dy):
     """Return in how many s a player can have a ball that lies (dx, dy) m away, as the original reckons: the sooner the
     more his run leads there, for that carries him on while it fades.
     """
-    speed, distance = length(player.vx, player.vy), length(dx, dy) + 1e-9
-    if speed > RUN.stands:
-        share = RUN.foot / speed
-        dx, dy = dx - share * player.vx, dy - share * player.vy
-    else:
-        share = min(RUN.foot / distance, 1.0)
-        dx, dy = dx - share * dx, dy - share * dy
-    lacks, step = length(dx, dy) - RUN.leg, RUN.fades / RUN.looks
-    if lacks <= 0.0:
-        return 0.0
-    for look in range(1, RUN.looks + 1):
-        time = step * look
-        grown = 0.5 * time * time / RUN.fades
-        run = time - grown
-        last, lacks = lacks, length(dx - run * player.vx, dy - run * player.vy) - RUN.leg
-        lacks -= RUN.pace * player.top_speed * grown
-        if lacks <= 0.0:
-            return time - step * lacks / (lacks - last)
-    return RUN.fades + lacks / (RUN.pace * player.top_speed)
+    time = 0.0
+    speed = length(player.vx, player.vy)
+    closing = max(speed, RUN.pace * player.top_speed)
+    for _ in range(RUN.looks):
+        lacks = short_of(player, speed, dx, dy, time)
+        if lacks < RUN.near:
+            break
+        time += lacks / closing
+        if time >= RUN.fades:
+            return time + short_of(player, speed, dx, dy, time) / (RUN.pace * player.top_speed)
+    return time
 
 
 @kernel
@@ -154,7 +203,7 @@ def is_too_far(ball, ahead, player, time):
     share = (dx * ball.vx + dy * ball.vy) / max(ahead.speed * ahead.speed, 1e-9)
     share = min(max(share, 0.0), ahead.lasts)
     dx, dy = dx - share * ball.vx, dy - share * ball.vy
-    reach = CHASE.speed * time + SURE
+    reach = RUN.most * time + RUN.leg + RUN.foot + RUN.tick * RUN.most + SURE
     return dx * dx + dy * dy > reach * reach
 
 

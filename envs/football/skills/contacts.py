@@ -14,6 +14,7 @@ from envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
 from envs.football.physics.bodies import advance_players
 from envs.football.physics.possession import ball_speed, forget_kick
 from envs.football.physics.vectors import apart, length, toward
+from envs.football.skills.blocks import block, is_shot
 from envs.football.skills.first_touch import cushion, lets_come
 from envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
 from envs.football.skills.kicks import AFTER_KICK, kick_first_time
@@ -38,8 +39,7 @@ class Trap(NamedTuple):
     reach: float = 0.75  # m
     leg: float = 0.83  # m, of who stands and has no direction held: he puts out a leg
     below: float = 1.9  # m
-    body_reach: float = 0.3  # m, to a shot too sudden to put out a leg:
-    sudden_age: float = 0.25  # s since it was struck, at most,
+    sudden_age: float = 0.25  # s since a ball was struck in which nobody puts out a leg for it,
     sudden_speed: float = 22.0  # m/s, at least
     first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m
@@ -191,15 +191,15 @@ def meet(match, i, distance):
             kick_mates_ball(match, i)
     elif player.role == GK and distance < CLAIM.reach and ball.z < CLAIM.below and has_hands(match, i):
         catch(match, i)
-    elif distance < reach_of(match, player) and ball.z < TRAP.below and not lets_come(ball, player):
+    elif is_shot(match) and match.players[match.last_touch].team != player.team:
+        block(match, i, distance)
+    elif not too_sudden(match) and distance < reach_of(player) and ball.z < TRAP.below and not lets_come(ball, player):
         trap(match, i)
 
 
 @kernel
-def reach_of(match, player):
+def reach_of(player):
     """Return how far in m from his body a player brings a free ball under control."""
-    if too_sudden(match):
-        return TRAP.body_reach
     stands = player.direction == 0 and player.desired_vx == 0.0 and player.desired_vy == 0.0
     return TRAP.leg if stands and length(player.vx, player.vy) < STANDING else TRAP.reach
 

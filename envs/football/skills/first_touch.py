@@ -83,7 +83,12 @@ class BringDown(NamedTuple):
     gains: float = 2.1  # m/s that he gets his keys' way with it,
     gains_less: float = 0.5  # less for each m/s of his run,
     gains_least: float = 0.5  # but at least
-    back_left: float = 0.75  # share that is left of his run where they lead back,
+    back_from: float = 2.0  # m/s, a faster run where they lead back;
+    back_slow: float = 0.75  # share that is left of a slower one
+    back_left: float = 0.45  # share that is left of his run where they lead back,
+    back_aside: float = 0.6  # and of what leads aside then,
+    back_ball: float = 0.6  # m/s of the ball their way then,
+    back_follows: float = 0.3  # and the share of what led aside that it keeps
     aside_left: float = 0.3  # and of what leads aside,
     aside_more: float = 0.09  # more for each m/s of it
     most: float = 4.1  # m/s that he runs on
@@ -230,17 +235,24 @@ def bring_down(ball, player):
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
+    aside_x, aside_y = player.vx - along * ux, player.vy - along * uy
+    player.brings_down, player.touch_wait = True, BRING_DOWN.rolls
+    player.turning, player.stance_wait, player.stride = READY, 0.0, 0.0
+    if along < -SURE and speed > BRING_DOWN.back_from:
+        ball.vx = BRING_DOWN.back_ball * ux + BRING_DOWN.back_follows * aside_x
+        ball.vy = BRING_DOWN.back_ball * uy + BRING_DOWN.back_follows * aside_y
+        player.vx = BRING_DOWN.back_left * along * ux + BRING_DOWN.back_aside * aside_x
+        player.vy = BRING_DOWN.back_left * along * uy + BRING_DOWN.back_aside * aside_y
+        return
     share = BRING_DOWN.aside_left + BRING_DOWN.aside_more * speed
-    aside_x, aside_y = share * (player.vx - along * ux), share * (player.vy - along * uy)
-    along *= BRING_DOWN.back_left if along < 0.0 else 1.0
+    aside_x, aside_y = share * aside_x, share * aside_y
+    along *= BRING_DOWN.back_slow if along < 0.0 else 1.0
     along += max(BRING_DOWN.gains - BRING_DOWN.gains_less * speed, BRING_DOWN.gains_least)
     vx, vy = along * ux + aside_x, along * uy + aside_y
     keep = min(BRING_DOWN.most / (length(vx, vy) + 1e-9), 1.0)
     player.vx, player.vy = keep * vx, keep * vy
     ahead = max(BRING_DOWN.ahead - BRING_DOWN.ahead_less * speed, BRING_DOWN.ahead_least)
     ball.vx, ball.vy = player.vx + ahead * ux, player.vy + ahead * uy
-    player.brings_down, player.touch_wait = True, BRING_DOWN.rolls
-    player.turning, player.stance_wait, player.stride = READY, 0.0, 0.0
 
 
 @kernel

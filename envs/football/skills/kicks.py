@@ -59,7 +59,7 @@ class Swing(NamedTuple):
     pass_across: float = 0.25  # share of a shot's delay across the run that a pass has
     pass_round: float = 0.2  # s more when it goes behind:
     pass_behind: float = 0.76 * math.pi  # rad
-    running_from: float = 3.5  # m/s
+    running_from: float = 3.3  # m/s
     sprinting_from: float = 5.6  # m/s
     sprint: float = 0.12  # s more: catching up with the ball
     sprint_spread: float = 0.2  # s either way, at a sprint

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
 from envs.football.physics.vectors import length
 from envs.football.skills.first_touch import difficulty
+from envs.football.skills.shots import bend
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
@@ -54,6 +55,8 @@ class Flight(NamedTuple):
     ground_spin: float = 5.2  # m/s, at this speed and more:
     high_spin: float = -1.5  # m/s
     full_spin: float = 15.0  # m/s
+    curl: float = 0.9 * -340.0  # rad/s per rad by which it starts off towards the body at the fastest: it curls back,
+    high_bend: float = 0.2  # share of that of a high pass
     mirrored: float = 0.5  # share of passes whose spin across the pitch is reversed: those fly
     scatter: float = 0.02  # rad either way
     hard_scatter: float = 0.15  # quarter turns more of a ball that is hard to play
@@ -156,4 +159,5 @@ def play_pass(match, player, ux, uy, distance):
     ball.vx, ball.vy, ball.vz = flat * wx, flat * wy, flat * rise + excess
     spin = (FLIGHT.high_spin if high else FLIGHT.ground_spin) * min(speed / FLIGHT.full_spin, 1.0)
     side = -1.0 if uniform(match) < FLIGHT.mirrored else 1.0
-    ball.spin_x, ball.spin_y, ball.curl = spin * wx, side * spin * wy, 0.0
+    ball.spin_x, ball.spin_y = spin * wx, side * spin * wy
+    ball.curl = FLIGHT.curl * bend(ball, player, math.pi, FLIGHT.high_bend if high else 1.0)

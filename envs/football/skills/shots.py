@@ -149,7 +149,8 @@ def strike(match, player, ux, uy, power):
     meant = force * (1.0 - bad) / math.sqrt(1.0 + BAD.height_meant * BAD.height_meant)
     ball.vx, ball.vy = meant * ux + weak * sx, meant * uy + weak * sy
     ball.vz = meant * BAD.height_meant + weak * sz
-    bend(match, player)
+    amount = bend(ball, player, CURL.twist, 1.0)
+    ball.curl = CURL.taken * (CURL.per_bend * amount + CURL.spread * (2.0 * uniform(match) - 1.0))
     spin_back(match, CURL.spin_spread + CURL.spin_bad * bad)
 
 
@@ -209,17 +210,21 @@ def bad_direction(match, rx, ry, ux, uy, hard):
 
 
 @kernel
-def bend(match, player):
-    """Let a shot start off towards the body and curl back."""
-    ball = match.ball
+def bend(ball, player, twist, share):
+    """Let a kick start off towards the body, which has turned `twist` rad with the leg to be no further off; return by
+    how many rad it would at the fastest.
+    """
     flat = length(ball.vx, ball.vy) + 1e-9
     turn = angle_between(ball.vx, ball.vy, player.facing_x, player.facing_y)
-    amount = CURL.bend * math.copysign(min(abs(turn), CURL.twist), turn) / math.pi
+    turn = math.copysign(min(abs(turn), twist), turn)
+    if abs(turn) > 0.5 * math.pi:
+        turn = math.copysign(math.pi - abs(turn), turn)  # of who kicks it behind him
+    amount = share * CURL.bend * turn / math.pi
     speed = math.sqrt(flat * flat + ball.vz * ball.vz)
     angle = amount * (CURL.slow + CURL.fast * min(speed / CURL.fastest, 1.0))
     cosine, sine = math.cos(angle), math.sin(angle)
     ball.vx, ball.vy = ball.vx * cosine - ball.vy * sine, ball.vx * sine + ball.vy * cosine
-    ball.curl = CURL.taken * (CURL.per_bend * amount + CURL.spread * (2.0 * uniform(match) - 1.0))
+    return amount
 
 
 @kernel
