@@ -101,6 +101,24 @@ def test_a_hard_ball_is_brought_down_at_the_body(run: float, key: int, away: flo
         assert matches["reported_owner"][0] == 0
 
 
+def test_who_stops_a_pass_with_no_direction_held_answers_no_keys_until_it_lies() -> None:
+    """Measured: keys pressed as he gets it move him four steps later, those of 0.4 s afterwards at once."""
+    moved = []
+    for wait in (0, 5):
+        matches = position([(0.0, 0.0, LEFT, CM), (-12.0, 0.0, LEFT, CM), (54.0, 0.0, RIGHT, GK)], (-6.0, 0.0), OPEN)
+        matches["last_touch"], matches["kick_age"], matches["was_kicked"] = 1, 0.5, True
+        matches["ball"]["vx"] = 12.0
+        while matches["carrier"][0] != 0:
+            play(matches, [0], player=0)
+        play(matches, [0] * wait, player=0)
+        steps = 0
+        while matches["players"]["vx"][0, 0] < 1.2:
+            play(matches, [DIRECTION_RIGHT], player=0)
+            steps += 1
+        moved.append(steps)
+    assert moved[0] >= 3 and moved[1] <= 2
+
+
 def test_who_stands_idly_takes_a_hard_ball_with_his_leg() -> None:
     matches = position([(0.0, 0.0, LEFT, CM), (-40.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)], (9.0, 0.1))
     matches["ball"]["vx"], matches["last_touch"], matches["carrier"] = -13.0, 1, NOBODY

@@ -55,6 +55,7 @@ class Control(NamedTuple):
     back_speed: float = 2.3  # m/s of the ball where the keys lead back,
     back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
     touch_again: float = 0.3  # s until he can play a ball that he has just stopped
+    traps_for: float = 0.25  # s in which who stops it with no direction held answers no keys
     lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
     set_off: float = 3.0  # m/s, so fast it goes;
     steps_up: float = 0.5  # m/s, who runs to it faster plays it in his stride,
@@ -262,7 +263,7 @@ def cushion(match, i):
     far_off, high_off, kept = difficulty(match, player)
     vx, vy, vz, z = ball.vx, ball.vy, ball.vz, ball.z
     rests, has_keys = lies(ball), player.direction > 0 and player.kick == 0
-    is_hard = comes_hard(ball, player)
+    is_hard, was_played = comes_hard(ball, player), match.last_touch != NOBODY
     take(match, i)
     if match.carrier != i:
         return
@@ -296,3 +297,5 @@ def cushion(match, i):
         match.carrier = NOBODY
     ball.z, ball.vz = z, (1.0 - kept) * high_off * (vz + CONTROL.lift) + kept * vz
     player.touch_wait = CONTROL.touch_again
+    if player.direction == 0 and player.action != BUILTIN_AI and was_played:
+        player.brings_down, player.stance_wait = True, CONTROL.traps_for

@@ -101,6 +101,8 @@ def swing_legs(match):
     player = match.players[i]
     if not player.kick_ready or player.kick == 0 or apart(match.ball, player) > KICK_REACH:
         return
+    if player.brings_down and player.stance_wait > 0.0:  # he stops the ball first
+        return
     if not player.is_aimed:
         aim(match, i)
     player.kick_wait = swing_time(match, player)
