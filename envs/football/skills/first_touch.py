@@ -240,10 +240,7 @@ def bring_down(ball, player):
     player.brings_down, player.touch_wait = True, BRING_DOWN.rolls
     player.turning, player.stance_wait, player.stride = READY, 0.0, 0.0
     if along < -SURE and speed > BRING_DOWN.back_from:
-        ball.vx = BRING_DOWN.back_ball * ux + BRING_DOWN.back_follows * aside_x
-        ball.vy = BRING_DOWN.back_ball * uy + BRING_DOWN.back_follows * aside_y
-        player.vx = BRING_DOWN.back_left * along * ux + BRING_DOWN.back_aside * aside_x
-        player.vy = BRING_DOWN.back_left * along * uy + BRING_DOWN.back_aside * aside_y
+        turn_back(ball, player, along, aside_x, aside_y)
         return
     share = BRING_DOWN.aside_left + BRING_DOWN.aside_more * speed
     aside_x, aside_y = share * aside_x, share * aside_y
@@ -254,6 +251,19 @@ def bring_down(ball, player):
     player.vx, player.vy = keep * vx, keep * vy
     ahead = max(BRING_DOWN.ahead - BRING_DOWN.ahead_less * speed, BRING_DOWN.ahead_least)
     ball.vx, ball.vy = player.vx + ahead * ux, player.vy + ahead * uy
+
+
+@kernel
+def turn_back(ball, player, along, aside_x, aside_y):
+    """Send the ball the way that a player's keys lead, back from his run, of which he keeps a part.
+
+    It led `along` m/s their way, which is negative, and aside.
+    """
+    ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
+    ball.vx = BRING_DOWN.back_ball * ux + BRING_DOWN.back_follows * aside_x
+    ball.vy = BRING_DOWN.back_ball * uy + BRING_DOWN.back_follows * aside_y
+    player.vx = BRING_DOWN.back_left * along * ux + BRING_DOWN.back_aside * aside_x
+    player.vy = BRING_DOWN.back_left * along * uy + BRING_DOWN.back_aside * aside_y
 
 
 @kernel
