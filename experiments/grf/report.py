@@ -18,7 +18,7 @@ from experiments.grf.rows import Row
 from experiments.run.results import align
 from experiments.run.table import cannot_write
 
-FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "chases", "academy", "matches")
+FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "blocks", "chases", "academy", "matches")
 
 
 def family_module(name: str) -> ModuleType:
