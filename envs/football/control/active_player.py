@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
 from envs.football.control.keys import is_button
-from envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns
+from envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
 from scenic_lite.kernels.jit import kernel
 
 
@@ -133,7 +133,7 @@ def first_of_team(match, team, likely, ahead):
             continue
         if is_too_far(match.ball, ahead, player, soonest):
             continue
-        time = time_to_ball(match, player, ahead)
+        time = time_if_before(match.ball, ahead, player, soonest - player.down_wait) + player.down_wait
         if time < soonest or (time == soonest and player.order < match.players[best].order):
             best, soonest = i, time
     return best, soonest

@@ -43,7 +43,6 @@ class Run(NamedTuple):
     pace: float = 0.94  # share of his top speed
     tick: float = 0.01  # s that he runs on before that
     looks: int = 12  # how often it is looked at, at most
-    most: float = 8.0  # m/s, faster nobody runs
     near: float = 0.01  # m that he may be short of the ball
     least: float = 0.1  # share of the greatest speed at which they near each other, that is reckoned with at least
     longest: float = 3.0  # s for which the ball is looked ahead
@@ -117,6 +116,13 @@ def look_ahead(ball):
 def meeting_time(ball, ahead, player):
     """Estimate in s how soon a player can play the ball, which goes on as it is seen `ahead` meanwhile, as the original
     reckons: his run carries him on while it fades, and a circle that he reaches grows around where he is.
+    """
+    return time_if_before(ball, ahead, player, math.inf)
+
+
+@kernel
+def time_if_before(ball, ahead, player, latest):
+    """Return `meeting_time`, or if that is later than `latest` s any later time.
 
     Found by the secant method; what does not change on the way is worked out before, for this is asked very often.
     """
@@ -137,6 +143,8 @@ def meeting_time(ball, ahead, player):
         lacks = length(x + way * ux - run * player.vx, y + way * uy - run * player.vy) - reach - pace * (time - run)
         if lacks < RUN.near and (look == 0 or lacks > -RUN.near):
             break
+        if lacks > 0.0 and time > max(latest, RUN.at_hand):
+            return time
         if look > 0:  # as fast as seen over the last step, but it never stands still
             closing = max((before - lacks) / (time - last), RUN.least * most)
         last, time = time, min(max(time + lacks / closing, lands), max(RUN.longest, lands))
@@ -203,7 +211,8 @@ def is_too_far(ball, ahead, player, time):
     share = (dx * ball.vx + dy * ball.vy) / max(ahead.speed * ahead.speed, 1e-9)
     share = min(max(share, 0.0), ahead.lasts)
     dx, dy = dx - share * ball.vx, dy - share * ball.vy
-    reach = RUN.most * time + RUN.leg + RUN.foot + RUN.tick * RUN.most + SURE
+    most = max(length(player.vx, player.vy), RUN.pace * player.top_speed)
+    reach = most * (time + RUN.tick) + RUN.leg + RUN.foot + RUN.near + SURE
     return dx * dx + dy * dy > reach * reach
 
 
@@ -230,7 +239,9 @@ def consider_chaser(match, i, ahead):
     """Make player i his team's chaser if he is sooner at the ball, as it goes on `ahead`, than who is so far."""
     player = match.players[i]
     chaser, soonest = match.chaser[player.team], match.arrival[player.team]
-    time = 0.0 if match.carrier == i else meeting_time(match.ball, ahead, player) + player.down_wait
+    time = 0.0
+    if match.carrier != i:
+        time = time_if_before(match.ball, ahead, player, soonest - player.down_wait) + player.down_wait
     if match.carrier == i or time < soonest or (time == soonest and i < chaser):
         match.chaser[player.team], match.arrival[player.team] = i, time
 
