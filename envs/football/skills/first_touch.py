@@ -210,11 +210,16 @@ def still_to_come(ball, player):
 
 
 @kernel
+def idles(player):
+    """Return whether a player is an agent's and has no direction held."""
+    return player.direction == 0 and player.action != BUILTIN_AI
+
+
+@kernel
 def lets_come(ball, player):
     """Return whether a player lets a ball in his reach still come nearer; who stands idly or kicks it does not."""
     kicks = player.kick_ready and player.kick != 0
-    idles = player.direction == 0 and player.action != BUILTIN_AI
-    return not kicks and not idles and still_to_come(ball, player) > 0.0
+    return not kicks and not idles(player) and still_to_come(ball, player) > 0.0
 
 
 @kernel
@@ -267,6 +272,25 @@ def turn_back(ball, player, along, aside_x, aside_y):
 
 
 @kernel
+def stop_with_it(ball, player):
+    """Let who runs to a ball that lies, with no direction held, stop with it."""
+    player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
+    player.turning, player.stance_wait = 0, CONTROL.stops_for
+    ball.vx, ball.vy = CONTROL.stops_ball * player.vx, CONTROL.stops_ball * player.vy
+    player.touch_wait = CONTROL.touch_again
+
+
+@kernel
+def drop(ball, player, far_off):
+    """Return the velocity of a ball that is to lie at a player's feet, or so far off as it jumps, 0 to 1."""
+    to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
+    to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
+    gap = length(to_x, to_y) + 1e-9
+    push = (max(gap, CONTROL.least_gap) / CONTROL.jump_scale) ** CONTROL.jump_power / gap
+    return player.vx + push * to_x, player.vy + push * to_y
+
+
+@kernel
 def cushion(match, i):
     """Let player i stop a free ball: it drops at his feet, or jumps off him as hard as it is to control."""
     player, ball = match.players[i], match.ball
@@ -291,21 +315,14 @@ def cushion(match, i):
         ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
         ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
         return
-    if runs and player.direction == 0 and player.kick == 0 and player.action != BUILTIN_AI and rests:
-        player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
-        player.turning, player.stance_wait = 0, CONTROL.stops_for
-        ball.vx, ball.vy = CONTROL.stops_ball * player.vx, CONTROL.stops_ball * player.vy
-        player.touch_wait = CONTROL.touch_again
+    if runs and rests and idles(player) and player.kick == 0:
+        stop_with_it(ball, player)
         return
-    to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
-    to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
-    gap = length(to_x, to_y) + 1e-9
-    push = (max(gap, CONTROL.least_gap) / CONTROL.jump_scale) ** CONTROL.jump_power / gap
-    ball.vx = (1.0 - kept) * (player.vx + push * to_x) + kept * vx
-    ball.vy = (1.0 - kept) * (player.vy + push * to_y) + kept * vy
+    to_vx, to_vy = drop(ball, player, far_off)
+    ball.vx, ball.vy = (1.0 - kept) * to_vx + kept * vx, (1.0 - kept) * to_vy + kept * vy
     if far_off > CONTROL.loose:
         match.carrier = NOBODY
     ball.z, ball.vz = z, (1.0 - kept) * high_off * (vz + CONTROL.lift) + kept * vz
     player.touch_wait = CONTROL.touch_again
-    if player.direction == 0 and player.action != BUILTIN_AI and was_played:
+    if was_played and idles(player):
         player.brings_down, player.stance_wait = True, CONTROL.traps_for
