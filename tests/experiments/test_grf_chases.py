@@ -1,4 +1,4 @@
-"""The family of backs and chasers: what it measures, at little effort."""
+"""The family of backs and chasers: what it measures."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def test_places_are_those_of_episodes_that_go_on_for_so_long():
 
 @pytest.mark.slow
 def test_backs_and_chasers_run_where_the_original_s_run():
-    rows = chases.measure(0.5)
+    rows = chases.measure()
     assert len(rows) == 8
     assert all(row.ok for row in rows), [(row.name, row.ours) for row in rows if not row.ok]
 
