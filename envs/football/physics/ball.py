@@ -72,7 +72,7 @@ def advance_ball(ball):
         drag_on_ground(ball, 1.0, AIR.drag)
         if abs(ball.curl) > AIR.spin_least:
             swerve(ball, math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
-            ball.vz = 0.0
+            ball.vz = 0.0  # top spin bends it down, where it cannot go
     else:
         fly(ball)
     x, y, z = ball.x, ball.y, ball.z

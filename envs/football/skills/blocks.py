@@ -56,22 +56,21 @@ def passes_now(ball, player):
 
 @kernel
 def block(match, i, distance):
-    """Let player i stop a shot that passes him now, as near as `distance` m; return whether he does."""
+    """Let player i stop a shot that passes him now, as near as `distance` m, or miss it."""
     player, ball = match.players[i], match.ball
     leg = min(max((BLOCK.leg_gone - match.kick_age) / (BLOCK.leg_gone - BLOCK.leg_until), 0.0), 1.0)
     edge = BLOCK.body_edge + BLOCK.leg * leg
     if not passes_now(ball, player) or distance >= edge:
-        return False
+        return
     sure = BLOCK.body + BLOCK.leg * leg * leg
     most = BLOCK.leg_most if leg == 1.0 else BLOCK.body_most
     if uniform(match) >= most * min((edge - distance) / (edge - sure), 1.0):
-        return False
+        return
     bounce_back(match, player, edge)
     lose_ball(match)
     match.last_touch, match.was_kicked = i, False
     player.touch_wait = BLOCK.wait
     foresee(match, 1 - player.team)
-    return True
 
 
 @kernel
