@@ -34,7 +34,7 @@ results: $(READY)
 	$(BIN)/regista study ablations --seeds 5 --publish
 	$(BIN)/regista study tuning --seeds 5 --publish
 	$(BIN)/regista probe --out runs/probe
-	$(BIN)/python -m experiments.pictures.results_page runs/probe
+	$(BIN)/python -m regista.experiments.pictures.results_page runs/probe
 
 # Nine games, three seeds, two representations, trained here and played in Google Research Football (`make grf` first):
 # about an hour on 2 cores. It goes on where it was stopped; flags of `regista study`: STUDY="--seeds 1".

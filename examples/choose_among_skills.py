@@ -11,8 +11,8 @@ import argparse
 import numpy as np
 import torch
 
-from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import MINIGAMES
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames.suites import MINIGAMES
 from ued import PLR, PLRConfig, PPOConfig
 from ued.mixture import Mixture
 

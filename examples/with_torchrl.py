@@ -17,7 +17,7 @@ from torchrl.envs.libs.pettingzoo import PettingZooWrapper
 from torchrl.modules import MultiAgentMLP, ProbabilisticActor
 from torchrl.objectives import ClipPPOLoss, ValueEstimators
 
-import minigames
+from regista import minigames
 
 ACTIONS, STEPS, EPOCHS, MINIBATCHES = 19, 512, 4, 4
 TEAM = "agent"  # TorchRL groups agents by their names up to the number

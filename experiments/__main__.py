@@ -11,8 +11,8 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from experiments.run.errors import UsageError, nearest, run_command
-from experiments.run.signals import PARENT, end_with
+from regista.experiments.run.errors import UsageError, nearest, run_command
+from regista.experiments.run.signals import PARENT, end_with
 
 COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
@@ -68,7 +68,7 @@ def _dispatch(words: list[str]) -> int:
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")
-    return import_module(f"experiments.commands.{name}").main(words[1:])
+    return import_module(f"regista.experiments.commands.{name}").main(words[1:])
 
 
 if __name__ == "__main__":

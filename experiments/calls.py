@@ -10,12 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from experiments.run import build, tasks
-from experiments.run.config import TaskTrainConfig
-from experiments.run.errors import UsageError, nearest
-from experiments.run.evaluator import EvalScenes, Evaluator
-from experiments.run.folder import RunFolder
-from experiments.run.report import Report
+from regista.experiments.run import build, tasks
+from regista.experiments.run.config import TaskTrainConfig
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.evaluator import EvalScenes, Evaluator
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import Report
 
 
 def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
@@ -31,8 +31,8 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
 
     Ctrl-C saves and returns. Raises `UsageError` for unknown names, `CommandError` where a run of other settings is.
     """
-    from experiments.commands.train import train as train_run
-    from experiments.run.signals import StopRequest
+    from regista.experiments.commands.train import train as train_run
+    from regista.experiments.run.signals import StopRequest
 
     name = build.canonical_name(task if isinstance(task, str) else tasks.name_of(task))
     config = build.starting_point("fast", name)

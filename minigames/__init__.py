@@ -13,15 +13,15 @@ from typing import Any
 
 import gymnasium
 
-from minigames.suites import ACADEMY, BENCHMARK, MINIGAMES, NAMED, Minigame
+from regista.minigames.suites import ACADEMY, BENCHMARK, MINIGAMES, NAMED, Minigame
 
 __all__ = ["ACADEMY", "BENCHMARK", "MINIGAMES", "Minigame", "parallel_env"]
 
 for _game in NAMED.values():
     gymnasium.register(
         f"regista/{_game.name.replace('/', '_')}-v0",
-        entry_point="envs.football.gym_env:FootballEnv",
-        vector_entry_point="envs.football.vector_env:make_vec",
+        entry_point="regista.envs.football.gym_env:FootballEnv",
+        vector_entry_point="regista.envs.football.vector_env:make_vec",
         kwargs={"program": str(_game.program), "control": _game.control},
     )
 
@@ -35,7 +35,7 @@ def parallel_env(minigame: str, **settings: Any) -> Any:
     if minigame not in NAMED:
         raise ValueError(f"unknown minigame {minigame!r}; known are {', '.join(NAMED)}")
     try:
-        from envs.football.parallel_env import FootballParallelEnv
+        from regista.envs.football.parallel_env import FootballParallelEnv
     except ImportError as error:
         raise ImportError("a parallel_env needs PettingZoo: pip install 'regista[pettingzoo]'") from error
     game = NAMED[minigame]

@@ -6,7 +6,7 @@ import csv
 from functools import cache
 from typing import Any, NamedTuple
 
-from minigames.suites import HERE
+from regista.minigames.suites import HERE
 
 
 class Published(NamedTuple):

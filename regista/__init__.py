@@ -8,20 +8,20 @@
 
 All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
 `gymnasium.make("regista:regista/1v1Free-v0")` needs no import at all: the minigames are registered here.
-Read next: `experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
+Read next: `regista.experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-import minigames  # noqa: F401
+from regista import minigames as minigames
 
 if TYPE_CHECKING:  # what editors and type checkers see
-    from experiments.calls import evaluate as evaluate
-    from experiments.calls import train as train
-    from ued import *  # noqa: F403
+    from regista.experiments.calls import evaluate as evaluate
+    from regista.experiments.calls import train as train
+    from ued import *  # type: ignore[assignment]  # noqa: F403
 
-_CALLS = {"train": "experiments.calls", "evaluate": "experiments.calls"}
+_CALLS = {"train": "regista.experiments.calls", "evaluate": "regista.experiments.calls"}
 
 
 def __getattr__(name: str) -> Any:

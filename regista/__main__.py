@@ -1,8 +1,8 @@
-"""`regista COMMAND ...`, also as `python -m regista COMMAND ...`. Read next: `experiments.__main__`."""
+"""`regista COMMAND ...`, also as `python -m regista COMMAND ...`. Read next: `regista.experiments.__main__`."""
 
 import sys
 
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
+LINKED = ("envs", "minigames", "experiments")  # imported as regista.envs ..., the folder of that name being a link
 
 # A room is a folder or a single file. A package's `__init__` is its roof: nothing inside the package imports it.
 FLOORS = {
@@ -122,10 +123,16 @@ def tree(path: Path) -> ast.Module:
 def _imported(tree: ast.Module, path: Path) -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            yield from (own_name(alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path} has a relative import; write the package's name"
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            yield from (own_name(f"{node.module}.{alias.name}") for alias in node.names)
+
+
+def own_name(name: str) -> str:
+    """Return the name of the folder that a module lies in: `regista.envs` is a link to `envs`."""
+    inside = name.removeprefix("regista.")
+    return inside if inside.partition(".")[0] in LINKED else name
 
 
 def arrows(package: str) -> dict[str, set[str]]:

@@ -7,15 +7,15 @@ import gymnasium
 import numpy as np
 import pytest
 
-from envs.football.constants import NUM_ACTIONS
-from envs.football.gym_env import ENDINGS
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.vector_env import FootballVectorEnv
-from experiments.__main__ import main
-from experiments.run import build
-from minigames.published import find_published, published
-from minigames.suites import ALL, BENCHMARK, HERE, NAMED
+from regista.envs.football.constants import NUM_ACTIONS
+from regista.envs.football.gym_env import ENDINGS
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.experiments.__main__ import main
+from regista.experiments.run import build
+from regista.minigames.published import find_published, published
+from regista.minigames.suites import ALL, BENCHMARK, HERE, NAMED
 from scenic_lite import load
 
 # The default regions of roles: x, y of the left team; the right one's are turned by half a turn.

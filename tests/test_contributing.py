@@ -31,7 +31,7 @@ def checkout(tmp_path):
 
 REGISTA = """
 import sys
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 
 for words in {lines}:
     try:

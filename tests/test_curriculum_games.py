@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import MINIGAMES, SPARSE_REWARD
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames.suites import MINIGAMES, SPARSE_REWARD
 from scenic_lite import load
 
 DIMENSIONS = {

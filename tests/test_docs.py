@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 import scenic_lite
-from envs.football.scenic.domain import FOOTBALL
-from experiments.__main__ import COMMANDS, main
-from experiments.commands import train
-from experiments.run import workers
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.experiments.__main__ import COMMANDS, main
+from regista.experiments.commands import train
+from regista.experiments.run import workers
 from tests.pages import ROOT, blocks, commands, dead_links, pictures, write
 from tests.test_contributing import PAGES as CARRIED_OUT_ELSEWHERE
 

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parent.parent
 TASK = """
 import gymnasium
-import envs.mine
+import regista.envs.mine
 import ued
 
 def make(num_envs):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.vector_env import FootballVectorEnv
-from minigames import BENCHMARK, MINIGAMES
+from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames import BENCHMARK, MINIGAMES
 from scenic_lite import load
 
 OBJECTS = {

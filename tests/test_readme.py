@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import torch
 
-import envs.football.scenic.domain
 import scenic_lite
-from experiments.__main__ import COMMANDS
+from regista.envs.football.scenic import domain
+from regista.experiments.__main__ import COMMANDS
 from tests import pages
 from tests.pages import ROOT
 from ued.methods import METHODS
@@ -79,7 +79,7 @@ def test_every_method_is_in_the_table():
 
 def test_the_scenario_has_the_free_parameters_that_are_promised():
     (text,) = blocks(README, "scenic")
-    program = scenic_lite.load(text, envs.football.scenic.domain.FOOTBALL)
+    program = scenic_lite.load(text, domain.FOOTBALL)
     assert f"here D = {program.dim}" in README
     assert program.sample(10, np.random.default_rng(0))[1].ok.all()
 

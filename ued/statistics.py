@@ -2,7 +2,7 @@
 
 In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent:
 resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. Here a run is
-resampled with all its levels. Read next: the tables in `experiments.run.results`.
+resampled with all its levels. Read next: the tables in `regista.experiments.run.results`.
 """
 
 from __future__ import annotations

@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY
-from envs.football.control.agents import num_agents, seen_by
-from envs.football.control.episode import has_succeeded
-from envs.football.control.keys import key_of_command
-from envs.football.control.reward import agent_reward, team_reward
-from envs.football.observation.observe import observe, remember_minimap
-from envs.football.physics.motion import take_stance
-from envs.football.physics.variation import vary_engine
-from envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
-from envs.football.scenic.world_table import THE_BALL, Cast
-from envs.football.simulator import choose_actions, play
-from envs.football.state import MATCH
+from regista.envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY
+from regista.envs.football.control.agents import num_agents, seen_by
+from regista.envs.football.control.episode import has_succeeded
+from regista.envs.football.control.keys import key_of_command
+from regista.envs.football.control.reward import agent_reward, team_reward
+from regista.envs.football.observation.observe import observe, remember_minimap
+from regista.envs.football.physics.motion import take_stance
+from regista.envs.football.physics.variation import vary_engine
+from regista.envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
+from regista.envs.football.scenic.world_table import THE_BALL, Cast
+from regista.envs.football.simulator import choose_actions, play
+from regista.envs.football.state import MATCH
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.kernels.jit import kernel
 

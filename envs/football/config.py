@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from envs.football.constants import CONTROL_MODES
+from regista.envs.football.constants import CONTROL_MODES
 
 REPRESENTATIONS = ("features", "simple115", "smm", "smm_stacked", "raw")
 REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names

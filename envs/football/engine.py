@@ -1,7 +1,8 @@
 """What plays the matches of a batch: our own simulator, or another engine behind the same few calls.
 
 An engine begins matches, moves all of them on by a step, and starts them again; what it finds goes into `Batch` and
-`Outcome`, so that whoever calls it need not know which one it is. Read next: `batch`; `envs.grf.engine`, the other one.
+`Outcome`, so that whoever calls it need not know which one it is. Read next: `batch`;
+`regista.envs.grf.engine`, the other one.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from typing import Any, Protocol
 import numba
 import numpy as np
 
-from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
-from envs.football.observation.observe import View
+from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
+from regista.envs.football.observation.observe import View
 from scenic_lite.dynamics.machine.bytecode import Code
 
 

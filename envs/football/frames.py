@@ -5,14 +5,14 @@ Read next: `physics.ball`, `physics.bodies`, `skills.contacts`, one per line of 
 
 from __future__ import annotations
 
-from envs.football.constants import DT, FRAMES, NOBODY, NORMAL
-from envs.football.physics.ball import advance_ball
-from envs.football.physics.bodies import advance_players, crowded, keep_on_pitch, part_bodies
-from envs.football.rules.offside import mark_offside
-from envs.football.rules.whistle import off_pitch
-from envs.football.skills.contacts import meet_ball, reachable
-from envs.football.skills.hands import carry_in_hands
-from envs.football.skills.kicks import leave_foot, swing_frame
+from regista.envs.football.constants import DT, FRAMES, NOBODY, NORMAL
+from regista.envs.football.physics.ball import advance_ball
+from regista.envs.football.physics.bodies import advance_players, crowded, keep_on_pitch, part_bodies
+from regista.envs.football.rules.offside import mark_offside
+from regista.envs.football.rules.whistle import off_pitch
+from regista.envs.football.skills.contacts import meet_ball, reachable
+from regista.envs.football.skills.hands import carry_in_hands
+from regista.envs.football.skills.kicks import leave_foot, swing_frame
 from scenic_lite.kernels.jit import kernel
 
 

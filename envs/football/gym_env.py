@@ -11,11 +11,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from envs.football.config import FootballConfig
-from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
-from envs.football.observation.raw import row
-from envs.football.vector_env import FootballVectorEnv
-from envs.football.view.picture import draw_match
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, REJECTED, RUNNING, TERMINATED
+from regista.envs.football.observation.raw import row
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.view.picture import draw_match
 from scenic_lite import Program
 
 ENDINGS = {

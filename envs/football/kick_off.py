@@ -10,11 +10,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from envs.football.ai.balance import FULL_HOLD, NO_HOLD
-from envs.football.ai.formation import formation_slots
-from envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
-from envs.football.control.control_modes import assign_agents
-from envs.football.state import ENGINE, MATCH, NOBODY_YET
+from regista.envs.football.ai.balance import FULL_HOLD, NO_HOLD
+from regista.envs.football.ai.formation import formation_slots
+from regista.envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
+from regista.envs.football.control.control_modes import assign_agents
+from regista.envs.football.state import ENGINE, MATCH, NOBODY_YET
 from scenic_lite.kernels.rng import streams
 
 NO_KICK = 9.0  # s since the last kick, where nobody has kicked yet

@@ -16,8 +16,8 @@ from gymnasium.spaces import Box, Discrete, Space, Tuple
 from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv
 
-from envs.football.constants import LEFT, NUM_ACTIONS
-from envs.football.gym_env import ENDINGS, FootballEnv
+from regista.envs.football.constants import LEFT, NUM_ACTIONS
+from regista.envs.football.gym_env import ENDINGS, FootballEnv
 from scenic_lite import Program
 from ued.upomdp import of_one_agent
 

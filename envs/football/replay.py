@@ -19,9 +19,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from envs.football.config import FootballConfig
-from envs.football.state import MATCH
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.state import MATCH
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
 KIND = "regista match record"

@@ -6,29 +6,29 @@ stands in the record MATCH. Read next: `state` for the record, then the stages i
 
 from __future__ import annotations
 
-from envs.football.ai.decide import choose_command, read_game
-from envs.football.ai.keeper import kick_out_if_overdue
-from envs.football.ai.set_pieces import wait_for_restart
-from envs.football.constants import BUILTIN_AI, RUNNING, STAND
-from envs.football.control.active_player import settle_first_step
-from envs.football.control.agents import (
+from regista.envs.football.ai.decide import choose_command, read_game
+from regista.envs.football.ai.keeper import kick_out_if_overdue
+from regista.envs.football.ai.set_pieces import wait_for_restart
+from regista.envs.football.constants import BUILTIN_AI, RUNNING, STAND
+from regista.envs.football.control.active_player import settle_first_step
+from regista.envs.football.control.agents import (
     assign_actions,
     choose_controlled,
     note_wishes,
     press_commanded_keys,
     set_actions,
 )
-from envs.football.control.episode import end_episode
-from envs.football.control.keys import apply_action, release_keys
-from envs.football.control.reward import clear_rewards, pay_checkpoints
-from envs.football.frames import play_frames
-from envs.football.physics.dribble import dribble
-from envs.football.physics.motion import plan_motion
-from envs.football.physics.possession import advance_timers, find_chasers
-from envs.football.rules.offside import mark_offside
-from envs.football.rules.referee import apply_rules, forget_events
-from envs.football.scenic.scripted_step import command_players, run_program_behaviors, run_program_monitors
-from envs.football.skills.kicks import swing_legs
+from regista.envs.football.control.episode import end_episode
+from regista.envs.football.control.keys import apply_action, release_keys
+from regista.envs.football.control.reward import clear_rewards, pay_checkpoints
+from regista.envs.football.frames import play_frames
+from regista.envs.football.physics.dribble import dribble
+from regista.envs.football.physics.motion import plan_motion
+from regista.envs.football.physics.possession import advance_timers, find_chasers
+from regista.envs.football.rules.offside import mark_offside
+from regista.envs.football.rules.referee import apply_rules, forget_events
+from regista.envs.football.scenic.scripted_step import command_players, run_program_behaviors, run_program_monitors
+from regista.envs.football.skills.kicks import swing_legs
 from scenic_lite.kernels.jit import kernel
 
 

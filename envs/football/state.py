@@ -22,7 +22,7 @@ import math
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     BY_PROGRAM,
     CF,
@@ -44,7 +44,7 @@ from envs.football.constants import (
     SHOT,
     STAND,
 )
-from envs.football.field_kinds import Real, Table, Whole, stored
+from regista.envs.football.field_kinds import Real, Table, Whole, stored
 
 BALL_MEMORY = 41  # steps of the ring in which the ball's places are summed up: averages over 4 s at most
 

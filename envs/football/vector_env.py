@@ -12,19 +12,19 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
-from envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
-from envs.football.config import FootballConfig
-from envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
-from envs.football.engine import Engine, Simulator
-from envs.football.limits import Limits, StateError
-from envs.football.observation.observe import RAW
-from envs.football.observation.observer import Observer
-from envs.football.scenic.compiled_behaviors import CompiledBehaviors
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.starts import INVALID, Starts
-from envs.football.scenic.world_table import Cast
-from envs.football.state import WHO
+from regista.envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
+from regista.envs.football.engine import Engine, Simulator
+from regista.envs.football.limits import Limits, StateError
+from regista.envs.football.observation.observe import RAW
+from regista.envs.football.observation.observer import Observer
+from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.scenic.starts import INVALID, Starts
+from regista.envs.football.scenic.world_table import Cast
+from regista.envs.football.state import WHO
 from scenic_lite import Program, load
 from ued.upomdp import UPOMDP, check_count, check_theta, set_stream, whole
 
@@ -293,7 +293,7 @@ class FootballVectorEnv(UPOMDP):
 def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehaviors, num_envs: int) -> Engine:
     """Make what plays so many matches. Raises `envs.grf.workers.GrfError` for the real engine where it is not."""
     if config.engine == "grf":
-        from envs.grf.engine import GrfEngine
+        from regista.envs.grf.engine import GrfEngine
 
         return GrfEngine(lineup, behaviors, config, num_envs)
     return Simulator(behaviors.code)

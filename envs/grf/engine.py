@@ -18,17 +18,17 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.batch import Batch, BatchSettings, Outcome, begin, restart
-from envs.football.config import FootballConfig
-from envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
-from envs.football.kick_off import MatchConfig
-from envs.football.observation.observe import View
-from envs.football.observation.units import UNIT_X, UNIT_Y
-from envs.football.scenic.compiled_behaviors import CompiledBehaviors
-from envs.football.scenic.lineup import Lineup, NotAMatchError
-from envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
-from envs.grf.worker import ROWS, TEAM
-from envs.grf.workers import Episode, Workers, grf_python, shared_workers
+from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, restart
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.observation.observe import View
+from regista.envs.football.observation.units import UNIT_X, UNIT_Y
+from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
+from regista.envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
+from regista.envs.grf.worker import ROWS, TEAM
+from regista.envs.grf.workers import Episode, Workers, grf_python, shared_workers
 
 # Metres that a scenario's units mean for players, whom the engine spreads a little; the ball has those of observations.
 PLAYER_X, PLAYER_Y = 55.0, -36.0 * 2.36

@@ -5,9 +5,9 @@ Read next: `grf.observed_match`, what is done to one.
 
 from __future__ import annotations
 
-from envs.football.batch import close_row, open_row, watch_row
-from envs.football.observation.observe import remember_minimap
-from envs.grf.observed_match import read_start, read_step
+from regista.envs.football.batch import close_row, open_row, watch_row
+from regista.envs.football.observation.observe import remember_minimap
+from regista.envs.grf.observed_match import read_start, read_step
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

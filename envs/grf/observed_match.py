@@ -2,7 +2,7 @@
 
 What the engine does not tell stays as it was at the start: where bodies look while they stand, who lies on the ground.
 That a kick is asked for follows from the keys, as in our own simulator, and its end from the ball. Read next:
-`envs.football.state`, the record; `grf.worker`, the other one.
+`regista.envs.football.state`, the record; `grf.worker`, the other one.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     ACTIVE,
     BALL_RADIUS,
     CLOSEST,
@@ -22,14 +22,14 @@ from envs.football.constants import (
     RUNNING,
     STEP,
 )
-from envs.football.control.agents import choose_closest
-from envs.football.control.episode import end_episode
-from envs.football.control.keys import hold_kick
-from envs.football.control.reward import pay_checkpoints
-from envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
-from envs.football.physics.possession import forget_kick
-from envs.football.physics.vectors import length
-from envs.grf.worker import TEAM
+from regista.envs.football.control.agents import choose_closest
+from regista.envs.football.control.episode import end_episode
+from regista.envs.football.control.keys import hold_kick
+from regista.envs.football.control.reward import pay_checkpoints
+from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
+from regista.envs.football.physics.possession import forget_kick
+from regista.envs.football.physics.vectors import length
+from regista.envs.grf.worker import TEAM
 from scenic_lite.kernels.jit import kernel
 
 STANDING = 0.3  # m/s below which a body's velocity does not tell where it looks

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from envs.grf import worker
-from envs.grf.worker import OBSERVED, PROTOCOL, ROWS, pack, unpack
+from regista.envs.grf import worker
+from regista.envs.grf.worker import OBSERVED, PROTOCOL, ROWS, pack, unpack
 
 START_SECONDS = 120.0  # until a new worker has loaded the engine
 ANSWER_SECONDS = 60.0  # for an answer, and besides

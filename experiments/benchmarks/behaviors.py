@@ -8,8 +8,8 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from experiments.benchmarks.timing import Measurement, random_steps, rate
-from experiments.run.config import TrainConfig
+from regista.experiments.benchmarks.timing import Measurement, random_steps, rate
+from regista.experiments.run.config import TrainConfig
 
 PROGRAMS = Path(__file__).parents[1] / "programs"
 NUM_ENVS = 256
@@ -27,7 +27,7 @@ def behaviors_suite(seconds: float) -> list[Measurement]:
 
 def measure(name: str, seconds: float) -> Measurement:
     """Step with random actions; episodes restart as they end."""
-    from experiments.run.build import load_program, make_upomdp
+    from regista.experiments.run.build import load_program, make_upomdp
 
     env = make_upomdp(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
     speed = NUM_ENVS * rate(random_steps(env), seconds, clock=time.process_time)
@@ -37,8 +37,8 @@ def measure(name: str, seconds: float) -> Measurement:
 
 def compile_ms(env: object, seconds: float) -> float:
     """Return the milliseconds from a program that is read to its code."""
-    from envs.football.scenic.world import FOOTBALL_WORLD
-    from envs.football.vector_env import FootballVectorEnv
+    from regista.envs.football.scenic.world import FOOTBALL_WORLD
+    from regista.envs.football.vector_env import FootballVectorEnv
     from scenic_lite.dynamics.compiler.compile import compile_program
 
     assert isinstance(env, FootballVectorEnv)

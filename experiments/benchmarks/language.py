@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from experiments.benchmarks.timing import STRETCHES, rate
-from experiments.run.results import align
+from regista.experiments.benchmarks.timing import STRETCHES, rate
+from regista.experiments.run.results import align
 
 if TYPE_CHECKING:
     from scenic_lite import Domain, Program
@@ -79,7 +79,7 @@ def measure(name: str, seconds: float) -> LanguageMeasurement:
 
 
 def football_domain() -> Domain:
-    from envs.football.scenic.domain import FOOTBALL
+    from regista.envs.football.scenic.domain import FOOTBALL
 
     return FOOTBALL
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.benchmarks.timing import Measurement, random_steps, rate
-from experiments.run import build
+from regista.experiments.benchmarks.timing import Measurement, random_steps, rate
+from regista.experiments.run import build
 
 PROGRAMS = Path(__file__).parents[1] / "programs"
 SCENES = (("6 players", PROGRAMS / "football_6.scenic"), ("22 players", PROGRAMS / "football_22.scenic"))
@@ -54,6 +54,6 @@ def _frames(program: Path, seconds: float) -> float:
 
 
 def _make_env(program: Path, representation: str, threads: int) -> Any:
-    from envs.football.config import FootballConfig
+    from regista.envs.football.config import FootballConfig
 
     return build.make_upomdp(build.load_program(program, None), MATCHES, FootballConfig(representation), 0, threads)

@@ -16,11 +16,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.benchmarks.timing import rate
-from experiments.benchmarks.training import ELEVEN, TEAMS
-from experiments.run import build
-from experiments.run.config import TrainConfig
-from experiments.run.table import cannot_write
+from regista.experiments.benchmarks.timing import rate
+from regista.experiments.benchmarks.training import ELEVEN, TEAMS
+from regista.experiments.run import build
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.table import cannot_write
 from ued.config import ACCELConfig, BufferConfig, PairedConfig, PLRConfig
 from ued.curriculum import Curriculum, ThetaSpace
 from ued.levels.record import RESULTS
@@ -85,7 +85,7 @@ def _environments(minigame: str, seconds: float) -> Iterator[Point]:
 
 def _players(seconds: float) -> Iterator[Point]:
     """Measure matches of half as many on either side; nobody has a behavior, so the simulator moves them."""
-    from envs.football.scenic.domain import FOOTBALL
+    from regista.envs.football.scenic.domain import FOOTBALL
     from scenic_lite import load
 
     for players in PLAYERS:
@@ -210,7 +210,7 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
     """Draw the curves on one page, scale.png. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
-    from experiments.pictures import plots
+    from regista.experiments.pictures import plots
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -10,9 +10,9 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from experiments.benchmarks.timing import STRETCHES, Measurement
-from experiments.run import build
-from experiments.run.config import TrainConfig
+from regista.experiments.benchmarks.timing import STRETCHES, Measurement
+from regista.experiments.run import build
+from regista.experiments.run.config import TrainConfig
 
 WARM_UPDATES = 10  # of a method before it is measured
 ELEVEN = "academy/counterattack_easy"  # eleven a side: teams of every size play it

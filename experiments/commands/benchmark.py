@@ -8,7 +8,7 @@
     regista benchmark --suite grf --measure --family experts
     regista benchmark --json > today.json
 
-Read next: `envs.football.batch`, the loop that is measured; `benchmarks.training`.
+Read next: `regista.envs.football.batch`, the loop that is measured; `benchmarks.training`.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
-from experiments.benchmarks.language import language_suite, render_language
-from experiments.benchmarks.observations import observation_rows
-from experiments.benchmarks.timing import Measurement, random_steps, rate
-from experiments.benchmarks.training import training_suite
-from experiments.grf.measure import MEASURES, MeasureConfig
-from experiments.grf.report import FAMILIES, compare, draw, render_family
-from experiments.run import arguments, build
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
-from experiments.run.provenance import hardware, versions
-from experiments.run.results import align
+from regista.experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
+from regista.experiments.benchmarks.language import language_suite, render_language
+from regista.experiments.benchmarks.observations import observation_rows
+from regista.experiments.benchmarks.timing import Measurement, random_steps, rate
+from regista.experiments.benchmarks.training import training_suite
+from regista.experiments.grf.measure import MEASURES, MeasureConfig
+from regista.experiments.grf.report import FAMILIES, compare, draw, render_family
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.provenance import hardware, versions
+from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
 DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
@@ -130,7 +130,7 @@ def measure(config: BenchmarkConfig) -> int:
 
 def scale(config: BenchmarkConfig) -> int:
     """Measure what things cost as they grow, and draw it if wanted."""
-    from experiments.benchmarks.scale import draw, rows_of, scale_suite
+    from regista.experiments.benchmarks.scale import draw, rows_of, scale_suite
 
     points = list(scale_suite(config.minigame, config.seconds))
     if config.figures is not None:
@@ -171,7 +171,7 @@ def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
 
 def first_step(config: BenchmarkConfig) -> Measurement:
     """Measure how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
-    from envs.football.batch import step_batch
+    from regista.envs.football.batch import step_batch
     from scenic_lite.kernels.jit import compiled
 
     state = "from the cache" if compiled(step_batch) else "compiled now, once"

@@ -4,7 +4,7 @@
 
 On levels drawn at random, always the same, how many are never, sometimes and always solved: by uniform keys, and by
 students at several times of their training. A curriculum has something to choose where most levels are never solved,
-but not all, and where that changes as a student learns. Read next: `minigames.suites`; `commands.compare`.
+but not all, and where that changes as a student learns. Read next: `regista.minigames.suites`; `commands.compare`.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import Any
 
 import numpy as np
 
-from experiments.run import arguments, build
-from experiments.run.arguments import group, positional
-from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError
-from experiments.run.progress import count
-from experiments.run.report import save_rows
-from experiments.run.results import align
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import save_rows
+from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
 DESCRIPTION = "Tell how many random levels of a game are solved by uniform keys, and by students as they learn."
@@ -86,7 +86,7 @@ def main(argv: Sequence[str]) -> int:
 
 def measure(config: CharacteriseConfig, train: TrainConfig) -> Iterator[Row]:
     """Train a student on a game, and yield what becomes of its levels by uniform keys, then by the student."""
-    from experiments.run.baselines import make_baselines
+    from regista.experiments.run.baselines import make_baselines
 
     program = build.load_scenes(train)[build.TRAINING_SCENE]
     test = build.make_upomdp(program, min(ENVIRONMENTS, config.levels), train.env, SEED, train.threads)

@@ -22,21 +22,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from experiments.run import arguments, build
-from experiments.run import config as configs
-from experiments.run.arguments import group, positional
-from experiments.run.config import TrainConfig, football_ppo
-from experiments.run.errors import CommandError, UsageError, read_from
-from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress
-from experiments.run.signals import StopRequest
-from experiments.run.table import Table, cannot_write, spell
+from regista.experiments.run import arguments, build
+from regista.experiments.run import config as configs
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import TrainConfig, football_ppo
+from regista.experiments.run.errors import CommandError, UsageError, read_from
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import Progress
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.table import Table, cannot_write, spell
 from ued.config import Checked, CloningConfig, PPOConfig, setting
 from ued.files import write_whole
 
 if TYPE_CHECKING:
-    from experiments.run.cloning_data import CloningData
-    from experiments.run.demonstrations import Demonstrations
+    from regista.experiments.run.cloning_data import CloningData
+    from regista.experiments.run.demonstrations import Demonstrations
     from scenic_lite import Program
     from ued.cloning import Agreement, Cloner
 
@@ -66,8 +66,8 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
     if config.ppo.memory != "none":
         raise CommandError(f"cloning teaches single steps: --ppo.memory must be none, got {config.ppo.memory}")
-    from experiments.run.cloning_data import CloningData
-    from experiments.run.demonstrations import Demonstrations
+    from regista.experiments.run.cloning_data import CloningData
+    from regista.experiments.run.demonstrations import Demonstrations
 
     demos = Demonstrations.open(config.demonstrations)
     data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
@@ -121,7 +121,7 @@ def clone(
     run: RunFolder, program: Program, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
 ) -> None:
     """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
-    from experiments.pictures.cloning import draw_cloning
+    from regista.experiments.pictures.cloning import draw_cloning
     from ued.cloning import Cloner
     from ued.seeding import torch_generator
 
@@ -191,7 +191,7 @@ def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None
 
 def write_accuracies(path: Path, agreement: Agreement) -> None:
     """Write how often each action was done in held-out episodes, and how often the student agrees."""
-    from envs.football.constants import ACTION_NAMES
+    from regista.envs.football.constants import ACTION_NAMES
 
     done, meant = agreement.counts.sum(1), agreement.counts.sum(0)
     lines = ["action,name,done,meant,recall,precision"]

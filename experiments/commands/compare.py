@@ -14,19 +14,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from experiments.commands.evaluate import check_levels
-from experiments.pictures import level_plots, plots, results_page, theta_plots
-from experiments.pictures.overview import Comparison, overview
-from experiments.run import arguments, build, origin
-from experiments.run.arguments import group, positional
-from experiments.run.config import TrainConfig
-from experiments.run.errors import read_from
-from experiments.run.evaluator import EvalScenes, Evaluator
-from experiments.run.folder import RunFolder
-from experiments.run.report import Report
-from experiments.run.results import unique
-from experiments.run.signals import StopRequest
-from experiments.run.workers import LaunchConfig, train_unfinished
+from regista.experiments.commands.evaluate import check_levels
+from regista.experiments.pictures import level_plots, plots, results_page, theta_plots
+from regista.experiments.pictures.overview import Comparison, overview
+from regista.experiments.run import arguments, build, origin
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import read_from
+from regista.experiments.run.evaluator import EvalScenes, Evaluator
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import Report
+from regista.experiments.run.results import unique
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from ued.config import Checked, FineTuningConfig, setting
 
 DESCRIPTION = (
@@ -113,7 +113,7 @@ def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, 
     if runs[-1].recordings():
         print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
     if rrd is not None:
-        from experiments.pictures.runs_recording import record_runs
+        from regista.experiments.pictures.runs_recording import record_runs
 
         record_runs(by_method, rrd)
         print(f"all runs: rerun {rrd}")

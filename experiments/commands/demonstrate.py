@@ -16,18 +16,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from experiments.run import arguments, build
-from experiments.run.arguments import positional
-from experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
-from experiments.run.errors import CommandError, UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress, count
-from experiments.run.signals import StopRequest
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import Progress, count
+from regista.experiments.run.signals import StopRequest
 from ued.config import Checked, setting
 
 if TYPE_CHECKING:
-    from envs.football.vector_env import FootballVectorEnv
-    from experiments.run.demonstrator import Choose
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.experiments.run.demonstrator import Choose
 
 DESCRIPTION = "Keep episodes of a program, or of a trained student, as records and as a Minari data set."
 RUN_SAYS = {"representation", "control", "right_control"}
@@ -79,7 +79,7 @@ def main(argv: Sequence[str]) -> int:
 
 def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
     """Return the settings of the folder, the program, and if it is a student, what chooses its actions by seed."""
-    from envs.football.config import FootballConfig
+    from regista.envs.football.config import FootballConfig
 
     chosen = {name: getattr(typed, name) for name in ("keep", "success_above", "greedy", "seed")}
     part = SIDE_BY_SIDE.get(typed.representation, 256)
@@ -110,7 +110,7 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
 
 
 def _student(run: RunFolder, program: Any, greedy: bool) -> Callable[[int], Choose]:
-    from experiments.run.evaluator import load_student
+    from regista.experiments.run.evaluator import load_student
     from ued.learning.student import Player
     from ued.seeding import torch_generator
 
@@ -126,7 +126,7 @@ def _fill(
     stop: StopRequest,
 ) -> None:
     """Play parts until there are enough episodes, and tell what came of it."""
-    from experiments.run.demonstrator import parts
+    from regista.experiments.run.demonstrator import parts
 
     config, most = demos.config, typed.max_played or 100 * typed.episodes
     tally, began, number = Tally(), time.perf_counter(), demos.num_parts()
@@ -167,7 +167,7 @@ class Tally:
         self.steps += int(part.lengths.sum())
 
     def __str__(self) -> str:
-        from experiments.run.report import two_digits
+        from regista.experiments.run.report import two_digits
         from ued.statistics import wilson
 
         rate = two_digits(wilson(self.successes, self.played)) if self.played else "unknown"

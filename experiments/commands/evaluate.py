@@ -14,13 +14,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from experiments.run import arguments, build
-from experiments.run.arguments import group, positional
-from experiments.run.config import EngineConfig
-from experiments.run.errors import CommandError, UsageError
-from experiments.run.evaluator import EvalScenes, Evaluator
-from experiments.run.folder import RunFolder
-from experiments.run.report import Report, save_csv, write_text
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.evaluator import EvalScenes, Evaluator
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import Report, save_csv, write_text
 from ued.config import Checked, setting
 
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.run import arguments, build
-from experiments.run.arguments import positional
-from experiments.run.errors import CommandError, UsageError, read_from
-from experiments.run.folder import RunFolder
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.errors import CommandError, UsageError, read_from
+from regista.experiments.run.folder import RunFolder
 from ued.config import Checked, setting
 
 DESCRIPTION = (
@@ -41,7 +41,7 @@ def main(argv: Sequence[str]) -> int:
     run = RunFolder.open(Path(config.run))
     if not run.levels.path.exists():
         raise CommandError(f"{run.path} has no levels.csv: nothing has been played yet")
-    from experiments.pictures.gallery import make_page
+    from regista.experiments.pictures.gallery import make_page
 
     path = config.out or run.path / "gallery.html"
     program = build.load_scenes(run.config)[build.TRAINING_SCENE]

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from experiments.run import arguments, build, tasks
-from experiments.run.arguments import group, positional
-from experiments.run.config import ProgramConfig
-from experiments.run.errors import CommandError, UsageError
-from experiments.run.results import align
+from regista.experiments.run import arguments, build, tasks
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import ProgramConfig
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def main(argv: Sequence[str]) -> int:
 
 def inspect_task(config: InspectConfig) -> int:
     """Show a task of one's own: its parameters, levels drawn from it or the typed one, and their first frames."""
-    from experiments.pictures.task_view import describe_task, draw_task
+    from regista.experiments.pictures.task_view import describe_task, draw_task
     from ued.upomdp import check_theta
 
     scene = tasks.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
@@ -217,9 +217,9 @@ def render_scenes(program: Program, theta: np.ndarray) -> str:
 
 def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
-    from envs.football.scenic.lineup import NotAMatchError
-    from experiments.pictures.scene_pictures import draw_matches, draw_pictures
-    from experiments.pictures.scene_view import view_of
+    from regista.envs.football.scenic.lineup import NotAMatchError
+    from regista.experiments.pictures.scene_pictures import draw_matches, draw_pictures
+    from regista.experiments.pictures.scene_view import view_of
 
     if football:
         try:
@@ -232,9 +232,9 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool)
 
 def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
-    from experiments.pictures.scene_recording import SceneRecord, record_scenes
-    from experiments.pictures.scene_view import arrows, corners, view_of
-    from experiments.run.table import cannot_write
+    from regista.experiments.pictures.scene_recording import SceneRecord, record_scenes
+    from regista.experiments.pictures.scene_view import arrows, corners, view_of
+    from regista.experiments.run.table import cannot_write
 
     view = view_of(program, probes(program, theta), football)
     boxes = view.boxes(program.instantiate(theta))
@@ -248,14 +248,14 @@ def write_recording(program: Program, theta: np.ndarray, path: Path, football: b
 
 def probes(program: Program, theta: np.ndarray) -> np.ndarray:
     """Return θ and random rows beside it, which say how far objects get."""
-    from experiments.pictures.scene_view import PROBES
+    from regista.experiments.pictures.scene_view import PROBES
 
     return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
 
 
 def card(program: Program, theta: np.ndarray, index: int) -> str:
     """Return what one row of θ means, in Markdown."""
-    from experiments.pictures.scene_recording import card_of
+    from regista.experiments.pictures.scene_recording import card_of
 
     values = program.describe(theta)
     rows = [(name, f"{at:+.3f}", _number(value)) for at, (name, value) in zip(theta, values.items(), strict=True)]
@@ -270,8 +270,8 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 
 def render_code(program: Program, football: bool) -> str:
     """Return the rows that the behaviors, monitors and conditions of a program become, below their lines."""
-    from envs.football.scenic.world import FOOTBALL_WORLD
-    from envs.toy_world import toy_world
+    from regista.envs.football.scenic.world import FOOTBALL_WORLD
+    from regista.envs.toy_world import toy_world
     from scenic_lite.dynamics.compiler.compile import compile_program
 
     compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())

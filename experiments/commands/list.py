@@ -4,7 +4,7 @@
     regista list defense
     regista list offense/easy_crossing
 
-Read next: `minigames.suites`, the table itself; `commands.inspect`, which looks into a program.
+Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, which looks into a program.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.run import arguments, build
-from experiments.run.arguments import positional
-from experiments.run.errors import UsageError, nearest
-from experiments.run.results import align
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.results import align
 from ued.config import Checked
 
 if TYPE_CHECKING:
-    from minigames.published import Published
-    from minigames.suites import Minigame
+    from regista.minigames.published import Published
+    from regista.minigames.suites import Minigame
 
 DESCRIPTION = (
     "Show the minigames: players (left v right), free parameters D of θ (of training, of the test scenes), whom one "
@@ -55,7 +55,7 @@ class ListConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(ListConfig(), argv, "list", DESCRIPTION)
-    from minigames.suites import ALL
+    from regista.minigames.suites import ALL
 
     chosen = [game for game in ALL.values() if _chosen(game.name, config.words)]
     for word in config.words:
@@ -80,7 +80,7 @@ HEAD = ["minigame", "players", "D", "D test", "one agent", "team", "PPO", "on te
 
 def line(game: Minigame) -> list[str]:
     """Return the row of a minigame."""
-    from minigames.published import find_published
+    from regista.minigames.published import find_published
 
     players, dim = look(game)
     tests = dict.fromkeys(str(look(test)[1]) for test in game.test_games())
@@ -95,7 +95,7 @@ def line(game: Minigame) -> list[str]:
 
 def look(game: Minigame) -> tuple[str, int]:
     """Return how many play on the left and on the right, and the D of θ."""
-    from envs.football.scenic.lineup import Lineup
+    from regista.envs.football.scenic.lineup import Lineup
 
     program = build.load_program(game.program, None)
     right = np.asarray(Lineup(program, game.control).roster.teams)
@@ -137,7 +137,7 @@ def card(game: Minigame) -> str:
 
 def measured(game: Minigame) -> list[list[str]]:
     """Return the table of what is published of a minigame; its head alone if nothing is."""
-    from minigames.published import published
+    from regista.minigames.published import published
 
     rows = [["published", "moves", "on", "goal difference", "runs", "episodes", "source"]]
     for row in published():

@@ -4,7 +4,7 @@
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
 
-Read next: `commands.replay`; `envs.football.view.bot`, who plays unless told otherwise.
+Read next: `commands.replay`; `regista.envs.football.view.bot`, who plays unless told otherwise.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from experiments.run import arguments, build
-from experiments.run.arguments import group, positional
-from experiments.run.config import EngineConfig, ProgramConfig
-from experiments.run.errors import UsageError
-from experiments.run.table import cannot_write
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import EngineConfig, ProgramConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.table import cannot_write
 from ued.config import Checked, setting
 from ued.files import write_whole
 
 if TYPE_CHECKING:
-    from envs.football.replay import Record
+    from regista.envs.football.replay import Record
 
 DESCRIPTION = "Play one match of a program, and write a film or a record of it."
 
@@ -55,9 +55,9 @@ def main(argv: Sequence[str]) -> int:
     check_film_of(config.video)
     if config.record and config.record.suffix != ".npz":
         raise UsageError(f"{config.record}: a record ends in .npz")
-    from envs.football.config import FootballConfig
-    from envs.football.gym_env import ENDINGS
-    from envs.football.replay import Recorder, after_step
+    from regista.envs.football.config import FootballConfig
+    from regista.envs.football.gym_env import ENDINGS
+    from regista.envs.football.replay import Recorder, after_step
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
     try:
@@ -85,7 +85,7 @@ def main(argv: Sequence[str]) -> int:
 
 def _keep(record: Record, path: Path) -> None:
     """Write a record, whole or not at all."""
-    from envs.football.replay import save_record
+    from regista.envs.football.replay import save_record
 
     content = io.BytesIO()
     save_record(record, content)
@@ -99,7 +99,7 @@ def check_film_of(path: Path | None) -> None:
     """Raise `UsageError` if a film is wanted that cannot be written."""
     if path is None:
         return
-    from envs.football.view.picture import check_film
+    from regista.envs.football.view.picture import check_film
 
     try:
         check_film(path)
@@ -109,15 +109,15 @@ def check_film_of(path: Path | None) -> None:
 
 def film(path: Path, moments: Sequence[Any], speed: float) -> None:
     """Draw moments of a match and write them as a film; `check_film_of` has passed."""
-    from envs.football.view.picture import draw_match, write_video
+    from regista.envs.football.view.picture import draw_match, write_video
 
     write_video(path, (draw_match(moment) for moment in moments), speed)
 
 
 def _player(config: PlayConfig) -> Callable[[Any], Any]:
     """Return what chooses the actions of the agents: `[A]`, or one number if there is one agent."""
-    from envs.football.observation.raw import row
-    from envs.football.view.bot import act
+    from regista.envs.football.observation.raw import row
+    from regista.envs.football.view.bot import act
 
     rng = np.random.default_rng(config.seed)
 

@@ -19,16 +19,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.pictures import plots, results_page
-from experiments.run import arguments, build
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig, to_dict
-from experiments.run.errors import DAMAGE, UsageError, nearest
-from experiments.run.progress import Progress
-from experiments.run.report import save_rows, write_text
-from experiments.run.signals import StopRequest, held_back
-from experiments.run.table import cannot_write
-from experiments.run.workers import LaunchConfig, processes, train_unfinished
+from regista.experiments.pictures import plots, results_page
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig, to_dict
+from regista.experiments.run.errors import DAMAGE, UsageError, nearest
+from regista.experiments.run.progress import Progress
+from regista.experiments.run.report import save_rows, write_text
+from regista.experiments.run.signals import StopRequest, held_back
+from regista.experiments.run.table import cannot_write
+from regista.experiments.run.workers import LaunchConfig, processes, train_unfinished
 from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
 from ued.files import write_whole
 

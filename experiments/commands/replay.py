@@ -4,7 +4,7 @@
     regista replay match.npz --video match.gif
     regista replay demos/records/0000.npz --match 3
 
-Read next: `envs.football.replay`, what a record is.
+Read next: `regista.envs.football.replay`, what a record is.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.commands.play import check_film_of, film
-from experiments.run import arguments
-from experiments.run.arguments import positional
-from experiments.run.errors import CommandError, UsageError
+from regista.experiments.commands.play import check_film_of, film
+from regista.experiments.run import arguments
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.errors import CommandError, UsageError
 from ued.config import Checked, setting
 
 DESCRIPTION = "Play a recorded match again, and check that it comes out as it did."
@@ -38,7 +38,7 @@ def main(argv: Sequence[str]) -> int:
     if not config.record:
         raise UsageError("replay needs a record: a .npz file")
     check_film_of(config.video)
-    from envs.football.replay import RecordError, load_record, replay
+    from regista.envs.football.replay import RecordError, load_record, replay
 
     try:
         record = load_record(config.record)

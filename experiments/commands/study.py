@@ -16,11 +16,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from experiments.commands.study_benchmark import BenchmarkStudyConfig, run_benchmark
-from experiments.commands.study_curricula import CurriculaStudyConfig, run_curricula
-from experiments.commands.study_transfer import TransferStudyConfig, run_transfer
-from experiments.run import arguments
-from experiments.run.errors import UsageError, nearest
+from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, run_benchmark
+from regista.experiments.commands.study_curricula import CurriculaStudyConfig, run_curricula
+from regista.experiments.commands.study_transfer import TransferStudyConfig, run_transfer
+from regista.experiments.run import arguments
+from regista.experiments.run.errors import UsageError, nearest
 
 
 class Study(NamedTuple):

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
-from experiments.commands import clone, demonstrate
-from experiments.run import arguments, build, origin
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig, presets
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.signals import StopRequest
-from experiments.run.workers import train_unfinished
-from experiments.studies import measuring
-from experiments.studies.rows import Row
-from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
+from regista.experiments.commands import clone, demonstrate
+from regista.experiments.run import arguments, build, origin
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig, presets
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.workers import train_unfinished
+from regista.experiments.studies import measuring
+from regista.experiments.studies.rows import Row
+from regista.experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
 from ued.config import FineTuningConfig, setting
 
 TEAMS = ("multi", "teams")  # studies of teams alone
@@ -91,8 +91,8 @@ class BenchmarkStudy:
 
         Returns the exit code.
         """
-        from experiments.studies import page
-        from experiments.studies.rows import add, load, trained
+        from regista.experiments.studies import page
+        from regista.experiments.studies.rows import add, load, trained
 
         self.check_published()
         steps = arguments.replace_paths(self.runs.base, self.typed).total_env_steps
@@ -130,7 +130,7 @@ class BenchmarkStudy:
 
     def games(self) -> list[tuple[str, str]]:
         """Return the games, each with whom its agents move: a team of each kind, or one agent."""
-        from experiments.studies.page import PAIRS
+        from regista.experiments.studies.page import PAIRS
 
         known = PAIRS[self.name]
         games = [build.find_minigame(game) for game in self.config.games or dict.fromkeys(game for game, _ in known)]

@@ -16,18 +16,18 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from experiments.run import arguments, build
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError, nearest
-from experiments.run.folder import RunFolder
-from experiments.run.workers import train_unfinished
-from experiments.studies import curricula_page
-from experiments.studies.curricula import COMPARISONS, Settings, Variant
-from experiments.studies.curricula_page import curves_file, rows_file
-from experiments.studies.measuring import measure_variant
-from experiments.studies.rows import Point, add, load
-from experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.workers import train_unfinished
+from regista.experiments.studies import curricula_page
+from regista.experiments.studies.curricula import COMPARISONS, Settings, Variant
+from regista.experiments.studies.curricula_page import curves_file, rows_file
+from regista.experiments.studies.measuring import measure_variant
+from regista.experiments.studies.rows import Point, add, load
+from regista.experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
 from ued.config import setting
 
 TESTS = 10  # of a student during its training

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from experiments.commands import transfer
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.workers import train_unfinished
-from experiments.studies.runs import CHOSEN, STEPS, Deadline, StudyConfig, StudyRuns, training
+from regista.experiments.commands import transfer
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.workers import train_unfinished
+from regista.experiments.studies.runs import CHOSEN, STEPS, Deadline, StudyConfig, StudyRuns, training
 from ued.config import setting
 
 BUDGETS = {  # steps after which returns hardly rise any more

@@ -18,15 +18,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from experiments.pictures import plots
-from experiments.run import arguments, build, origin, provenance
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
-from experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
-from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress, count
-from experiments.run.reporting import Console, Reporters
-from experiments.run.signals import StopRequest
+from regista.experiments.pictures import plots
+from regista.experiments.run import arguments, build, origin, provenance
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import Progress, count
+from regista.experiments.run.reporting import Console, Reporters
+from regista.experiments.run.signals import StopRequest
 from ued.config import FineTuningConfig, setting
 
 DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
@@ -64,7 +64,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     `connect` is the address of a viewer that shows the recording as it is made.
     Until the first update begins there is nothing to save, and a signal ends everything.
     """
-    from experiments.run.evaluator import EvalScenes
+    from regista.experiments.run.evaluator import EvalScenes
 
     config, programs = run.config, build.load_scenes(run.config)
     program = programs[build.TRAINING_SCENE]
@@ -104,12 +104,12 @@ def open_reporters(
     run: RunFolder, program: Any, method: Any, progress: Progress, connect: str | None = None
 ) -> Reporters:
     """Return all who are told of the updates of a run: its tables, the terminal, its recording, and trackers."""
-    from experiments.run.trackers import make_tracker
+    from regista.experiments.run.trackers import make_tracker
 
     reporters = Reporters(run, method.upomdp)
     reporters.add("shown", lambda: Console(progress))
     if run.config.record:
-        from experiments.run.recording import RunRecorder
+        from regista.experiments.run.recording import RunRecorder
 
         reporters.add("recorded", lambda: RunRecorder(run, program, method, connect))
     for name in run.config.report:

@@ -17,17 +17,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from experiments.run import arguments
-from experiments.run.arguments import group, positional
-from experiments.run.config import EngineConfig
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.report import as_markdown, save_rows, write_text
-from experiments.run.table import cannot_write
+from regista.experiments.run import arguments
+from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import as_markdown, save_rows, write_text
+from regista.experiments.run.table import cannot_write
 from ued.config import Checked, setting
 
 if TYPE_CHECKING:
-    from experiments.grf.transfer import Result
+    from regista.experiments.grf.transfer import Result
 
 DESCRIPTION = "Play runs, sampled and greedy, on the same levels in our simulator and in Google Research Football."
 KEPT = "transfer.json"  # in the run folder
@@ -67,7 +67,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(TransferConfig(), argv, "transfer", DESCRIPTION)
     if not config.runs:
         raise UsageError("transfer needs at least one run folder, such as runs/academy/3_vs_1_with_keeper-dr-0")
-    from experiments.grf import transfer_report as report
+    from regista.experiments.grf import transfer_report as report
 
     results, traces = play(config, [RunFolder.open(path) for path in config.runs])
     print(json.dumps(report.as_json(results), indent=2) if config.json else report.text(results, config.details))
@@ -84,8 +84,8 @@ def main(argv: Sequence[str]) -> int:
 
 def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result], list[Any]]:
     """Play all runs; return what became of them, and the episodes to be recorded."""
-    from experiments.grf.transfer import Plan, play_run
-    from experiments.grf.transfer_report import keep, kept
+    from regista.experiments.grf.transfer import Plan, play_run
+    from regista.experiments.grf.transfer_report import keep, kept
 
     traced = config.trace_episodes if config.traces is not None else 0
     episodes = config.episodes, config.grf_episodes
@@ -109,7 +109,7 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
 
 def record(path: Path, traces: Sequence[Any]) -> None:
     """Write the recording. Raises CommandError if it cannot be written."""
-    from experiments.pictures.side_by_side import record_side_by_side
+    from regista.experiments.pictures.side_by_side import record_side_by_side
 
     try:
         record_side_by_side(path, "transfer", traces)

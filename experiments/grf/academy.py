@@ -10,13 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import BUILTIN_AI, OUT_OF_PLAY, RUNNING, STAND
-from envs.football.simulator import step_everybody, step_matches
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.policies import Policy, policy_named
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance
-from experiments.grf.scenes import ACADEMY, SCENES, stage_scene
+from regista.envs.football.constants import BUILTIN_AI, OUT_OF_PLAY, RUNNING, STAND
+from regista.envs.football.simulator import step_everybody, step_matches
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.policies import Policy, policy_named
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance
+from regista.experiments.grf.scenes import ACADEMY, SCENES, stage_scene
 
 TITLE = "academy scenes"
 REQUIRED = 0.8  # share of the rows that should be within tolerance

@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import FRAMES
-from envs.football.physics.ball import advance_ball
-from envs.football.skills.passes import FLIGHT
-from envs.football.skills.shots import CURL
-from envs.football.state import MATCH
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_share
+from regista.envs.football.constants import FRAMES
+from regista.envs.football.physics.ball import advance_ball
+from regista.envs.football.skills.passes import FLIGHT
+from regista.envs.football.skills.shots import CURL
+from regista.envs.football.state import MATCH
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_share
 from scenic_lite.kernels.jit import kernel
 
 TITLE = "ball"

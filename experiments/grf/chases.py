@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import CF, IDLE, STEP
-from experiments.grf.differential import OURS, play_seeds
-from experiments.grf.drawn_scenes import program_text
-from experiments.grf.episodes import Episodes
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance
-from experiments.grf.scenes import KEEPER, Scene
+from regista.envs.football.constants import CF, IDLE, STEP
+from regista.experiments.grf.differential import OURS, play_seeds
+from regista.experiments.grf.drawn_scenes import program_text
+from regista.experiments.grf.episodes import Episodes
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance
+from regista.experiments.grf.scenes import KEEPER, Scene
 
 TITLE = "backs and chasers"
 REQUIRED = 1.0

@@ -3,7 +3,7 @@
 Both play each scene with several seeds of its own. How far apart an episode of ours and one of the engine's are is told
 beside how far apart two of the engine's own are; a simulator that always does the middle thing can come below that, so
 laws of chance are judged by the energy distance, which is 0 only for one that draws as the engine does. Read next:
-`grf.drawn_scenes`; `experiments.pictures.side_by_side`, by which one can look at the worst.
+`grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.config import FootballConfig
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.vector_env import FootballVectorEnv
-from envs.football.view.render import FootballPainter
-from experiments.grf.drawn_scenes import STEPS, DrawnScene, program_text
-from experiments.grf.episodes import Episodes, play_keys, seconds, side_by_side
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.rows import Row, by_distance, by_factor
-from experiments.run.table import cannot_write
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.view.render import FootballPainter
+from regista.experiments.grf.drawn_scenes import STEPS, DrawnScene, program_text
+from regista.experiments.grf.episodes import Episodes, play_keys, seconds, side_by_side
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.rows import Row, by_distance, by_factor
+from regista.experiments.run.table import cannot_write
 from scenic_lite import load
 from ued.upomdp import level_dtype
 
@@ -108,7 +108,7 @@ def play_scenes(
 ) -> Iterator[Pair]:
     """Play drawn scenes in our simulator and in the engine of another configuration.
 
-    Raises `envs.grf.workers.GrfError` for the real engine where it is not installed.
+    Raises `regista.envs.grf.workers.GrfError` for the real engine where it is not installed.
     """
     for number, drawn in enumerate(scenes):
         program = program_text(drawn.scene)
@@ -213,7 +213,7 @@ def show(folder: Path, pairs: Sequence[Pair]) -> None:
 
     Raises CommandError if it cannot be written.
     """
-    from experiments.pictures.side_by_side import record_side_by_side
+    from regista.experiments.pictures.side_by_side import record_side_by_side
 
     chosen = worst(pairs)
     try:

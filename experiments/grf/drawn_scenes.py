@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     DIRECTION_BOTTOM_RIGHT,
     DIRECTION_RIGHT,
     DIRECTION_TOP_RIGHT,
@@ -25,8 +25,8 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.scenic.lineup import ROLES
-from experiments.grf.scenes import KEEPER, STRETCH, Players, Scene
+from regista.envs.football.scenic.lineup import ROLES
+from regista.experiments.grf.scenes import KEEPER, STRETCH, Players, Scene
 
 STEPS = 60
 SIDES = (3, 6, 11)  # players of a team at most: one of these, drawn as often as the others

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING, STEP
-from envs.football.replay import after_step
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING, STEP
+from regista.envs.football.replay import after_step
+from regista.envs.football.vector_env import FootballVectorEnv
 
 if TYPE_CHECKING:
-    from experiments.pictures.side_by_side import SideBySide
+    from regista.experiments.pictures.side_by_side import SideBySide
     from ued.recorder.layout import ScenePainter
 
 Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N(, A)]
@@ -65,7 +65,7 @@ class Episodes:
 
 def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes, row: int) -> SideBySide:
     """Return episode number `row` of both engines, each up to its end, for a recording."""
-    from experiments.pictures.side_by_side import SideBySide
+    from regista.experiments.pictures.side_by_side import SideBySide
 
     both = ours, grf
     points = [episodes.points()[row, : episodes.lengths[row] + 1] for episodes in both]

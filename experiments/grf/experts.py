@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.config import FootballConfig
-from envs.football.vector_env import FootballVectorEnv
-from experiments.grf.episodes import Episodes, play
-from experiments.run.evaluator import ENVIRONMENTS
-from experiments.run.report import two_digits
-from experiments.run.results import Counted, goal_rate
-from minigames.published import find_published
-from minigames.suites import BENCHMARK, HERE
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.experiments.grf.episodes import Episodes, play
+from regista.experiments.run.evaluator import ENVIRONMENTS
+from regista.experiments.run.report import two_digits
+from regista.experiments.run.results import Counted, goal_rate
+from regista.minigames.published import find_published
+from regista.minigames.suites import BENCHMARK, HERE
 from ued.statistics import spearman
 
 EPISODES = 50  # in either engine, at effort 1
@@ -101,7 +101,7 @@ def play_experts(
 ) -> Iterator[Found]:
     """Play programs in our simulator and in the engine of another configuration.
 
-    Raises `envs.grf.workers.GrfError` for the real engine where it is not installed.
+    Raises `regista.envs.grf.workers.GrfError` for the real engine where it is not installed.
     """
     for number, expert in enumerate(chosen):
         yield Found(expert, *(play_expert(expert, config, episodes) for config in (OURS, other)))

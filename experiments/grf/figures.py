@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy.typing as npt
 
-from experiments.pictures.plots import FAINT, save, style
+from regista.experiments.pictures.plots import FAINT, save, style
 
 OURS, GRF = "#e4572e", "#22262b"
 

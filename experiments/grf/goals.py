@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.constants import GK, HALF_LENGTH, LEFT, RIGHT, STEP
-from envs.football.kick_off import Roster
-from experiments.grf.episodes import Episodes
+from regista.envs.football.constants import GK, HALF_LENGTH, LEFT, RIGHT, STEP
+from regista.envs.football.kick_off import Roster
+from regista.experiments.grf.episodes import Episodes
 
 FAR = (11.0, 20.0, 30.0)  # m from the middle of the goal: penalty spot, edge of the box, beyond
 JOLT = 4.0  # m/s by which a ball's velocity changes within a step where somebody has played it

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import BUILTIN_AI as AI
-from envs.football.constants import (
+from regista.envs.football.constants import BUILTIN_AI as AI
+from regista.envs.football.constants import (
     CB,
     CF,
     CM,
@@ -34,12 +34,12 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from envs.football.kick_off import MatchConfig, Roster
-from envs.football.physics.ball import advance_ball
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance, by_share
-from experiments.grf.stage import OPEN_END, Stage, Trace
+from regista.envs.football.kick_off import MatchConfig, Roster
+from regista.envs.football.physics.ball import advance_ball
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance, by_share
+from regista.experiments.grf.stage import OPEN_END, Stage, Trace
 from scenic_lite.kernels.jit import kernel
 
 TITLE = "keeper"

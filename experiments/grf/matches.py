@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import BUILTIN_AI, CORNER, FREE_KICK, GOAL_KICK, NOBODY, NORMAL, PENALTY, THROW_IN
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_factor
-from experiments.grf.scenes import stage_scene
-from experiments.grf.stage import METRES_Y, OPEN_END, Trace
+from regista.envs.football.constants import BUILTIN_AI, CORNER, FREE_KICK, GOAL_KICK, NOBODY, NORMAL, PENALTY, THROW_IN
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_factor
+from regista.experiments.grf.scenes import stage_scene
+from regista.experiments.grf.stage import METRES_Y, OPEN_END, Trace
 
 TITLE = "eleven against eleven"
 REQUIRED = 1.0  # share of the rows that should be within tolerance

@@ -15,13 +15,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from experiments.grf.report import render_rows
-from experiments.run.arguments import group
-from experiments.run.config import EngineConfig
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress
-from experiments.run.results import align
+from regista.experiments.grf.report import render_rows
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import Progress
+from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
 
@@ -41,8 +41,8 @@ Measured = tuple[str, Any]  # for a terminal, and as JSON can hold it
 
 def differential(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
     """Play drawn scenes in both engines; tell how far apart they are, and the worst, by name."""
-    from experiments.grf import differential as drawn
-    from experiments.grf.drawn_scenes import draw_scene
+    from regista.experiments.grf import differential as drawn
+    from regista.experiments.grf.drawn_scenes import draw_scene
 
     count = max(round(drawn.SCENES * effort), 1)
     names = config.scenes or tuple(f"{config.seed}:{number}" for number in range(count))
@@ -64,7 +64,7 @@ def differential(config: MeasureConfig, effort: float, figures: Path | None) -> 
 
 def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
     """Play the semi-expert programs in both engines; tell their goal rates, and how alike they rank."""
-    from experiments.grf import experts as programs
+    from regista.experiments.grf import experts as programs
 
     chosen = programs.experts()
     other = config.playing.instead_of(replace(programs.OURS, engine="grf"))
@@ -79,8 +79,8 @@ def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
 
 def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
     """Play trained runs in both engines; tell where their goals come from."""
-    from experiments.grf.transfer import EPISODES, Plan, play_run
-    from experiments.grf.transfer_report import goals_table
+    from regista.experiments.grf.transfer import EPISODES, Plan, play_run
+    from regista.experiments.grf.transfer_report import goals_table
 
     if not config.runs:
         raise UsageError("family goals needs --runs: run folders, such as runs/academy/3_vs_1_with_keeper-dr-0")

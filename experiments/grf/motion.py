@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CB,
     CF,
     DIRECTION_BOTTOM,
@@ -36,11 +36,11 @@ from envs.football.constants import (
     STAND,
     TOP_SPEEDS,
 )
-from envs.football.kick_off import Roster
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance, by_share
-from experiments.grf.stage import METRES_X, Stage, Trace, keys
+from regista.envs.football.kick_off import Roster
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance, by_share
+from regista.experiments.grf.stage import METRES_X, Stage, Trace, keys
 
 TITLE = "motion"
 REQUIRED = 1.0  # share of the rows that should be within tolerance

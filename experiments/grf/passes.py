@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CM,
     DIRECTION_BOTTOM,
     DIRECTION_BOTTOM_LEFT,
@@ -26,11 +26,11 @@ from envs.football.constants import (
     SHORT_PASS,
     STAND,
 )
-from envs.football.kick_off import Roster
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance, by_share
-from experiments.grf.stage import METRES_X, METRES_Y, Stage, Trace, keys
+from regista.envs.football.kick_off import Roster
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance, by_share
+from regista.experiments.grf.stage import METRES_X, METRES_Y, Stage, Trace, keys
 
 TITLE = "passes"
 REQUIRED = 0.9

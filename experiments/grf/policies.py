@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     DIRECTION_BOTTOM,
     DIRECTION_BOTTOM_RIGHT,
     DIRECTION_RIGHT,
@@ -26,7 +26,7 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from experiments.grf.stage import METRES_X
+from regista.experiments.grf.stage import METRES_X
 
 TOWARDS = np.array([5, 4, 3, 2, 1, 8, 7, 6])  # direction keys by sector of 45°, from +x on, left round
 GOAL = (55.0, 0.0)  # m

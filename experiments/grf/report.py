@@ -14,16 +14,16 @@ from importlib.resources import files
 from pathlib import Path
 from types import ModuleType
 
-from experiments.grf.rows import Row
-from experiments.run.results import align
-from experiments.run.table import cannot_write
+from regista.experiments.grf.rows import Row
+from regista.experiments.run.results import align
+from regista.experiments.run.table import cannot_write
 
 FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "blocks", "chases", "academy", "matches")
 
 
 def family_module(name: str) -> ModuleType:
     """Import the module of a family."""
-    return import_module(f"experiments.grf.{name}")
+    return import_module(f"regista.experiments.grf.{name}")
 
 
 def compare(name: str, effort: float = 1.0) -> list[Row]:
@@ -60,7 +60,7 @@ def render_rows(title: str, rows: Sequence[Row], required: float) -> str:
 
 def read_data(name: str) -> list[dict[str, str]]:
     """Read `data/NAME.csv`, the original's numbers: rows by column; lines that begin with # say what they are."""
-    text = files("experiments.grf").joinpath("data", f"{name}.csv").read_text()
+    text = files("regista.experiments.grf").joinpath("data", f"{name}.csv").read_text()
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 

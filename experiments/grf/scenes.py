@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
-from envs.football.kick_off import MatchConfig, Roster
-from envs.football.physics.motion import take_stance
-from experiments.grf.stage import Stage
+from regista.envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
+from regista.envs.football.kick_off import MatchConfig, Roster
+from regista.envs.football.physics.motion import take_stance
+from regista.experiments.grf.stage import Stage
 from scenic_lite.kernels.jit import kernel
 
 Players = tuple[tuple[int, float, float], ...]  # role, x, y

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import CF, GK, HALF_LENGTH, IDLE, SHOT, STAND
-from envs.football.kick_off import Roster
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.passes import DIRECTIONS, PLACED_X, PLACED_Y
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance, by_factor, by_share
-from experiments.grf.stage import METRES_Y, Stage, keys
+from regista.envs.football.constants import CF, GK, HALF_LENGTH, IDLE, SHOT, STAND
+from regista.envs.football.kick_off import Roster
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.passes import DIRECTIONS, PLACED_X, PLACED_Y
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance, by_factor, by_share
+from regista.experiments.grf.stage import METRES_Y, Stage, keys
 
 TITLE = "shots"
 REQUIRED = 0.8

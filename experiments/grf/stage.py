@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.simulator import step_everybody
+from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
+from regista.envs.football.simulator import step_everybody
 
 METRES_X, METRES_Y = 54.4, 83.6  # m per unit of the original
 OPEN_END = MatchConfig(

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.football.constants import BUILTIN_AI as AI
-from envs.football.constants import (
+from regista.envs.football.constants import BUILTIN_AI as AI
+from regista.envs.football.constants import (
     CB,
     CF,
     DIRECTION_RIGHT,
@@ -29,11 +29,11 @@ from envs.football.constants import (
     SPRINT,
     STAND,
 )
-from envs.football.kick_off import Roster
-from experiments.grf.figures import Panel, draw_panels
-from experiments.grf.report import read_data
-from experiments.grf.rows import Row, by_distance
-from experiments.grf.stage import METRES_X, METRES_Y, Stage
+from regista.envs.football.kick_off import Roster
+from regista.experiments.grf.figures import Panel, draw_panels
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.rows import Row, by_distance
+from regista.experiments.grf.stage import METRES_X, METRES_Y, Stage
 
 TITLE = "tackles"
 REQUIRED = 0.8

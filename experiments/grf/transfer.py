@@ -12,20 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.constants import NUM_ACTIONS
-from experiments.grf.episodes import ENDINGS, Choose, Episodes, play, play_keys, side_by_side
-from experiments.grf.goals import goals_of
-from experiments.run import build
-from experiments.run.config import EngineConfig
-from experiments.run.errors import CommandError
-from experiments.run.evaluator import ENVIRONMENTS, load_student
+from regista.envs.football.constants import NUM_ACTIONS
+from regista.experiments.grf.episodes import ENDINGS, Choose, Episodes, play, play_keys, side_by_side
+from regista.experiments.grf.goals import goals_of
+from regista.experiments.run import build
+from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.evaluator import ENVIRONMENTS, load_student
 
 if TYPE_CHECKING:
-    from envs.football.config import FootballConfig
-    from envs.football.kick_off import Roster
-    from envs.football.vector_env import FootballVectorEnv
-    from experiments.pictures.side_by_side import SideBySide
-    from experiments.run.folder import RunFolder
+    from regista.envs.football.config import FootballConfig
+    from regista.envs.football.kick_off import Roster
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.experiments.pictures.side_by_side import SideBySide
+    from regista.experiments.run.folder import RunFolder
 
 SEED = 20_100  # of levels and actions: all runs of a game meet the same
 SLACK = 0.1  # of a feature's unit, by which it may leave what was seen
@@ -248,8 +248,8 @@ class BothEngines:
 
 def feature_names(env: FootballVectorEnv, count: int) -> tuple[str, ...]:
     """Return the names of an environment's features."""
-    from envs.football.observation.features import features_names
-    from envs.football.observation.simple115 import SIZE, simple115_names
+    from regista.envs.football.observation.features import features_names
+    from regista.envs.football.observation.simple115 import SIZE, simple115_names
 
     if env.config.representation == "simple115" and count == SIZE:
         return simple115_names()

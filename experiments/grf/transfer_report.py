@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.grf import goals
-from experiments.grf.episodes import ENDINGS, ENGINES
-from experiments.grf.transfer import SEED, Leaving, Result
-from experiments.run.report import two_digits
-from experiments.run.results import Counted, align, goal_rate, goal_rates
+from regista.experiments.grf import goals
+from regista.experiments.grf.episodes import ENDINGS, ENGINES
+from regista.experiments.grf.transfer import SEED, Leaving, Result
+from regista.experiments.run.report import two_digits
+from regista.experiments.run.results import Counted, align, goal_rate, goal_rates
 from ued.statistics import Interval, bootstrap
 
 KEYS = (

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from experiments.pictures.plots import save, style
+from regista.experiments.pictures.plots import save, style
 
 WIDTH = 0.8  # of all bars of a game
 LEGEND_COLUMNS = 4

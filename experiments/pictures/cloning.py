@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from envs.football.constants import ACTION_NAMES
-from experiments.pictures import plots
-from experiments.run.table import read_columns
+from regista.envs.football.constants import ACTION_NAMES
+from regista.experiments.pictures import plots
+from regista.experiments.run.table import read_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

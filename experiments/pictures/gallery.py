@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from experiments.run import build
-from experiments.run.errors import CommandError
-from experiments.run.folder import RunFolder
-from experiments.run.replays import Replay, Stage, came_out_alike
-from experiments.run.table import cannot_write, read_columns, read_rows
+from regista.experiments.run import build
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.replays import Replay, Stage, came_out_alike
+from regista.experiments.run.table import cannot_write, read_columns, read_rows
 from ued.files import write_whole
 from ued.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
-from experiments.pictures import plots
-from experiments.run.table import read_columns
+from regista.envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
+from regista.experiments.pictures import plots
+from regista.experiments.run.table import read_columns
 from ued.recorder.shades import smooth
 
 if TYPE_CHECKING:

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from experiments.pictures import plots
-from experiments.pictures.level_plots import PERIODS, draw_levels, read_theta, team_legend
-from experiments.run import build
-from experiments.run.results import Result, goal_rate, select, unique
+from regista.experiments.pictures import plots
+from regista.experiments.pictures.level_plots import PERIODS, draw_levels, read_theta, team_legend
+from regista.experiments.run import build
+from regista.experiments.run.results import Result, goal_rate, select, unique
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from experiments.run.progress import count
-from experiments.run.table import cannot_write, read_columns, read_header
+from regista.experiments.run.progress import count
+from regista.experiments.run.table import cannot_write, read_columns, read_header
 from ued.files import write_whole
 from ued.methods import METHODS
 
@@ -104,7 +104,7 @@ def marker_legend(figure: Figure, painter: Any) -> None:
     """Write beneath a figure which colour stands for whom, for those who are there."""
     from matplotlib.lines import Line2D
 
-    from envs.football.view.render import PAPER_COLOURS
+    from regista.envs.football.view.render import PAPER_COLOURS
 
     handles = [
         Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])

@@ -18,11 +18,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.run import arguments
-from experiments.run.arguments import positional
-from experiments.run.errors import CommandError, UsageError, run_command
-from experiments.run.report import write_text
-from experiments.run.table import cannot_write
+from regista.experiments.run import arguments
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.errors import CommandError, UsageError, run_command
+from regista.experiments.run.report import write_text
+from regista.experiments.run.table import cannot_write
 from ued.config import setting
 
 DESCRIPTION = "Put the tables and pictures of comparisons into a page of results."

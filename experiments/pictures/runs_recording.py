@@ -14,8 +14,8 @@ import rerun
 import rerun.blueprint as rrb
 from matplotlib.colors import to_rgb
 
-from experiments.pictures.plots import colour
-from experiments.run.table import read_columns
+from regista.experiments.pictures.plots import colour
+from regista.experiments.run.table import read_columns
 from ued.recorder import layout
 
 SHOWN = ("return_100", "success", "score", "regret", "theta_entropy", "theta_coverage")  # beside test scenes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.pictures.scene_view import SceneView, arrows, corners
+from regista.experiments.pictures.scene_view import SceneView, arrows, corners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
     """Draw each scene on a panel of its own, and save the picture. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
-    from experiments.pictures import plots
+    from regista.experiments.pictures import plots
 
     count = len(scenes.positions)
     columns = min(3, count)
@@ -52,7 +52,7 @@ def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
     """Draw the matches that begin at θ `[N, D]`, each on its own pitch. Raises `CommandError` if the disk refuses."""
     import matplotlib.pyplot as plt
 
-    from experiments.pictures import plots
+    from regista.experiments.pictures import plots
 
     columns = min(3, len(theta))
     rows = -(-len(theta) // columns)

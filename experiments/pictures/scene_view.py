@@ -82,8 +82,8 @@ def view_of(program: Program, theta: np.ndarray, football: bool) -> SceneView:
     labels = tuple(info.name or ("ego" if k == 0 else info.class_name) for k, info in enumerate(program.objects))
     places = program.instantiate(theta).positions.reshape(-1, 2)
     if football:
-        from envs.football.scenic.lineup import METRES
-        from envs.football.view.render import pitch_lines
+        from regista.envs.football.scenic.lineup import METRES
+        from regista.envs.football.view.render import pitch_lines
 
         ground = [strip / METRES for strip in pitch_lines()]
     return SceneView(bounds_of([*ground, *areas, places]), ground, areas, classes, kinds, labels)

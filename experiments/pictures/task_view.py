@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from experiments.run.errors import CommandError
-from experiments.run.results import align
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.results import align
 from ued.upomdp import UPOMDP
 
 DRAWS = 1024  # of which it is told how many are valid
@@ -50,7 +50,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
     """
     import matplotlib.pyplot as plt
 
-    from experiments.pictures import plots
+    from regista.experiments.pictures import plots
 
     upomdp.reset(seed=0, options={"theta": theta})
     try:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from experiments.pictures import plots
-from experiments.pictures.level_plots import PERIODS, read_theta
-from experiments.run.table import read_columns
+from regista.experiments.pictures import plots
+from regista.experiments.pictures.level_plots import PERIODS, read_theta
+from regista.experiments.run.table import read_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,7 +17,7 @@ from dataclasses import field, fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, NoReturn, TypeVar
 
-from experiments.run.errors import UsageError, nearest
+from regista.experiments.run.errors import UsageError, nearest
 
 Config = TypeVar("Config")
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.constants import DIRECTION_RIGHT, SHOT
-from experiments.run.mixed import MixedProgram
-from experiments.run.tasks import TaskScene
+from regista.envs.football.constants import DIRECTION_RIGHT, SHOT
+from regista.experiments.run.mixed import MixedProgram
+from regista.experiments.run.tasks import TaskScene
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space

@@ -15,18 +15,18 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from experiments.run import tasks
-from experiments.run.errors import UsageError, nearest
-from experiments.run.tasks import TaskScene
+from regista.experiments.run import tasks
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.tasks import TaskScene
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
     import torch
 
-    from envs.football.config import FootballConfig
-    from experiments.run.config import ProgramConfig, TrainConfig
-    from experiments.run.mixed import MixedProgram
-    from minigames.suites import Minigame
+    from regista.envs.football.config import FootballConfig
+    from regista.experiments.run.config import ProgramConfig, TrainConfig
+    from regista.experiments.run.mixed import MixedProgram
+    from regista.minigames.suites import Minigame
     from scenic_lite import Domain, Program
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
@@ -40,7 +40,7 @@ def find_minigame(name: str) -> Minigame:
     The path of a .scenic program counts as one without tests, too. Raises `UsageError` for other names, and for a
     mixture, which is several minigames.
     """
-    from minigames.suites import NAMED, Minigame
+    from regista.minigames.suites import NAMED, Minigame
 
     if len(parts_of(name)) > 1:
         raise UsageError(f"{name} is a mixture; here one of its minigames is wanted: {', '.join(parts_of(name))}")
@@ -61,14 +61,14 @@ def find_minigame(name: str) -> Minigame:
 
 def parts_of(name: str) -> list[str]:
     """Return the names of the minigames that a mixture is made of: `a+b`, or a name of its own; of others the name."""
-    from minigames.suites import MIXTURES
+    from regista.minigames.suites import MIXTURES
 
     return list(MIXTURES[name]) if name in MIXTURES else name.split("+")
 
 
 def short_name(name: str) -> str:
     """Return what a minigame, or a mixture, is called in the names of folders and on pictures."""
-    from minigames.suites import MIXTURES
+    from regista.minigames.suites import MIXTURES
 
     if tasks.is_task(name):
         return tasks.short(name)
@@ -77,7 +77,7 @@ def short_name(name: str) -> str:
 
 def canonical_name(name: str) -> str:
     """Return a minigame's name as a run keeps it: that of a program of one's own holds in every working directory."""
-    from minigames.suites import MIXTURES, NAMED
+    from regista.minigames.suites import MIXTURES, NAMED
 
     if tasks.is_task(name):
         return tasks.canonical(name)
@@ -93,7 +93,7 @@ def starting_point(preset: str, minigame: str) -> Any:
 
     Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
     """
-    from experiments.run.config import presets, task_presets
+    from regista.experiments.run.config import presets, task_presets
 
     if tasks.is_task(minigame):
         return task_presets()[preset]
@@ -103,7 +103,7 @@ def starting_point(preset: str, minigame: str) -> Any:
 
 def settings_for(argv: Sequence[str]) -> Any:
     """Return the settings that can be typed in this command line: of football, or of a task if one is named."""
-    from experiments.run.config import TaskTrainConfig, TrainConfig
+    from regista.experiments.run.config import TaskTrainConfig, TrainConfig
 
     return TaskTrainConfig() if any(map(tasks.is_task, argv)) else TrainConfig()
 
@@ -132,7 +132,7 @@ def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     tests = [{label: load_program(path, dialect) for label, path in tests_of(game, held_out)} for game in games]
     if len(games) == 1:
         return {TRAINING_SCENE: programs[0], **tests[0]}
-    from experiments.run.mixed import MixedProgram
+    from regista.experiments.run.mixed import MixedProgram
 
     mixed = MixedProgram(tuple(game.name for game in games), tuple(programs))
     scenes: dict[str, Any] = {TRAINING_SCENE: mixed}
@@ -151,7 +151,7 @@ def tests_of(game: Minigame, held_out: bool) -> tuple[tuple[str, Path], ...]:
 
 def load_program(path: Path, dialect: int | None, settings: ProgramConfig | None = None) -> Program:
     """Compile a program of football, and print what looks like a slip in it. Raises `ScenicError` for a broken one."""
-    from envs.football.scenic.domain import FOOTBALL
+    from regista.envs.football.scenic.domain import FOOTBALL
 
     return _load(path, FOOTBALL, dialect, settings)
 
@@ -196,7 +196,7 @@ def read_params(texts: Sequence[str]) -> dict[str, object]:
 
 def warn_of_play(program: Program) -> None:
     """Print what in a program of football would stop a match, or keeps all matches from being played."""
-    from envs.football.scenic.world import FOOTBALL_WORLD
+    from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from scenic_lite import ScenicError
     from scenic_lite.dynamics.compiler.compile import compile_program
 
@@ -224,7 +224,7 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
     assert config is not None
     import numba
 
-    from envs.football.batch import step_batch
+    from regista.envs.football.batch import step_batch
     from scenic_lite.kernels.jit import compiled
 
     if config.engine == "regista" and not compiled(step_batch):
@@ -241,8 +241,8 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
 
 
 def _environments(program: Program | MixedProgram, num_envs: int, config: FootballConfig) -> Any:
-    from envs.football.vector_env import FootballVectorEnv
-    from experiments.run.mixed import MixedProgram
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.experiments.run.mixed import MixedProgram
 
     if not isinstance(program, MixedProgram):
         return FootballVectorEnv(program, num_envs, config=config)
@@ -292,7 +292,7 @@ def find_device(name: str) -> torch.device:
 
 def is_football(config: Any) -> bool:
     """Return whether the settings of a run are of football, not of a task of one's own."""
-    from experiments.run.config import FootballRunConfig
+    from regista.experiments.run.config import FootballRunConfig
 
     return isinstance(config, FootballRunConfig)
 
@@ -304,9 +304,9 @@ def make_painter(program: Any, upomdp: Any = None) -> Any:
     """
     if isinstance(program, TaskScene):
         return program.task.painter(upomdp) if program.task.painter else None
-    from envs.football.scenic.lineup import Lineup
-    from envs.football.view.render import FootballPainter
-    from experiments.run.mixed import MixedPainter, MixedProgram
+    from regista.envs.football.scenic.lineup import Lineup
+    from regista.envs.football.view.render import FootballPainter
+    from regista.experiments.run.mixed import MixedPainter, MixedProgram
 
     if isinstance(program, MixedProgram):
         painters = [FootballPainter(Lineup(member)) for member in program.programs]

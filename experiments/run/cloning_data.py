@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import torch
 
-from envs.football.constants import NUM_ACTIONS
-from experiments.run.demonstrations import Demonstrations, Summary
-from experiments.run.errors import CommandError
+from regista.envs.football.constants import NUM_ACTIONS
+from regista.experiments.run.demonstrations import Demonstrations, Summary
+from regista.experiments.run.errors import CommandError
 from ued.cloning import Demonstrated, discounted
 
 CHUNK_BYTES = 256 * 2**20

@@ -16,10 +16,10 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar
 
-from envs.football.config import FootballConfig
-from experiments.run.arguments import group, option, positional
-from experiments.run.errors import CommandError, nearest
-from experiments.run.tasks import is_task
+from regista.envs.football.config import FootballConfig
+from regista.experiments.run.arguments import group, option, positional
+from regista.experiments.run.errors import CommandError, nearest
+from regista.experiments.run.tasks import is_task
 from ued.config import Checked, PairedConfig, PPOConfig, hints_of, setting
 from ued.files import write_whole
 from ued.methods import METHODS

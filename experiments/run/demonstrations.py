@@ -23,17 +23,17 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
-from envs.football.config import FootballConfig
-from experiments.run import config as configs
-from experiments.run.errors import DAMAGE, CommandError
-from experiments.run.table import cannot_write, spell
+from regista.envs.football.config import FootballConfig
+from regista.experiments.run import config as configs
+from regista.experiments.run.errors import DAMAGE, CommandError
+from regista.experiments.run.table import cannot_write, spell
 from ued.config import Checked, setting
 from ued.files import is_partial, write_whole
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
 
-    from experiments.run.demonstrator import Episode, Part
+    from regista.experiments.run.demonstrator import Episode, Part
 
 EXTRA = "pip install 'regista[demonstrations]'"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are nearly empty
@@ -156,7 +156,7 @@ class Demonstrations:
 
         Raises `CommandError` if the disk refuses; the parts before it stay.
         """
-        from envs.football.replay import save_record
+        from regista.envs.football.replay import save_record
 
         above = self.config.success_above
         success = part.success > 0 if above is None else part.returns > above
@@ -302,7 +302,7 @@ def _metadata(
 
     observation, action = (serialize_space(space) for space in spaces)
     name = "".join(letter if letter.isalnum() else "-" for letter in Path(demos.config.minigame).stem)
-    spec = EnvSpec(f"regista/{name}-v0", entry_point="envs.football.gym_env:FootballEnv", kwargs=settings)
+    spec = EnvSpec(f"regista/{name}-v0", entry_point="regista.envs.football.gym_env:FootballEnv", kwargs=settings)
     return {
         "dataset_id": f"regista/{name}-v0",
         "minari_version": minari.__version__,

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.constants import NO_KEY
+from regista.envs.football.constants import NO_KEY
 
 if TYPE_CHECKING:
-    from envs.football.replay import Record
-    from envs.football.vector_env import FootballVectorEnv
+    from regista.envs.football.replay import Record
+    from regista.envs.football.vector_env import FootballVectorEnv
 
 Choose = Callable[[Any], np.ndarray]  # observations [N, ...] -> actions [N] or [N, A]
 
@@ -59,7 +59,7 @@ class Part:
 
 def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray) -> Part:
     """Play one episode on each of the levels `[N]`; the program plays where nobody chooses (`env.scripted`)."""
-    from envs.football.replay import Record
+    from regista.envs.football.replay import Record
     from ued.upomdp import successes
 
     observation, _ = env.reset_to_levels(levels)

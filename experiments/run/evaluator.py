@@ -10,17 +10,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from experiments.run import build
-from experiments.run.baselines import make_baselines
-from experiments.run.errors import DAMAGE, CommandError, refused
-from experiments.run.mixed import MixedProgram
-from experiments.run.report import Report
-from experiments.run.results import LevelResult, Result, summarise, summarise_levels
-from experiments.run.tasks import TaskScene
+from regista.experiments.run import build
+from regista.experiments.run.baselines import make_baselines
+from regista.experiments.run.errors import DAMAGE, CommandError, refused
+from regista.experiments.run.mixed import MixedProgram
+from regista.experiments.run.report import Report
+from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
+from regista.experiments.run.tasks import TaskScene
 
 if TYPE_CHECKING:
-    from experiments.run.config import TrainConfig
-    from experiments.run.folder import RunFolder
+    from regista.experiments.run.config import TrainConfig
+    from regista.experiments.run.folder import RunFolder
     from ued.evaluation import Evaluation
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
@@ -149,7 +149,7 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
     `CommandError` if the run has none yet, or one of other observations.
     """
-    from experiments.run.config import EngineConfig
+    from regista.experiments.run.config import EngineConfig
 
     if not run.checkpoint.exists():
         raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")

@@ -27,13 +27,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from experiments.run import config as configs
-from experiments.run import provenance
-from experiments.run.config import ConfigError, TrainConfig
-from experiments.run.errors import CommandError
-from experiments.run.owner import OWNER, owned
-from experiments.run.table import Table, cannot_write, read_columns
-from experiments.run.tasks import is_task
+from regista.experiments.run import config as configs
+from regista.experiments.run import provenance
+from regista.experiments.run.config import ConfigError, TrainConfig
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.owner import OWNER, owned
+from regista.experiments.run.table import Table, cannot_write, read_columns
+from regista.experiments.run.tasks import is_task
 from ued.files import is_partial, write_whole
 from ued.methods import METHODS
 

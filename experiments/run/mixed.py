@@ -18,7 +18,7 @@ import numpy as np
 from ued.parameters import index_in
 
 if TYPE_CHECKING:
-    from envs.football.view.render import FootballPainter
+    from regista.envs.football.view.render import FootballPainter
     from scenic_lite import Program
 
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from experiments.run import config as configs
-from experiments.run.build import is_football
-from experiments.run.config import TrainConfig
-from experiments.run.errors import DAMAGE, CommandError, UsageError, refused
-from experiments.run.folder import LARGEST, RunFolder
+from regista.experiments.run import config as configs
+from regista.experiments.run.build import is_football
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
+from regista.experiments.run.folder import LARGEST, RunFolder
 from ued.config import FineTuningConfig
 
 # Of `PPOConfig`, what a student is; of `FootballConfig`, what it sees and whom it moves

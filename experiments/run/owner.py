@@ -18,8 +18,8 @@ from functools import cache
 from glob import escape
 from pathlib import Path
 
-from experiments.run.errors import CommandError
-from experiments.run.table import cannot_write
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.table import cannot_write
 from ued.files import PARTIAL
 
 OWNER = "owner.json"

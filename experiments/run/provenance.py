@@ -53,9 +53,9 @@ def commit() -> str:
 @cache
 def simulator() -> str:
     """Return what tells the football simulator of this code from that of any other: a digest of its files."""
-    import envs.football
+    from regista.envs import football
 
-    root = Path(envs.football.__file__).parent
+    root = Path(football.__file__).parent
     digest = hashlib.sha256()
     for file in sorted(root.rglob("*.py")):
         digest.update(file.relative_to(root).as_posix().encode() + file.read_bytes())

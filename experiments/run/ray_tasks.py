@@ -15,8 +15,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from experiments.run.errors import CommandError
-from experiments.run.owner import SILENT_SECONDS, BusyError
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.owner import SILENT_SECONDS, BusyError
 
 POLL_SECONDS = 1.0
 RETRIES = 5  # of a run whose worker or node has died, or was asked to end
@@ -95,7 +95,7 @@ def train_here(words: Sequence[str], folder: str) -> None:
     path = Path(folder)
     if not path.is_dir():
         raise CommandError(f"node {platform.node()} sees no {folder}: runs must lie on storage that all nodes share")
-    command, patience = import_module(f"experiments.commands.{words[0]}"), time.monotonic() + 2 * SILENT_SECONDS
+    command, patience = import_module(f"regista.experiments.commands.{words[0]}"), time.monotonic() + 2 * SILENT_SECONDS
     with open(path / "train.log", "a", buffering=1) as log, redirect_stdout(log), redirect_stderr(log):
         while True:
             try:

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from experiments.run import build, replays
-from experiments.run import config as configs
-from experiments.run.folder import RunFolder
-from experiments.run.replays import Replay, Stage
-from experiments.run.reporting import Update
-from experiments.run.table import read_columns
-from experiments.run.tasks import TaskScene
+from regista.experiments.run import build, replays
+from regista.experiments.run import config as configs
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.replays import Replay, Stage
+from regista.experiments.run.reporting import Update
+from regista.experiments.run.table import read_columns
+from regista.experiments.run.tasks import TaskScene
 from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes, titles

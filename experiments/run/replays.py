@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError
 from ued.recorder.layout import ScenePainter
 from ued.upomdp import UPOMDP, level_dtype
 

@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from experiments.run import results as estimate
-from experiments.run.results import LevelResult, Result, align, select, unique
-from experiments.run.table import cannot_write, spell
+from regista.experiments.run import results as estimate
+from regista.experiments.run.results import LevelResult, Result, align, select, unique
+from regista.experiments.run.table import cannot_write, spell
 from ued.files import write_whole
 
 if TYPE_CHECKING:

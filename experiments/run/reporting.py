@@ -14,12 +14,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from experiments.run import build
-from experiments.run.errors import CommandError
-from experiments.run.events import Event, Watch
-from experiments.run.folder import RunFolder
-from experiments.run.progress import Progress, headline
-from experiments.run.table import read_columns
+from regista.experiments.run import build
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.events import Event, Watch
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import Progress, headline
+from regista.experiments.run.table import read_columns
 from ued.levels.batch import LevelBatch
 from ued.recorder.shades import unique_names
 

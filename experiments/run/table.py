@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError
 from ued.files import write_whole
 
 WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers

@@ -20,7 +20,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
+from regista.experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
 
 if TYPE_CHECKING:
     import numpy as np

@@ -12,11 +12,11 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import Any
 
-from experiments.run import build
-from experiments.run import config as configs
-from experiments.run.errors import CommandError
-from experiments.run.folder import RunFolder
-from experiments.run.reporting import Reporter, Update
+from regista.experiments.run import build
+from regista.experiments.run import config as configs
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.reporting import Reporter, Update
 
 
 class TensorBoard:

@@ -22,9 +22,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol, TextIO
 
-from experiments.run.errors import CommandError
-from experiments.run.progress import Progress
-from experiments.run.signals import PARENT, StopRequest, end_with
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.progress import Progress
+from regista.experiments.run.signals import PARENT, StopRequest, end_with
 from ued.config import Checked, setting
 
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
@@ -140,7 +140,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
 def _make_pool(launcher: str) -> Pool:
     if launcher == "local":
         return Processes()
-    from experiments.run.ray_tasks import RayTasks
+    from regista.experiments.run.ray_tasks import RayTasks
 
     return RayTasks()
 

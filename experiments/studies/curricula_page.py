@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from experiments.pictures import plots
-from experiments.pictures.results_page import put
-from experiments.run import build
-from experiments.run import results as estimate
-from experiments.run.progress import count
-from experiments.run.report import as_markdown, write_text
-from experiments.run.results import Result, Scores, unique
-from experiments.studies.curricula import COMPARISONS
-from experiments.studies.measuring import HELD_OUT, THIRDS
-from experiments.studies.rows import TRAIN, Point, Row, load
-from experiments.studies.runs import Places
+from regista.experiments.pictures import plots
+from regista.experiments.pictures.results_page import put
+from regista.experiments.run import build
+from regista.experiments.run import results as estimate
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.results import Result, Scores, unique
+from regista.experiments.studies.curricula import COMPARISONS
+from regista.experiments.studies.measuring import HELD_OUT, THIRDS
+from regista.experiments.studies.rows import TRAIN, Point, Row, load
+from regista.experiments.studies.runs import Places
 from ued.statistics import Interval, bootstrap
 
 if TYPE_CHECKING:

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from experiments.run import build
-from experiments.run.baselines import make_baselines
-from experiments.run.config import TrainConfig
-from experiments.run.evaluator import EvalScenes, load_student
-from experiments.run.folder import RunFolder
-from experiments.run.provenance import commit
-from experiments.run.table import read_columns
-from experiments.studies.rows import TRAIN, Point, Row
+from regista.experiments.run import build
+from regista.experiments.run.baselines import make_baselines
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.evaluator import EvalScenes, load_student
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.provenance import commit
+from regista.experiments.run.table import read_columns
+from regista.experiments.studies.rows import TRAIN, Point, Row
 
 TEAM = "team_"  # before the names of agents
 HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
@@ -32,7 +32,7 @@ TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from n
 }
 
 if TYPE_CHECKING:
-    from minigames.suites import Minigame
+    from regista.minigames.suites import Minigame
     from ued.config import PPOConfig
     from ued.evaluation import Evaluation
 
@@ -121,7 +121,7 @@ def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
 
 def measure_experts(game: Minigame, episodes: int) -> list[Row]:
     """Play so many episodes of each of a game's semi-expert programs."""
-    from experiments.grf.experts import OURS, Expert, play_expert
+    from regista.experiments.grf.experts import OURS, Expert, play_expert
 
     rows = []
     for agent, path in (("expert", game.expert), ("team_expert", game.team_expert)):

@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from experiments.pictures.bars import Bars, draw_bars
-from experiments.run.progress import count
-from experiments.run.report import as_markdown, write_text
-from experiments.run.results import advantage, mean_return
-from experiments.studies.measuring import TEAM
-from experiments.studies.rows import TRAIN, Row, load
-from minigames.published import Published, find_published, published
-from minigames.suites import BENCHMARK
+from regista.experiments.pictures.bars import Bars, draw_bars
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.results import advantage, mean_return
+from regista.experiments.studies.measuring import TEAM
+from regista.experiments.studies.rows import TRAIN, Row, load
+from regista.minigames.published import Published, find_published, published
+from regista.minigames.suites import BENCHMARK
 from ued.statistics import Interval, spearman
 
 FILES = "{preset}.csv"

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_type_hints
 
-from experiments.run.errors import CommandError, refused
-from experiments.run.report import save_rows
-from experiments.run.results import Result
-from experiments.run.table import read_rows
+from regista.experiments.run.errors import CommandError, refused
+from regista.experiments.run.report import save_rows
+from regista.experiments.run.results import Result
+from regista.experiments.run.table import read_rows
 
 MOST = 10**15  # of any number in a row
 SIGNED = ("goal_difference", "mean_return")  # numbers that may be negative

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from envs.football.config import FootballConfig
-from experiments.run import arguments, build
-from experiments.run.arguments import group
-from experiments.run.config import TrainConfig
-from experiments.run.folder import RunFolder
-from experiments.run.signals import StopRequest
-from experiments.run.workers import LaunchConfig
+from regista.envs.football.config import FootballConfig
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.workers import LaunchConfig
 from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget

@@ -3,7 +3,7 @@
 Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
 file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see: a file
 with kernels imports from others with kernels and from leaves, or else an edit there compiles football anew.
-Read next: `envs.football.simulator`, the largest user.
+Read next: `regista.envs.football.simulator`, the largest user.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 import numba
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("scenic_lite", "regista/envs" if (ROOT / "regista" / "envs").is_dir() else "envs")  # installed, or here
+PACKAGES = ("scenic_lite", "regista/envs")
 KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
 # Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"

@@ -4,7 +4,7 @@
     # expect by 40: runner.sprint == 1
     # expect always: keeper.x < -90
 
-Names are the program's objects with the columns of the world table (`envs.football.scenic.world_fields.FIELDS`),
+Names are the program's objects with the columns of the world table (`football.scenic.world_fields.FIELDS`),
 `<name>_start` is an object at kick-off, `distance(a, b)` is what it says. A line holds if it does in most of the
 matches played, each on a random level and without a learner; a match that ends sooner than the time named does not
 count for `at` and `by`.
@@ -21,10 +21,10 @@ from typing import NamedTuple
 import numpy as np
 from pitch import take_over
 
-from envs.football.constants import NOBODY
-from envs.football.scenic.world_fields import FACTS, FIELDS
-from envs.football.scenic.world_table import NUM_FIELDS, write_world
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.constants import NOBODY
+from regista.envs.football.scenic.world_fields import FACTS, FIELDS
+from regista.envs.football.scenic.world_table import NUM_FIELDS, write_world
+from regista.envs.football.vector_env import FootballVectorEnv
 
 LINE = re.compile(r"^# expect (?:(always)|(at|by) (\d+)): (.+)$", re.MULTILINE)
 MATCHES, MOST = 16, 0.75

@@ -23,13 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from envs.football import replay as records
-from envs.football.config import FootballConfig
-from envs.football.constants import NO_FAULT
-from envs.football.limits import StateError, words_of
-from envs.football.replay import Recorder, RecordError, load_record, replay, save_record
-from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
+from regista.envs.football import replay as records
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import NO_FAULT
+from regista.envs.football.limits import StateError, words_of
+from regista.envs.football.replay import Recorder, RecordError, load_record, replay, save_record
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames import MINIGAMES
 from scenic_lite import ScenicError
 
 PROGRAMS = ("3v2FourBehaviors", "1v1Free")

@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from envs.football.constants import CM, FIXED, FREE_KICK, GK, LEFT, NOBODY, RIGHT
-from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.simulator import step_matches
-from envs.football.state import MATCH
+from regista.envs.football.constants import CM, FIXED, FREE_KICK, GK, LEFT, NOBODY, RIGHT
+from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
+from regista.envs.football.simulator import step_matches
+from regista.envs.football.state import MATCH
 
 Player = tuple[float, float, int, int]  # x, y, team, role
 OPEN = MatchConfig(end_episode_on_score=False, end_episode_on_out_of_play=False, end_episode_on_possession_change=False)

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.config import REPRESENTATIONS, FootballConfig
-from envs.football.constants import NUM_ACTIONS
-from envs.football.replay import same
-from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import NAMED
+from regista.envs.football.config import REPRESENTATIONS, FootballConfig
+from regista.envs.football.constants import NUM_ACTIONS
+from regista.envs.football.replay import same
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames.suites import NAMED
 from tests.envs.torment import COMPLAINTS, survey
 
 NUM_ENVS, STEPS = 128, 600  # matches of a round, steps of each

@@ -10,15 +10,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import RUNNING
-from envs.football.control.agents import assign_actions
-from envs.football.physics.motion import take_stance
-from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.scripted_step import command_players
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.football.scenic.world_fields import FACTS
-from envs.football.scenic.world_table import NUM_FIELDS, write_world
-from envs.football.simulator import step_everybody
+from regista.envs.football.constants import RUNNING
+from regista.envs.football.control.agents import assign_actions
+from regista.envs.football.physics.motion import take_stance
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.scenic.scripted_step import command_players
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.scenic.world_fields import FACTS
+from regista.envs.football.scenic.world_table import NUM_FIELDS, write_world
+from regista.envs.football.simulator import step_everybody
 from scenic_lite import Program
 from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.reference.interpreter import Reference

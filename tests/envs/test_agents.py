@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pitch import position, take_over
 
-from envs.football.config import FootballConfig
-from envs.football.constants import (
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import (
     CM,
     DIRECTION_RIGHT,
     DRIBBLE,
@@ -20,10 +20,10 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.scenic.lineup import NotAMatchError
-from envs.football.simulator import step_matches
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
+from regista.envs.football.scenic.lineup import NotAMatchError
+from regista.envs.football.simulator import step_matches
+from regista.envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = """
 param end_episode_on_possession_change = {ends}

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.ai.attack import push_of_rivals
-from envs.football.ai.decide import choose_command
-from envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, lay_traps
-from envs.football.ai.formation import formation_slots
-from envs.football.ai.positions import take_position
-from envs.football.config import FootballConfig
-from envs.football.constants import (
+from regista.envs.football.ai.attack import push_of_rivals
+from regista.envs.football.ai.decide import choose_command
+from regista.envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, lay_traps
+from regista.envs.football.ai.formation import formation_slots
+from regista.envs.football.ai.positions import take_position
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import (
     CB,
     CF,
     CM,
@@ -34,9 +34,9 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from envs.football.kick_off import MatchConfig
-from envs.football.physics.possession import look_ahead, meeting_time
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.physics.possession import look_ahead, meeting_time
+from regista.envs.football.vector_env import FootballVectorEnv
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 0.0, RIGHT, GK)]
 FOUR = [(-20.0, -8.0, LEFT, CB), (-20.0, 8.0, LEFT, CB), (-8.0, 0.0, LEFT, CM), (-2.0, 3.0, LEFT, CF)]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.constants import BALL_RADIUS, GOAL_HEIGHT
-from envs.football.physics.ball import advance_ball, rolled
-from envs.football.state import BALL
+from regista.envs.football.constants import BALL_RADIUS, GOAL_HEIGHT
+from regista.envs.football.physics.ball import advance_ball, rolled
+from regista.envs.football.state import BALL
 
 
 def flown(steps: int, **start: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import envs.football.view.bot
-from envs.football.config import FootballConfig
-from envs.football.gym_env import FootballEnv
-from envs.football.observation.raw import row
-from envs.football.vector_env import FootballVectorEnv
-from envs.football.view.bot import act
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.observation.raw import row
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.view import bot
+from regista.envs.football.view.bot import act
 
 EASY = """
 param game_duration = 400
@@ -49,7 +49,7 @@ def goal_rate(program: str, bot: bool, count: int = 60) -> float:
 
 
 def test_it_knows_nothing_of_this_simulator() -> None:
-    tree = ast.parse(Path(envs.football.view.bot.__file__).read_text())
+    tree = ast.parse(Path(bot.__file__).read_text())
     modules = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     modules |= {name.name for node in ast.walk(tree) if isinstance(node, ast.Import) for name in node.names}
     assert modules == {"__future__", "math", "collections.abc", "typing"}

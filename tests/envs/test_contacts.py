@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, duel, play, position
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     CB,
     CM,
@@ -26,15 +26,15 @@ from envs.football.constants import (
     SPRINT,
     STAND,
 )
-from envs.football.control.keys import may_slide
-from envs.football.rules.fouls import YELLOW_FROM
-from envs.football.simulator import step_everybody
-from envs.football.skills.contacts import kick_mates_ball
-from envs.football.skills.first_touch import lets_come
-from envs.football.skills.hands import parry
-from envs.football.skills.saves import foresee_shot
-from envs.football.skills.shots import strike
-from envs.football.skills.tackles import goes_for_ball, slide_into
+from regista.envs.football.control.keys import may_slide
+from regista.envs.football.rules.fouls import YELLOW_FROM
+from regista.envs.football.simulator import step_everybody
+from regista.envs.football.skills.contacts import kick_mates_ball
+from regista.envs.football.skills.first_touch import lets_come
+from regista.envs.football.skills.hands import parry
+from regista.envs.football.skills.saves import foresee_shot
+from regista.envs.football.skills.shots import strike
+from regista.envs.football.skills.tackles import goes_for_ball, slide_into
 
 MANY = range(200)
 

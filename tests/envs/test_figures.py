@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.constants import BUILTIN_AI, HIGH_PASS, METRES_PER_X, TERMINATED
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.constants import BUILTIN_AI, HIGH_PASS, METRES_PER_X, TERMINATED
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError, load
 
 PROGRAMS = Path(__file__).parents[1] / "programs"

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-import minigames
-from envs.football.config import FootballConfig
-from envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRES_PER_Y, SHOT
-from envs.football.gym_env import FootballEnv
-from envs.football.observation.features import features_names
-from envs.football.vector_env import FootballVectorEnv
+from regista import minigames
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRES_PER_Y, SHOT
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.observation.features import features_names
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 from ued.upomdp import ThetaError
 
@@ -274,7 +274,7 @@ def test_a_copy_resumes_bit_for_bit():
 UNCOMPILED = """
 import sys
 import numpy as np
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.vector_env import FootballVectorEnv
 env = FootballVectorEnv(sys.argv[1], 3)
 env.reset(seed=5)
 actions = np.random.default_rng(0).integers(0, 19, (40, 3))

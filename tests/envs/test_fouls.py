@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.constants import CB, CF, CM, FREE_KICK, GK, LEFT, NOBODY, NORMAL, OUT_OF_PLAY, PENALTY, RIGHT
-from envs.football.rules.fouls import report_foul
-from envs.football.rules.offside import mark_offside
+from regista.envs.football.constants import CB, CF, CM, FREE_KICK, GK, LEFT, NOBODY, NORMAL, OUT_OF_PLAY, PENALTY, RIGHT
+from regista.envs.football.rules.fouls import report_foul
+from regista.envs.football.rules.offside import mark_offside
 
 PLAYERS = [
     *[(-54.0, 0.0, LEFT, GK), (0.0, 0.0, LEFT, CF), (-10.0, 14.0, LEFT, CM)],

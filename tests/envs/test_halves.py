@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position
 
-from envs.football.constants import CM, DURATION, GK, LEFT, NORMAL, POSSESSION, RIGHT
+from regista.envs.football.constants import CM, DURATION, GK, LEFT, NORMAL, POSSESSION, RIGHT
 
 UNEQUAL = [(-54.0, 0.0, LEFT, GK), (-6.0, 3.0, LEFT, CM), (-14.0, -9.0, LEFT, CM), (20.0, 12.0, RIGHT, CM)]
 EQUAL = [*UNEQUAL[:3], (54.0, 0.5, RIGHT, GK), (20.0, 12.0, RIGHT, CM), (33.0, -8.0, RIGHT, CM)]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.limits import StateError
-from envs.football.state import MATCH, TABLES
-from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.limits import StateError
+from regista.envs.football.state import MATCH, TABLES
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames import MINIGAMES
 from tests.envs.hostile import PLAYED, REFUSED, attack_records, attack_states
 
 

@@ -16,15 +16,26 @@ from hypothesis import strategies as st
 from pitch import OPEN, Player, plain, position
 from test_restarts import ELEVENS, MODES, PLACES
 
-from envs.football.constants import BALL_RADIUS, BUILTIN_AI, CM, CORNER, FREE_KICK, GK, LEFT, NORMAL, PENALTY, RIGHT
-from envs.football.kick_off import MatchConfig
-from envs.football.physics.ball import bounce, drag_on_ground, hit_goal_frame
-from envs.football.physics.bodies import crowded, part_bodies
-from envs.football.physics.motion import plan_motion
-from envs.football.rules.whistle import stop_play
-from envs.football.simulator import step_everybody, step_matches
-from envs.football.skills.hands import parry
-from envs.football.state import MATCH
+from regista.envs.football.constants import (
+    BALL_RADIUS,
+    BUILTIN_AI,
+    CM,
+    CORNER,
+    FREE_KICK,
+    GK,
+    LEFT,
+    NORMAL,
+    PENALTY,
+    RIGHT,
+)
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.physics.ball import bounce, drag_on_ground, hit_goal_frame
+from regista.envs.football.physics.bodies import crowded, part_bodies
+from regista.envs.football.physics.motion import plan_motion
+from regista.envs.football.rules.whistle import stop_play
+from regista.envs.football.simulator import step_everybody, step_matches
+from regista.envs.football.skills.hands import parry
+from regista.envs.football.state import MATCH
 from tests.envs.torture import strange_places, torture
 
 ROOT = Path(__file__).resolve().parents[2]

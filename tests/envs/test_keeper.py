@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.ai.keeper import bisector_foot, boldness
-from envs.football.constants import CM, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, GK, LEFT, RIGHT, SHOT, SPRINT
-from envs.football.physics.ball import advance_ball
-from envs.football.skills.hands import parry, sticks
-from envs.football.skills.saves import foresee_shot, save_chance
+from regista.envs.football.ai.keeper import bisector_foot, boldness
+from regista.envs.football.constants import CM, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, GK, LEFT, RIGHT, SHOT, SPRINT
+from regista.envs.football.physics.ball import advance_ball
+from regista.envs.football.skills.hands import parry, sticks
+from regista.envs.football.skills.saves import foresee_shot, save_chance
 
 
 def keeper_after(steps: int, ball: tuple[float, float], striker: tuple[float, float], with_back: bool) -> np.ndarray:

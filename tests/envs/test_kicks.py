@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, speeds
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CM,
     DIRECTION_BOTTOM,
     DIRECTION_BOTTOM_RIGHT,
@@ -28,10 +28,10 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from envs.football.simulator import step_everybody
-from envs.football.skills.first_touch import difficulty
-from envs.football.skills.kicks import aim_again, delay, gauge, swing_legs
-from envs.football.skills.passes import choose_mate, place_of
+from regista.envs.football.simulator import step_everybody
+from regista.envs.football.skills.first_touch import difficulty
+from regista.envs.football.skills.kicks import aim_again, delay, gauge, swing_legs
+from regista.envs.football.skills.passes import choose_mate, place_of
 
 
 def shoot(x: float, y: float, keys: list[int], presses: int = 1, seeds: int = 40) -> dict[str, np.ndarray]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pitch import OPEN, position
 
-from envs.football.ai.interception import danger
-from envs.football.constants import CB, CM, GK, LEFT, RIGHT
+from regista.envs.football.ai.interception import danger
+from regista.envs.football.constants import CB, CM, GK, LEFT, RIGHT
 
 KEEPERS = [(-54.0, 0.0, LEFT, GK), (54.0, 30.0, RIGHT, GK)]
 TARGET = (15.0, 0.0)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL, LIBRARY, MODULES
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.football.scenic.world_fields import FACTS, FIELDS
+from regista.envs.football.scenic.domain import FOOTBALL, LIBRARY, MODULES
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.bytecode import FAULT, FAULT_ROW, PROGRAM_ERROR

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL, MODULES
+from regista.envs.football.scenic.domain import FOOTBALL, MODULES
 from scenic_lite import load
 from tests.floors import FLOORS
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import METRES_PER_X, METRES_PER_Y
-from envs.football.kick_off import MatchConfig
-from envs.football.scenic.domain import FOOTBALL, SETTINGS
-from envs.football.scenic.lineup import ROLES, Lineup, NotAMatchError
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.scenic.domain import FOOTBALL, SETTINGS
+from regista.envs.football.scenic.lineup import ROLES, Lineup, NotAMatchError
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 
 PROGRAMS = Path(__file__).parents[1] / "programs"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, dribbler, play, position, runner, speeds
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BODY_RADIUS,
     CM,
     DIRECTION_BOTTOM,
@@ -30,9 +30,9 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.physics.ball import rolled
-from envs.football.physics.motion import plan_motion, take_stance
-from envs.football.physics.possession import look_ahead, meeting_time, time_needed
+from regista.envs.football.physics.ball import rolled
+from regista.envs.football.physics.motion import plan_motion, take_stance
+from regista.envs.football.physics.possession import look_ahead, meeting_time, time_needed
 
 TRACES = Path(__file__).parent / "turn_traces.csv"
 

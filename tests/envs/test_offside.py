@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from pitch import OPEN, play, position
 
-from envs.football.constants import CB, CM, FREE_KICK, GK, LEFT, RIGHT, SHORT_PASS
+from regista.envs.football.constants import CB, CM, FREE_KICK, GK, LEFT, RIGHT, SHORT_PASS
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position, take_over
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CB,
     CM,
     DIRECTION_RIGHT,
@@ -20,8 +20,8 @@ from envs.football.constants import (
     SHOT,
     SPRINT,
 )
-from envs.football.kick_off import MatchConfig
-from envs.football.simulator import step_matches
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.simulator import step_matches
 
 MANY = range(150)
 OWN_KEEPER = (-55.0, 0.0, LEFT, GK)

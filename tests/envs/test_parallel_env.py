@@ -8,18 +8,18 @@ import warnings
 import numpy as np
 import pytest
 
-import minigames
-from envs.football.config import FootballConfig
-from envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION
-from envs.football.gym_env import FootballEnv
-from envs.football.scenic.lineup import NotAMatchError
-from envs.football.vector_env import FootballVectorEnv
-from minigames.suites import NAMED
+from regista import minigames
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.scenic.lineup import NotAMatchError
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames.suites import NAMED
 
 pytest.importorskip("pettingzoo", reason="needs pip install 'regista[pettingzoo]'")
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
-from envs.football.parallel_env import FootballParallelEnv
+from regista.envs.football.parallel_env import FootballParallelEnv
 
 ELEVEN = "academy/counterattack_easy"  # eleven a side
 MATCH = """

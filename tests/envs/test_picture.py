@@ -7,10 +7,10 @@ import pytest
 from PIL import Image
 from pitch import position
 
-from envs.football.constants import CM, GK, LEFT, RIGHT
-from envs.football.view import picture
-from envs.football.view.picture import BORDER, SCALE, SHARPER, draw_match, write_video
-from envs.football.view.render import LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR
+from regista.envs.football.constants import CM, GK, LEFT, RIGHT
+from regista.envs.football.view import picture
+from regista.envs.football.view.picture import BORDER, SCALE, SHARPER, draw_match, write_video
+from regista.envs.football.view.render import LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR
 
 PLAYERS = [(-20.0, 10.0, LEFT, CM), (-50.0, 0.0, LEFT, GK), (20.0, -10.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from reference_match import ReferenceMatch
 
-from envs.football.gym_env import FootballEnv
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = Path(__file__).parents[1] / "programs" / "football" / "attack_in_phases.scenic"
 STEPS = 45

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from reference_match import ReferenceMatch
 
-from envs.football.constants import DURATION, NUM_ACTIONS, REJECTED, RUNNING, TERMINATED
-from envs.football.gym_env import FootballEnv
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.state import MATCH
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.constants import DURATION, NUM_ACTIONS, REJECTED, RUNNING, TERMINATED
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.state import MATCH
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from tests.football_programs import DYNAMIC, FILES, MODULES, name_of

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import minigames
-from envs.football.config import FootballConfig
-from envs.football.replay import Recorder, RecordError, load_record, replay, same
-from envs.football.vector_env import FootballVectorEnv
+from regista import minigames
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.replay import Recorder, RecordError, load_record, replay, same
+from regista.envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = minigames.MINIGAMES["3v2FourBehaviors"].program  # with behaviors, and a module of its own
 ALONE = "ego = LeftCM at 0 @ 0\nRightGK at 99 @ 0\nball = Ball at Range(1, 3) @ 0\n"

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-import minigames
-from envs.football.config import REPRESENTATIONS, FootballConfig
-from envs.football.gym_env import FootballEnv
-from envs.football.observation.raw import row
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.vector_env import FootballVectorEnv
+from regista import minigames
+from regista.envs.football.config import REPRESENTATIONS, FootballConfig
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.observation.raw import row
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 from scenic_lite.scene.program import Program
 

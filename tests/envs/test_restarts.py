@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, play, position
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BODY_RADIUS,
     CB,
     CF,
@@ -31,8 +31,8 @@ from envs.football.constants import (
     SHOT,
     THROW_IN,
 )
-from envs.football.kick_off import MatchConfig
-from envs.football.rules.whistle import stop_play
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.rules.whistle import stop_play
 
 SHAPE = [
     *[(-54.0, 0.0, GK), (-25.0, 16.0, LB), (-28.0, 5.0, CB), (-28.0, -5.0, CB), (-25.0, -16.0, RB)],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pitch import OPEN, duel, play, position, same
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CM,
     CORNER,
     DURATION,
@@ -19,7 +19,7 @@ from envs.football.constants import (
     RIGHT,
     THROW_IN,
 )
-from envs.football.kick_off import MatchConfig
+from regista.envs.football.kick_off import MatchConfig
 
 FAR = [(-20.0, 20.0, LEFT, CM), (-20.0, -20.0, RIGHT, CM)]
 

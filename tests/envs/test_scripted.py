@@ -13,11 +13,11 @@ import numba
 import numpy as np
 import pytest
 
-from envs.football.batch import step_batch
-from envs.football.config import FootballConfig
-from envs.football.constants import BUILTIN_AI, DURATION, METRES_PER_X, REJECTED, TERMINATED
-from envs.football.gym_env import FootballEnv
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.batch import step_batch
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import BUILTIN_AI, DURATION, METRES_PER_X, REJECTED, TERMINATED
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -421,7 +421,7 @@ def test_a_misspelt_reward_is_refused_with_the_right_name() -> None:
 UNCOMPILED = """
 import sys
 import numpy as np
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.vector_env import FootballVectorEnv
 env = FootballVectorEnv(sys.argv[1], 2)
 env.reset(seed=5)
 seen = [np.column_stack([*env.step(np.full(2, 5))[:2]]) for _ in range(40)]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import (
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import (
     BUILTIN_AI,
     DIRECTION_BOTTOM_LEFT,
     DIRECTION_TOP_LEFT,
@@ -13,10 +13,10 @@ from envs.football.constants import (
     SHOT,
     SLIDING,
 )
-from envs.football.control.keys import key_of_wish
-from envs.football.physics.motion import SLIDE
-from envs.football.state import MATCH
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.control.keys import key_of_wish
+from regista.envs.football.physics.motion import SLIDE
+from regista.envs.football.state import MATCH
+from regista.envs.football.vector_env import FootballVectorEnv
 
 RUNNER = """
 model football.model

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pitch import duel, plain, play, position, same
 
-from envs.football.constants import CB, CF, CM, GK, LEFT, RIGHT, RUNNING
-from envs.football.kick_off import MatchConfig
-from envs.football.simulator import step_matches
-from envs.football.state import MATCH
+from regista.envs.football.constants import CB, CF, CM, GK, LEFT, RIGHT, RUNNING
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.simulator import step_matches
+from regista.envs.football.state import MATCH
 
 ROOT = Path(__file__).resolve().parents[2]
 MIRRORED = np.array([0, 1, 8, 7, 6, 5, 4, 3, 2, *range(9, 19)])  # actions seen in a mirror along the x axis

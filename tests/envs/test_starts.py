@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import CB, CF, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, SPRINT
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import CB, CF, DIRECTION_RIGHT, GK, LEFT, NOBODY, RIGHT, SPRINT
+from regista.envs.football.vector_env import FootballVectorEnv
 from tests.envs.pitch import play, position
 
 UNIT = 54.4  # m

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pitch import duel
 
-from envs.football.constants import CM, GK
-from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.state import BALL_FIELDS, ENGINE_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
+from regista.envs.football.constants import CM, GK
+from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
+from regista.envs.football.state import BALL_FIELDS, ENGINE_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
 from scenic_lite.kernels.rng import streams, uniform
 
 

@@ -7,10 +7,10 @@ import pickle
 import numpy as np
 import pytest
 
-from envs.football import engine
-from envs.football.batch import step_batch
-from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
+from regista.envs.football import engine
+from regista.envs.football.batch import step_batch
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames import MINIGAMES
 
 FREE = MINIGAMES["1v1Free"].program
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from pitch import duel, play, position
 
-from envs.football.config import FootballConfig
-from envs.football.constants import CB, CM, DIRECTION_RIGHT, GK, LEFT, RIGHT, SHORT_PASS, SHOT, SPRINT
-from envs.football.kick_off import MatchConfig
-from envs.football.scenic.domain import FACTORS
-from envs.football.scenic.lineup import NotAMatchError
-from envs.football.state import ENGINE
-from envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import CB, CM, DIRECTION_RIGHT, GK, LEFT, RIGHT, SHORT_PASS, SHOT, SPRINT
+from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.scenic.domain import FACTORS
+from regista.envs.football.scenic.lineup import NotAMatchError
+from regista.envs.football.state import ENGINE
+from regista.envs.football.vector_env import FootballVectorEnv
 
 PROGRAM = """
 param end_episode_on_possession_change = True

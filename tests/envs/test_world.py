@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pitch import position, take_over
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     CM,
     GK,
@@ -19,12 +19,12 @@ from envs.football.constants import (
     RIGHT,
     SHOT,
 )
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.scenic.scripted_step import command_players
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.football.scenic.world_fields import FACTS, FIELDS
-from envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.scenic.scripted_step import command_players
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.scenic.world_fields import FACTS, FIELDS
+from regista.envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance, ScenicClass
 from scenic_lite.core.world import packed

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     CORNER,
     FREE_KICK,
@@ -26,10 +26,10 @@ from envs.football.constants import (
     STAND,
     THROW_IN,
 )
-from envs.football.rules.fouls import report_foul
-from envs.football.simulator import step_match, step_players
-from envs.football.skills.contacts import FEET
-from envs.football.skills.hands import PARRY
+from regista.envs.football.rules.fouls import report_foul
+from regista.envs.football.simulator import step_match, step_players
+from regista.envs.football.skills.contacts import FEET
+from regista.envs.football.skills.hands import PARRY
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -14,10 +14,10 @@ import time
 
 import numpy as np
 
-from envs.football.constants import GK, LEFT, MAX_PLAYERS, RIGHT
-from envs.football.kick_off import MatchConfig, Roster, kick_off
-from envs.football.limits import Limits, fields_of
-from envs.football.state import ENGINE, MATCH, TABLES
+from regista.envs.football.constants import GK, LEFT, MAX_PLAYERS, RIGHT
+from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
+from regista.envs.football.limits import Limits, fields_of
+from regista.envs.football.state import ENGINE, MATCH, TABLES
 from tests.envs.torment import COMPLAINTS, STYLES, torment
 
 LIMITED_EVERY = 50  # steps, after which every number is to be within its limits

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from experiments.commands.train import train
-from experiments.run import build, workers
-from experiments.run.folder import RunFolder
+from regista.experiments.commands.train import train
+from regista.experiments.run import build, workers
+from regista.experiments.run.folder import RunFolder
 from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 

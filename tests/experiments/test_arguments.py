@@ -6,8 +6,8 @@ from typing import Literal
 
 import pytest
 
-from experiments.run.arguments import group, option, parse, positional, typed_settings
-from experiments.run.errors import UsageError
+from regista.experiments.run.arguments import group, option, parse, positional, typed_settings
+from regista.experiments.run.errors import UsageError
 from ued.config import setting
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from experiments.__main__ import main
-from experiments.benchmarks.behaviors import CASES, PROGRAMS
+from regista.experiments.__main__ import main
+from regista.experiments.benchmarks.behaviors import CASES, PROGRAMS
 
 pytestmark = pytest.mark.slow
 
@@ -19,8 +19,8 @@ def test_every_program_is_installed_and_the_figure_is_the_thesiss():
 
 
 def test_the_suite_measures_them(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmarks.language.CASES", {})
-    monkeypatch.setattr("experiments.benchmarks.behaviors.NUM_ENVS", 4)
+    monkeypatch.setattr("regista.experiments.benchmarks.language.CASES", {})
+    monkeypatch.setattr("regista.experiments.benchmarks.behaviors.NUM_ENVS", 4)
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["behaviors"]
     assert [row["what"] for row in rows] == list(CASES.values())

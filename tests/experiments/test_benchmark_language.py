@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from experiments.__main__ import main
-from experiments.benchmarks.language import CASES, PROGRAMS
+from regista.experiments.__main__ import main
+from regista.experiments.benchmarks.language import CASES, PROGRAMS
 
 pytestmark = pytest.mark.slow
 
@@ -15,8 +15,8 @@ def test_every_program_of_the_table_is_installed():
 
 
 def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmarks.language.LARGE", 64)
-    monkeypatch.setattr("experiments.benchmarks.language.SMALL", 8)
+    monkeypatch.setattr("regista.experiments.benchmarks.language.LARGE", 64)
+    monkeypatch.setattr("regista.experiments.benchmarks.language.SMALL", 8)
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["language"]
     assert [row["program"] for row in rows] == list(CASES)
@@ -27,7 +27,7 @@ def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
 
 
 def test_the_table_names_the_original(capsys, monkeypatch):
-    monkeypatch.setattr("experiments.benchmarks.language.CASES", {"soft": CASES["soft"]})
+    monkeypatch.setattr("regista.experiments.benchmarks.language.CASES", {"soft": CASES["soft"]})
     assert main(["benchmark", "--suite", "language", "--seconds", "0.001"]) == 0
     table = capsys.readouterr().out
     assert "Scenic 3.1.1: scenes/s" in table and "soft" in table

@@ -4,15 +4,15 @@ import json
 
 import pytest
 
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 from ued.methods import METHODS
 
 pytestmark = pytest.mark.slow
 
 
 def test_methods_and_teams_are_measured(monkeypatch, capsys):
-    monkeypatch.setattr("experiments.benchmarks.training.WARM_UPDATES", 1)
-    monkeypatch.setattr("experiments.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})
+    monkeypatch.setattr("regista.experiments.benchmarks.training.WARM_UPDATES", 1)
+    monkeypatch.setattr("regista.experiments.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})
     assert main(["benchmark", "--suite", "train", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["training"]
     sizes = (1, 2, 4, 11)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.commands.characterise import solved_shares
-from experiments.run.table import read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.commands.characterise import solved_shares
+from regista.experiments.run.table import read_rows
 from tests.experiments.probe import ProbeUPOMDP
 
 

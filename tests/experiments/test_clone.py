@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import torch
 
-from experiments.__main__ import main
-from experiments.run.folder import RunFolder
-from experiments.run.table import read_columns, read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.test_demonstrate import PAIR, RUN
 from ued import checkpoint
 
@@ -98,7 +98,7 @@ def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_p
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("experiments.run.origin.keep", kill_at_once)
+        patch.setattr("regista.experiments.run.origin.keep", kill_at_once)
         assert main(["train", "--out", str(killed), *flags]) == 130
     assert main(["train", "--resume", str(killed)]) == 1  # for it has not yet what it is to begin with
     monkeypatch.setattr(DR, "update", kill)
@@ -136,7 +136,7 @@ def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsy
 
 
 def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
-    from experiments.run import cloning_data
+    from regista.experiments.run import cloning_data
 
     one = tmp_path / "one"
     more = ["demonstrate", str(demos / "one.scenic"), "--control", "1", "--episodes", "150", "--out", str(one)]

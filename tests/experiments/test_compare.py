@@ -14,17 +14,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from envs.football.config import FootballConfig
-from experiments.__main__ import main
-from experiments.commands import compare
-from experiments.pictures import results_page
-from experiments.run import build
-from experiments.run.config import TrainConfig
-from experiments.run.errors import CommandError
-from experiments.run.evaluator import EvalScenes
-from experiments.run.folder import RunFolder
-from experiments.run.report import Report
-from experiments.run.results import (
+from regista.envs.football.config import FootballConfig
+from regista.experiments.__main__ import main
+from regista.experiments.commands import compare
+from regista.experiments.pictures import results_page
+from regista.experiments.run import build
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.evaluator import EvalScenes
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import Report
+from regista.experiments.run.results import (
     LevelResult,
     Result,
     Scores,
@@ -38,8 +38,8 @@ from experiments.run.results import (
     mean_return,
     summarise_levels,
 )
-from experiments.run.signals import StopRequest
-from experiments.run.table import read_rows
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.table import read_rows
 from ued.evaluation import Evaluation
 from ued.upomdp import level_dtype
 

@@ -5,9 +5,9 @@ import json
 
 import pytest
 
-from experiments.run import config as configs
-from experiments.run.config import ConfigError, TrainConfig, presets
-from experiments.run.folder import RunFolder
+from regista.experiments.run import config as configs
+from regista.experiments.run.config import ConfigError, TrainConfig, presets
+from regista.experiments.run.folder import RunFolder
 
 
 @pytest.mark.parametrize("name", ["fast", "thesis"])

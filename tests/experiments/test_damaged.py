@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 import torch
 
-from experiments.commands.probe import ProbeJob
-from experiments.run.config import TrainConfig
-from experiments.run.errors import CommandError
-from experiments.run.folder import RunFolder
-from experiments.run.owner import owned
-from experiments.run.report import save_rows
-from experiments.run.table import Table
-from experiments.studies import rows
+from regista.experiments.commands.probe import ProbeJob
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.owner import owned
+from regista.experiments.run.report import save_rows
+from regista.experiments.run.table import Table
+from regista.experiments.studies import rows
 from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
 from ued import checkpoint
 from ued.checkpoint import CheckpointError

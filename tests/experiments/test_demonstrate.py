@@ -9,11 +9,11 @@ import minari
 import numpy as np
 import pytest
 
-from envs.football.replay import load_record, replay
-from experiments.__main__ import main
-from experiments.run import demonstrations
-from experiments.run.demonstrator import _Steps
-from experiments.run.table import read_columns
+from regista.envs.football.replay import load_record, replay
+from regista.experiments.__main__ import main
+from regista.experiments.run import demonstrations
+from regista.experiments.run.demonstrator import _Steps
+from regista.experiments.run.table import read_columns
 
 pytestmark = pytest.mark.slow
 
@@ -233,8 +233,8 @@ def test_the_environment_is_recovered_from_the_data(program, tmp_path):
 
 @pytest.mark.parametrize(("control", "played"), [("closest1", "run"), ("2", "pair"), ("all", "pair")])
 def test_one_agent_has_another_semi_expert_than_a_team(program, tmp_path, monkeypatch, control, played):
-    from experiments.run import build
-    from minigames.suites import Minigame
+    from regista.experiments.run import build
+    from regista.minigames.suites import Minigame
 
     pair = tmp_path / "pair.scenic"
     pair.write_text(PAIR)

@@ -5,11 +5,11 @@ import json
 import pytest
 import torch
 
-from experiments.__main__ import main
-from experiments.run import build, config
-from experiments.run.config import TrainConfig
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
+from regista.experiments.__main__ import main
+from regista.experiments.run import build, config
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
 
 
 @pytest.fixture

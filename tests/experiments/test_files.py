@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.commands import characterise, probe
-from experiments.run.demonstrations import Demonstrations
-from experiments.run.folder import RunFolder
-from experiments.run.report import Entry, save_csv
-from experiments.run.results import LevelResult
-from experiments.run.table import read_columns, read_header, read_rows
-from experiments.studies.rows import Point, Row
+from regista.experiments.__main__ import main
+from regista.experiments.commands import characterise, probe
+from regista.experiments.run.demonstrations import Demonstrations
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import Entry, save_csv
+from regista.experiments.run.results import LevelResult
+from regista.experiments.run.table import read_columns, read_header, read_rows
+from regista.experiments.studies.rows import Point, Row
 
 ROOT = Path(__file__).parents[2]
 TASK = """

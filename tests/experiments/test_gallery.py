@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.run import build
-from experiments.run.errors import CommandError
-from experiments.run.folder import RunFolder
-from experiments.run.replays import Replay, Stage, came_out_alike
-from experiments.run.table import read_header, read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.run import build
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.replays import Replay, Stage, came_out_alike
+from regista.experiments.run.table import read_header, read_rows
 from tests.experiments.test_files import documented
 
 TASK = """

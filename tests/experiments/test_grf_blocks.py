@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from experiments.grf import blocks
+from regista.experiments.grf import blocks
 
 
 @pytest.mark.parametrize(

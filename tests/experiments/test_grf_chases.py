@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.grf import chases
+from regista.experiments.grf import chases
 
 pytestmark = pytest.mark.drawn
 

@@ -6,11 +6,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from envs.football.constants import GOAL, RUNNING
-from experiments.__main__ import main
-from experiments.grf.differential import OURS, Pair, as_json, compare, energies, energy_table, play_scenes, worst
-from experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
-from experiments.grf.episodes import Episodes, side_by_side
+from regista.envs.football.constants import GOAL, RUNNING
+from regista.experiments.__main__ import main
+from regista.experiments.grf.differential import (
+    OURS,
+    Pair,
+    as_json,
+    compare,
+    energies,
+    energy_table,
+    play_scenes,
+    worst,
+)
+from regista.experiments.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
+from regista.experiments.grf.episodes import Episodes, side_by_side
 
 pytestmark = pytest.mark.slow
 
@@ -118,7 +127,9 @@ def test_our_simulator_is_as_far_from_itself_as_it_is_from_itself():
 
 def test_seeds_of_a_scene_are_those_that_are_played(monkeypatch):
     seen = []
-    monkeypatch.setattr("experiments.grf.differential.play_keys", lambda env, keys, levels: seen.append(levels["seed"]))
+    monkeypatch.setattr(
+        "regista.experiments.grf.differential.play_keys", lambda env, keys, levels: seen.append(levels["seed"])
+    )
     list(play_scenes([draw_scene("0:2"), draw_scene("0:3")], OURS, seeds=2))
     assert len(set(np.concatenate(seen).tolist())) == 8
 

@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import BUILTIN_AI, GK, RIGHT
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.lineup import Lineup
-from envs.football.vector_env import FootballVectorEnv
-from experiments.__main__ import main
-from experiments.grf.experts import OURS, Expert, Found, correlations, experts, play_expert, play_experts
-from minigames.suites import HERE
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import BUILTIN_AI, GK, RIGHT
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.experiments.__main__ import main
+from regista.experiments.grf.experts import OURS, Expert, Found, correlations, experts, play_expert, play_experts
+from regista.minigames.suites import HERE
 from scenic_lite import load
 
 NAMES = [each.name for each in experts()]

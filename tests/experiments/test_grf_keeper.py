@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from experiments.grf import keeper
-from experiments.grf.keeper import cross_line, fit_odds, measure, random_shots
+from regista.experiments.grf import keeper
+from regista.experiments.grf.keeper import cross_line, fit_odds, measure, random_shots
 
 pytestmark = pytest.mark.drawn
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from experiments.grf import passes, shots
+from regista.experiments.grf import passes, shots
 
 
 @pytest.mark.parametrize(("kind", "distance", "speed", "flight"), [("short", 10.0, 15.0, 7), ("high", 15.0, 14.7, 15)])

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from envs.football.constants import DIRECTION_RIGHT, SHOT, SPRINT
-from experiments.grf import academy, matches
-from experiments.grf.policies import policy_named
-from experiments.grf.report import read_data
-from experiments.grf.scenes import ACADEMY, SCENES, stage_scene
-from experiments.grf.stage import Trace
+from regista.envs.football.constants import DIRECTION_RIGHT, SHOT, SPRINT
+from regista.experiments.grf import academy, matches
+from regista.experiments.grf.policies import policy_named
+from regista.experiments.grf.report import read_data
+from regista.experiments.grf.scenes import ACADEMY, SCENES, stage_scene
+from regista.experiments.grf.stage import Trace
 
 
 def test_every_policy_and_scene_of_the_table_exists():

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.constants import CB, DIRECTION_RIGHT, IDLE, SHORT_PASS, STAND
-from envs.football.kick_off import Roster
-from experiments.__main__ import main
-from experiments.grf.measure import MEASURES
-from experiments.grf.report import FAMILIES, family_module, read_data, render_family
-from experiments.grf.rows import Row, by_distance, by_factor, by_share
-from experiments.grf.stage import Stage, keys, metres, units
+from regista.envs.football.constants import CB, DIRECTION_RIGHT, IDLE, SHORT_PASS, STAND
+from regista.envs.football.kick_off import Roster
+from regista.experiments.__main__ import main
+from regista.experiments.grf.measure import MEASURES
+from regista.experiments.grf.report import FAMILIES, family_module, read_data, render_family
+from regista.experiments.grf.rows import Row, by_distance, by_factor, by_share
+from regista.experiments.grf.stage import Stage, keys, metres, units
 
 DATA = Path(__file__).parents[2] / "experiments" / "grf" / "data"
 

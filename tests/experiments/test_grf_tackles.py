@@ -2,8 +2,8 @@
 
 import pytest
 
-from experiments.grf import tackles
-from experiments.grf.tackles import measure, run_past, slide_in, stand_up
+from regista.experiments.grf import tackles
+from regista.experiments.grf.tackles import measure, run_past, slide_in, stand_up
 
 pytestmark = pytest.mark.drawn
 

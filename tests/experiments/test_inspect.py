@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.pictures.scene_view import corners, view_of
-from experiments.run.build import read_params
+from regista.experiments.__main__ import main
+from regista.experiments.pictures.scene_view import corners, view_of
+from regista.experiments.run.build import read_params
 from scenic_lite import load
 
 pytestmark = pytest.mark.drawn

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from experiments.__main__ import main
-from experiments.run import owner
-from experiments.run.config import TaskTrainConfig
-from experiments.run.folder import RunFolder
-from experiments.run.owner import BusyError
-from experiments.run.table import read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.run import owner
+from regista.experiments.run.config import TaskTrainConfig
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.owner import BusyError
+from regista.experiments.run.table import read_rows
 
 ROOT = Path(__file__).parents[2]
 TASK = """

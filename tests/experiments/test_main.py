@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import torch
 
-from experiments.__main__ import COMMANDS, main
-from experiments.run.errors import refused
-from experiments.run.progress import Progress, count, duration
+from regista.experiments.__main__ import COMMANDS, main
+from regista.experiments.run.errors import refused
+from regista.experiments.run.progress import Progress, count, duration
 from ued.methods import METHODS
 
 ROOT = Path(__file__).parents[2]
@@ -83,7 +83,7 @@ def test_an_error_in_a_program_shows_its_place(tmp_path, capsys):
 
 
 def test_debug_shows_the_traceback(tmp_path):
-    from experiments.run.errors import CommandError
+    from regista.experiments.run.errors import CommandError
 
     with pytest.raises(CommandError):
         main(["train", "--resume", str(tmp_path), "--debug"])
@@ -115,7 +115,7 @@ def test_the_settings_of_a_method_have_a_page(method, capsys):
 
 def test_help_loads_nothing_heavy():
     code = (
-        "import sys; from experiments.__main__ import main; main(['--help']); "
+        "import sys; from regista.experiments.__main__ import main; main(['--help']); "
         "print([name for name in ('torch', 'numba', 'rerun', 'matplotlib', 'numpy') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
@@ -201,7 +201,7 @@ def test_progress_is_a_bar_on_a_terminal_and_a_line_elsewhere():
 
 def test_the_time_left_is_told_from_the_pace_after_the_first_steps(monkeypatch):
     now = iter([0.0, 100.0, 200.0])
-    monkeypatch.setattr("experiments.run.progress.time.monotonic", lambda: next(now, 300.0))
+    monkeypatch.setattr("regista.experiments.run.progress.time.monotonic", lambda: next(now, 300.0))
     screen = Screen(False)
     progress = Progress(1000, begun=100, stream=screen)
     for steps in (100, 200, 300):  # the first hundred wait for the compiler

@@ -4,13 +4,13 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from envs.football.scenic.lineup import Lineup
-from envs.football.view.render import FootballPainter, pitch_lines
-from experiments.pictures import level_plots, plots
-from experiments.pictures.overview import Comparison, overview
-from experiments.run import build
-from experiments.run.results import Result
-from experiments.run.table import Table
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.view.render import FootballPainter, pitch_lines
+from regista.experiments.pictures import level_plots, plots
+from regista.experiments.pictures.overview import Comparison, overview
+from regista.experiments.run import build
+from regista.experiments.run.results import Result
+from regista.experiments.run.table import Table
 
 pytestmark = pytest.mark.drawn
 
@@ -147,8 +147,8 @@ def test_several_runs_are_one_recording(runs, tmp_path):
     pytest.importorskip("rerun")
     from rerun.chunk import RrdReader
 
-    from experiments.pictures.runs_recording import record_runs
-    from experiments.run.table import read_columns
+    from regista.experiments.pictures.runs_recording import record_runs
+    from regista.experiments.run.table import read_columns
 
     record_runs(runs, tmp_path / "all.rrd")
     reader = RrdReader(str(tmp_path / "all.rrd"))

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from experiments.run.recording import RunRecorder, viewer_answers
+from regista.experiments.run.recording import RunRecorder, viewer_answers
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.config import BufferConfig
 from ued.levels.buffer import LevelBuffer

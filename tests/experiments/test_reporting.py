@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.run.config import TrainConfig
-from experiments.run.events import NARROW_UPDATES, QUIET_UPDATES, Watch
-from experiments.run.folder import RunFolder
-from experiments.run.reporting import Reporters
-from experiments.run.table import read_columns, read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.events import NARROW_UPDATES, QUIET_UPDATES, Watch
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.reporting import Reporters
+from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod, ProbeUPOMDP
 from ued.learning.learner import episode_metrics
 from ued.learning.worker import Episodes
@@ -107,7 +107,7 @@ def test_wandb_is_offline_and_goes_on_under_one_id(probe, tmp_path, monkeypatch)
 
 
 def test_a_tracker_that_is_not_installed_is_asked_for_in_a_sentence(probe, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("experiments.run.trackers.find_spec", lambda name: None)
+    monkeypatch.setattr("regista.experiments.run.trackers.find_spec", lambda name: None)
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--report", "wandb"]) == 1
     assert "--report wandb needs an extra: pip install 'regista[wandb]'" in capsys.readouterr().err
     assert main(["train", "1v1Restricted", "--report", "mlflow"]) == 2

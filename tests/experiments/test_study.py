@@ -5,18 +5,18 @@ import csv
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.commands.study_benchmark import BenchmarkStudy, BenchmarkStudyConfig, places_of, starting_point
-from experiments.commands.study_transfer import TransferStudyConfig, prepare
-from experiments.commands.train import train
-from experiments.run import workers
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.results import mean_return
-from experiments.run.signals import StopRequest
-from experiments.studies import page, rows, runs
-from experiments.studies.measuring import measure_random
-from minigames.suites import BENCHMARK
+from regista.experiments.__main__ import main
+from regista.experiments.commands.study_benchmark import BenchmarkStudy, BenchmarkStudyConfig, places_of, starting_point
+from regista.experiments.commands.study_transfer import TransferStudyConfig, prepare
+from regista.experiments.commands.train import train
+from regista.experiments.run import workers
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.results import mean_return
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.studies import page, rows, runs
+from regista.experiments.studies.measuring import measure_random
+from regista.minigames.suites import BENCHMARK
 from tests.envs.grf.fixtures import fake_python
 
 pytestmark = pytest.mark.slow

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
-from experiments.run.errors import UsageError
-from experiments.run.folder import RunFolder
-from experiments.run.results import advantage
-from experiments.studies import curricula_page, rows
-from experiments.studies.curricula import COMPARISONS
-from experiments.studies.curricula_page import Game
-from experiments.studies.measuring import HELD_OUT, THIRDS, thirds
-from experiments.studies.runs import Places
+from regista.experiments.__main__ import main
+from regista.experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.results import advantage
+from regista.experiments.studies import curricula_page, rows
+from regista.experiments.studies.curricula import COMPARISONS
+from regista.experiments.studies.curricula_page import Game
+from regista.experiments.studies.measuring import HELD_OUT, THIRDS, thirds
+from regista.experiments.studies.runs import Places
 from ued.evaluation import Evaluation
 from ued.statistics import Interval
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from experiments.run.errors import CommandError
-from experiments.run.table import Table, read_columns, read_rows
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.table import Table, read_columns, read_rows
 
 
 def test_rows_read_back_equal(tmp_path):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import regista
-from experiments.__main__ import main
-from experiments.commands import compare
-from experiments.run.folder import RunFolder
+from regista.experiments.__main__ import main
+from regista.experiments.commands import compare
+from regista.experiments.run.folder import RunFolder
 from ued import checkpoint
 
 ROOT = Path(__file__).parent.parent.parent

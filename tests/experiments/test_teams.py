@@ -6,15 +6,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from experiments.__main__ import main
-from experiments.grf.episodes import NO_ACTION, play, play_keys
-from experiments.grf.transfer import leaving
-from experiments.run.baselines import make_baselines
-from experiments.run.build import find_minigame, load_program, make_method, make_upomdp, starting_point
-from experiments.run.errors import CommandError
-from experiments.run.evaluator import load_student
-from experiments.run.folder import RunFolder
-from experiments.run.table import read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.grf.episodes import NO_ACTION, play, play_keys
+from regista.experiments.grf.transfer import leaving
+from regista.experiments.run.baselines import make_baselines
+from regista.experiments.run.build import find_minigame, load_program, make_method, make_upomdp, starting_point
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.evaluator import load_student
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.table import read_rows
 
 GAME = "3v2FourBehaviors"
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--eval-every", "0", "--eval-episodes", "1", "--no-record"]
@@ -75,9 +75,9 @@ def test_a_student_of_another_number_of_agents_is_refused(tmp_path, capsys):
 
 
 def loaded(control="all", num_envs=3):
-    from envs.football.config import FootballConfig
-    from envs.football.vector_env import FootballVectorEnv
-    from minigames import MINIGAMES
+    from regista.envs.football.config import FootballConfig
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.minigames import MINIGAMES
 
     env = FootballVectorEnv(MINIGAMES[GAME].program, num_envs, config=FootballConfig(control=control))
     env.reset(seed=0)

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 import scenic_lite
-from experiments.__main__ import main
-from experiments.run import build
-from experiments.run.build import TRAINING_SCENE, load_scenes
-from experiments.run.config import ProgramConfig, TrainConfig
-from experiments.run.folder import RunFolder
-from experiments.run.table import read_columns, read_rows
+from regista.experiments.__main__ import main
+from regista.experiments.run import build
+from regista.experiments.run.build import TRAINING_SCENE, load_scenes
+from regista.experiments.run.config import ProgramConfig, TrainConfig
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
 
 ROOT = Path(__file__).parents[2]
@@ -100,7 +100,7 @@ def test_a_mixture_is_trained_and_recorded_by_program(tmp_path):
 def test_points_of_a_mixture_are_those_of_its_programs():
     import numpy as np
 
-    from experiments.run import build
+    from regista.experiments.run import build
 
     config = replace(TrainConfig(), minigame="1v1Free+ChoosePassing")
     mixed = build.load_scenes(config)[TRAINING_SCENE]
@@ -129,8 +129,8 @@ def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
 
 
 def test_a_run_that_never_began_leaves_the_name_free(probe, tmp_path, monkeypatch, capsys):
-    from experiments.run import build
-    from experiments.run.errors import CommandError
+    from regista.experiments.run import build
+    from regista.experiments.run.errors import CommandError
 
     make_method = build.make_method
 

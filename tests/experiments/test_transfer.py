@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from envs.football.constants import CB, GK, GOAL, OUT_OF_PLAY
-from envs.football.kick_off import Roster
-from envs.football.observation.simple115 import SIZE, simple115_names
-from experiments.__main__ import main
-from experiments.grf import goals
-from experiments.grf.episodes import NO_ACTION, Episodes, join
-from experiments.grf.goals import goals_of
-from experiments.grf.transfer import Played, Result, leaving, summary
-from experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
+from regista.envs.football.constants import CB, GK, GOAL, OUT_OF_PLAY
+from regista.envs.football.kick_off import Roster
+from regista.envs.football.observation.simple115 import SIZE, simple115_names
+from regista.experiments.__main__ import main
+from regista.experiments.grf import goals
+from regista.experiments.grf.episodes import NO_ACTION, Episodes, join
+from regista.experiments.grf.goals import goals_of
+from regista.experiments.grf.transfer import Played, Result, leaving, summary
+from regista.experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
 from ued import checkpoint
 
 pytestmark = pytest.mark.slow

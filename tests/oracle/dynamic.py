@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.toy_world import properties, toy_world
+from regista.envs.toy_world import properties, toy_world
 from scenic_lite import Domain, Program, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.reference.interpreter import Reference

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import Domain, ScenicError, load
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.toy_world import first_table, run

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.domain import FOOTBALL
 from scenic_lite import ScenicError, load
 
 # Each case: a program, and what is printed. The carets say which column is meant.

@@ -104,7 +104,7 @@ def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, mon
         (tmp_path / package).mkdir()
     (tmp_path / "envs" / "numbers.py").write_text("G = 9.81\n")
     (tmp_path / "envs" / "ball.py").write_text(
-        "from envs.numbers import G\nfrom scenic_lite.kernels.jit import kernel\n"
+        "from regista.envs.numbers import G\nfrom scenic_lite.kernels.jit import kernel\n"
     )
     (tmp_path / "envs" / "drawing.py").write_text("import math\n")
     (tmp_path / "scenic_lite" / "kernels").mkdir()

@@ -5,7 +5,7 @@ import re
 import pytest
 from manual import MANUAL, Block, blocks, failures
 
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 from scenic_lite import ScenicError, load
 
 TEXT = MANUAL.read_text()

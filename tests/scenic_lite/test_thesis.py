@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-import minigames
-from envs.football.scenic.domain import FOOTBALL
+from regista import minigames
+from regista.envs.football.scenic.domain import FOOTBALL
 from scenic_lite import load
 
 PROGRAMS = Path(__file__).parents[1] / "programs"

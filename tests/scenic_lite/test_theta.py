@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scene import described, things
 
-from envs.football.scenic.domain import FOOTBALL
-from minigames.suites import MINIGAMES
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.minigames.suites import MINIGAMES
 from scenic_lite import ScenicError, load
 
 ROOT = Path(__file__).parents[2]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.domain import FOOTBALL
 from scenic_lite import load
 
 WARNINGS = [

@@ -18,8 +18,8 @@ import gymnasium
 import numpy as np
 
 import ued
-from envs.football.vector_env import FootballVectorEnv
-from minigames import MINIGAMES
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.minigames import MINIGAMES
 from tests.envs.hostile import NUMBERS, WORDS
 from ued.probes import Frontier
 

@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 import torch
 
-from experiments.__main__ import main
-from experiments.commands.train import restore
-from experiments.run import build, origin
-from experiments.run.errors import USERS, CommandError
-from experiments.run.folder import RunFolder
-from experiments.run.table import read_columns
+from regista.experiments.__main__ import main
+from regista.experiments.commands.train import restore
+from regista.experiments.run import build, origin
+from regista.experiments.run.errors import USERS, CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.table import read_columns
 from tests.envs.hostile import damaged
 from tests.torture.forks import undrawn
 from ued.checkpoint import CheckpointError

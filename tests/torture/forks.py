@@ -135,7 +135,7 @@ class Forked:
 
 def perform(words: list[str], begun: int | None = None) -> None:
     """Be a command from now on, as a process that was just started would be."""
-    from experiments.__main__ import main
+    from regista.experiments.__main__ import main
 
     os.setsid()
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -159,7 +159,7 @@ def perform(words: list[str], begun: int | None = None) -> None:
 
 def tell(begun: int) -> None:
     """Have a byte written when signals are heard: before, they would end Python itself."""
-    from experiments.run import errors
+    from regista.experiments.run import errors
 
     hearing = errors.interruptible
 
@@ -177,13 +177,13 @@ def prepare(folder: Path) -> None:
     """Import what commands import; start nothing that a fork would lose."""
     import importlib
 
-    from experiments.__main__ import COMMANDS
-    from experiments.run import workers
+    from regista.experiments.__main__ import COMMANDS
+    from regista.experiments.run import workers
 
     for name in ("h5py", "minari", "rerun"):
         importlib.import_module(name)
     for name in (*COMMANDS, "study_benchmark", "study_transfer"):
-        importlib.import_module(f"experiments.commands.{name}")
+        importlib.import_module(f"regista.experiments.commands.{name}")
     workers.subprocess = SimpleNamespace(Popen=Forked)  # type: ignore[assignment]
     workers.POLL_SECONDS = 0.02
     forked = multiprocessing.get_context("fork")
@@ -198,7 +198,7 @@ def undrawn() -> Iterator[None]:
     """Have pictures written and not drawn, which would take most of the time."""
     from matplotlib.figure import Figure
 
-    from experiments.pictures import plots
+    from regista.experiments.pictures import plots
 
     before = plots.learning_curves, Figure.savefig, Figure.tight_layout
     plots.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
@@ -213,7 +213,7 @@ def undrawn() -> Iterator[None]:
 @cache
 def warm_up(folder: Path, game: str) -> None:
     """Train a moment in this process: what is loaded and compiled for it, every fork has."""
-    from experiments.__main__ import main
+    from regista.experiments.__main__ import main
 
     tiny = ["--num-envs", "2", "--num-steps", "8", "--total-env-steps", "16", "--eval-episodes", "2", "--no-record"]
     with tempfile.TemporaryDirectory(dir=folder) as out:

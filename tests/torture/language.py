@@ -17,7 +17,7 @@ from functools import cache
 
 import numpy as np
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import Program, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.syntax.parser import parse

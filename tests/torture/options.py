@@ -15,7 +15,7 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from pathlib import Path
 
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 from tests.torture.files import TASK, quietly
 
 LISTED, REFUSED = "ran", "refused in a sentence"

@@ -47,7 +47,7 @@ import sys
 from toy import ToyConfig
 from ued.methods import METHODS, MethodRow
 METHODS["toy"] = {row}
-from experiments.__main__ import main
+from regista.experiments.__main__ import main
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -8,8 +8,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from envs.football.vector_env import FootballVectorEnv
-from experiments.__main__ import main
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.experiments.__main__ import main
 from tests.torture.calls import attack
 from ued import GymUPOMDP
 from ued.gym_upomdp import LevelError

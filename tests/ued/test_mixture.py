@@ -158,8 +158,8 @@ def test_members_must_go_together():
 
 @pytest.mark.slow
 def test_minigames_of_football_in_one_batch():
-    from envs.football.vector_env import FootballVectorEnv
-    from minigames.suites import MINIGAMES
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.minigames.suites import MINIGAMES
 
     names = ["1v1Restricted", "1v1Free"]
     env = Mixture([FootballVectorEnv(MINIGAMES[name].program, 16) for name in names], names)

@@ -253,7 +253,7 @@ def test_what_is_drawn_outside_changes_nothing(load):
 
 @needed
 def test_inspect_shows_what_scenic_reads(load, capsys):
-    from experiments.__main__ import main
+    from regista.experiments.__main__ import main
 
     path = load(DRIVE).file
     assert main(["inspect", path, "--engine", "scenic3"]) == 0

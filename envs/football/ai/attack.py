@@ -9,15 +9,15 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.passing import consider_first_time_pass, consider_pass
-from envs.football.ai.run_speed import GAIT_CHOICE
-from envs.football.ai.shooting import consider_shot
-from envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED
-from envs.football.physics.dribble import TOUCH
-from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.possession import forget_kick
-from envs.football.physics.vectors import apart, length
-from envs.football.skills.steering import chase
+from regista.envs.football.ai.passing import consider_first_time_pass, consider_pass
+from regista.envs.football.ai.run_speed import GAIT_CHOICE
+from regista.envs.football.ai.shooting import consider_shot
+from regista.envs.football.constants import DRIBBLE_SPEED, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, NOBODY, RUN_SPEED
+from regista.envs.football.physics.dribble import TOUCH
+from regista.envs.football.physics.pitch import attacked_goal_x
+from regista.envs.football.physics.possession import forget_kick
+from regista.envs.football.physics.vectors import apart, length
+from regista.envs.football.skills.steering import chase
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

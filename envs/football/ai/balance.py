@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.physics.pitch import forward
-from envs.football.state import BALL_MEMORY
+from regista.envs.football.constants import LEFT, NOBODY, NORMAL, RIGHT, STEP
+from regista.envs.football.physics.pitch import forward
+from regista.envs.football.state import BALL_MEMORY
 from scenic_lite.kernels.jit import kernel
 
 NO_HOLD, FULL_HOLD = 0.5, 1.5

@@ -6,18 +6,18 @@ Decisions of a team (slots, markers, runs) are made anew every few steps. Read n
 
 from __future__ import annotations
 
-from envs.football.ai.attack import meet_free_ball, play_ball
-from envs.football.ai.balance import remember
-from envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
-from envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
-from envs.football.ai.keeper import choose_keeper_command
-from envs.football.ai.marking import choose_hunters, choose_markers, hunts
-from envs.football.ai.positions import take_position
-from envs.football.ai.run_speed import REACTION, reaction_time
-from envs.football.ai.support import choose_runners
-from envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
-from envs.football.physics.possession import first_at_ball, man_on_ball, owns
-from envs.football.skills.steering import go_for_ball
+from regista.envs.football.ai.attack import meet_free_ball, play_ball
+from regista.envs.football.ai.balance import remember
+from regista.envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
+from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
+from regista.envs.football.ai.keeper import choose_keeper_command
+from regista.envs.football.ai.marking import choose_hunters, choose_markers, hunts
+from regista.envs.football.ai.positions import take_position
+from regista.envs.football.ai.run_speed import REACTION, reaction_time
+from regista.envs.football.ai.support import choose_runners
+from regista.envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
+from regista.envs.football.physics.possession import first_at_ball, man_on_ball, owns
+from regista.envs.football.skills.steering import go_for_ball
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.attack import run_by_forces
-from envs.football.ai.formation import LINE, MINDSET, between
-from envs.football.ai.run_speed import go, reaction_time
-from envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
-from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import look_ahead, man_on_ball, meeting_time, travelled
-from envs.football.physics.vectors import apart, length, squared_apart, toward
-from envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
+from regista.envs.football.ai.attack import run_by_forces
+from regista.envs.football.ai.formation import LINE, MINDSET, between
+from regista.envs.football.ai.run_speed import go, reaction_time
+from regista.envs.football.constants import HALF_LENGTH, LEFT, NOBODY, RIGHT
+from regista.envs.football.physics.pitch import forward, own_goal_x
+from regista.envs.football.physics.possession import look_ahead, man_on_ball, meeting_time, travelled
+from regista.envs.football.physics.vectors import apart, length, squared_apart, toward
+from regista.envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
 from scenic_lite.kernels.jit import kernel
 
 

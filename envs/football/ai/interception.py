@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.physics.vectors import length
+from regista.envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,20 +8,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     GOAL_HALF_WIDTH,
     HALF_LENGTH,
     HIGH_PASS,
     NOBODY,
     RUN_SPEED,
 )
-from envs.football.physics.ball import MEAN_DRAG
-from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.possession import fall_time, look_ahead, man_on_ball, time_to_meet, travelled
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.hands import HOLD_STEPS, has_hands
-from envs.football.skills.saves import dive
-from envs.football.skills.steering import chase, slide
+from regista.envs.football.physics.ball import MEAN_DRAG
+from regista.envs.football.physics.pitch import forward, own_goal_x
+from regista.envs.football.physics.possession import fall_time, look_ahead, man_on_ball, time_to_meet, travelled
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.skills.hands import HOLD_STEPS, has_hands
+from regista.envs.football.skills.saves import dive
+from regista.envs.football.skills.steering import chase, slide
 from scenic_lite.kernels.jit import kernel
 
 

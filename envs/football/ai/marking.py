@@ -8,12 +8,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import MINDSET
-from envs.football.ai.run_speed import EFFORT
-from envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
-from envs.football.physics.pitch import own_goal_x
-from envs.football.physics.possession import man_on_ball
-from envs.football.physics.vectors import length, squared_apart
+from regista.envs.football.ai.formation import MINDSET
+from regista.envs.football.ai.run_speed import EFFORT
+from regista.envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMAL, RIGHT
+from regista.envs.football.physics.pitch import own_goal_x
+from regista.envs.football.physics.possession import man_on_ball
+from regista.envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.ai.formation import MINDSET
-from envs.football.ai.interception import danger
-from envs.football.ai.position_value import nearest_opponent, position_value
-from envs.football.ai.support import onside_line
-from envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
-from envs.football.physics.pitch import attacked_goal_x, forward, own_goal_x
-from envs.football.physics.vectors import apart, length
+from regista.envs.football.ai.formation import MINDSET
+from regista.envs.football.ai.interception import danger
+from regista.envs.football.ai.position_value import nearest_opponent, position_value
+from regista.envs.football.ai.support import onside_line
+from regista.envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
+from regista.envs.football.physics.pitch import attacked_goal_x, forward, own_goal_x
+from regista.envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
 

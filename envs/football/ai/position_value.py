@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import MINDSET
-from envs.football.constants import HALF_LENGTH
-from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.vectors import length, squared_apart
+from regista.envs.football.ai.formation import MINDSET
+from regista.envs.football.constants import HALF_LENGTH
+from regista.envs.football.physics.pitch import attacked_goal_x
+from regista.envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 
 

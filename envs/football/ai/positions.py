@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
-from envs.football.ai.formation import LINE, between, post_place, slot_place, smooth
-from envs.football.ai.run_speed import head_for
-from envs.football.ai.support import runs_behind, support_share, supporting_place
-from envs.football.constants import CF, NOBODY
-from envs.football.physics.possession import first_at_ball, man_on_ball
-from envs.football.physics.vectors import apart
+from regista.envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
+from regista.envs.football.ai.formation import LINE, between, post_place, slot_place, smooth
+from regista.envs.football.ai.run_speed import head_for
+from regista.envs.football.ai.support import runs_behind, support_share, supporting_place
+from regista.envs.football.constants import CF, NOBODY
+from regista.envs.football.physics.possession import first_at_ball, man_on_ball
+from regista.envs.football.physics.vectors import apart
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import MINDSET, between
-from envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
-from envs.football.physics.vectors import apart
+from regista.envs.football.ai.formation import MINDSET, between
+from regista.envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
+from regista.envs.football.physics.vectors import apart
 from scenic_lite.kernels.jit import kernel
 
 

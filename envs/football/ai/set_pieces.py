@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     CORNER,
     FREE_KICK,
@@ -26,13 +26,13 @@ from envs.football.constants import (
     STEP,
     THROW_IN,
 )
-from envs.football.control.keys import is_kick, press_key, release_keys
-from envs.football.physics.pitch import attacked_goal_x, forward
-from envs.football.physics.possession import forget_kick, lose_ball
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.rules.offside import mark_offside
-from envs.football.rules.whistle import look_at
-from envs.football.skills.kicks import AFTER_KICK, aim, leave_foot
+from regista.envs.football.control.keys import is_kick, press_key, release_keys
+from regista.envs.football.physics.pitch import attacked_goal_x, forward
+from regista.envs.football.physics.possession import forget_kick, lose_ball
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.rules.offside import mark_offside
+from regista.envs.football.rules.whistle import look_at
+from regista.envs.football.skills.kicks import AFTER_KICK, aim, leave_foot
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

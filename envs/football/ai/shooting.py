@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.interception import danger
-from envs.football.ai.passing import ask_kick
-from envs.football.constants import FRAMES, SHOT
-from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.vectors import length, toward
-from envs.football.skills.kicks import GAUGE
-from envs.football.skills.shots import SHOT_SKILL
+from regista.envs.football.ai.interception import danger
+from regista.envs.football.ai.passing import ask_kick
+from regista.envs.football.constants import FRAMES, SHOT
+from regista.envs.football.physics.pitch import attacked_goal_x
+from regista.envs.football.physics.vectors import length, toward
+from regista.envs.football.skills.kicks import GAUGE
+from regista.envs.football.skills.shots import SHOT_SKILL
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.ai.formation import LINE, MINDSET, between, smooth
-from envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RIGHT
-from envs.football.physics.pitch import attacked_goal_x, forward
-from envs.football.physics.possession import man_on_ball
-from envs.football.physics.vectors import apart, length
+from regista.envs.football.ai.formation import LINE, MINDSET, between, smooth
+from regista.envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, RIGHT
+from regista.envs.football.physics.pitch import attacked_goal_x, forward
+from regista.envs.football.physics.possession import man_on_ball
+from regista.envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
-from envs.football.control.keys import is_button
-from envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
+from regista.envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
+from regista.envs.football.control.keys import is_button
+from regista.envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
 from scenic_lite.kernels.jit import kernel
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     ACTIVE,
     BAD_ACTION,
     BUILTIN_AI,
@@ -21,8 +21,8 @@ from envs.football.constants import (
     NUM_ACTIONS,
     RIGHT,
 )
-from envs.football.control.active_player import choose_active
-from envs.football.control.keys import key_of_command, key_of_wish
+from regista.envs.football.control.active_player import choose_active
+from regista.envs.football.control.keys import key_of_command, key_of_wish
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

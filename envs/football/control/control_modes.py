@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from envs.football.config import check_control
-from envs.football.constants import ACTIVE, CLOSEST, FIXED, GK, LEFT, NO_AGENTS, NOBODY, RIGHT
-from envs.football.control.active_player import FIRST_PLAYERS
+from regista.envs.football.config import check_control
+from regista.envs.football.constants import ACTIVE, CLOSEST, FIXED, GK, LEFT, NO_AGENTS, NOBODY, RIGHT
+from regista.envs.football.control.active_player import FIRST_PLAYERS
 
 _KINDS = {"none": NO_AGENTS, "active": ACTIVE, "closest1": CLOSEST, "closest2": CLOSEST, "closest3": CLOSEST}
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     DURATION,
     GOAL,
     LEFT,

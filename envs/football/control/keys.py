@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     DIRECTION_X,
     DIRECTION_Y,
@@ -33,13 +33,13 @@ from envs.football.constants import (
     SLIDING,
     SPRINT,
 )
-from envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
-from envs.football.physics.dribble import TOUCH
-from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, forget_kick, look_ahead, owns, time_to_meet
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.first_touch import is_about_to_play
-from envs.football.skills.steering import slide
+from regista.envs.football.control.magnet import PULL, follow_magnet, in_time_by, is_ours
+from regista.envs.football.physics.dribble import TOUCH
+from regista.envs.football.physics.motion import SLIDE
+from regista.envs.football.physics.possession import ball_speed, forget_kick, look_ahead, owns, time_to_meet
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.skills.first_touch import is_about_to_play
+from regista.envs.football.skills.steering import slide
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

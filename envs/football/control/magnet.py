@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
-from envs.football.physics.pitch import forward
-from envs.football.physics.possession import ball_speed
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.shots import eased
-from envs.football.skills.steering import AWAIT, await_ball, chase
+from regista.envs.football.constants import DIRECTION_X, DIRECTION_Y, NOBODY
+from regista.envs.football.physics.pitch import forward
+from regista.envs.football.physics.possession import ball_speed
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.skills.shots import eased
+from regista.envs.football.skills.steering import AWAIT, await_ball, chase
 from scenic_lite.kernels.jit import kernel
 
 

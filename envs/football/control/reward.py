@@ -5,9 +5,9 @@ Read next: `batch`.
 
 from __future__ import annotations
 
-from envs.football.constants import LEFT, METRES_PER_X, METRES_PER_Y, NOBODY
-from envs.football.control.agents import num_agents
-from envs.football.physics.vectors import length
+from regista.envs.football.constants import LEFT, METRES_PER_X, METRES_PER_Y, NOBODY
+from regista.envs.football.control.agents import num_agents
+from regista.envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
 CHECKPOINTS, CHECKPOINT_REWARD = 10, 0.1

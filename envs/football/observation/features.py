@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
-from envs.football.control.agents import seen_by
-from envs.football.observation.units import ALOFT, FLYING, RUNNING
+from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
+from regista.envs.football.control.agents import seen_by
+from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING
 from scenic_lite.kernels.jit import kernel
 
 SELF_NAMES = ("self.x", "self.y", "self.vx", "self.vy", "self.facing_x", "self.facing_y", "self.tired", "self.down")

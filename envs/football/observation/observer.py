@@ -18,14 +18,14 @@ import numpy as np
 from gymnasium.spaces import Box, Space, Tuple
 from gymnasium.vector.utils import batch_space
 
-from envs.football.config import REPRESENTATIONS
-from envs.football.constants import LEFT
-from envs.football.observation.features import LIMIT, features_size
-from envs.football.observation.observe import FEATURES, RAW, SIMPLE115, SMM, SMM_STACKED, View
-from envs.football.observation.raw import raw_observation, raw_space
-from envs.football.observation.simple115 import SIZE, simple115_unit
-from envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history
-from envs.football.scenic.lineup import Lineup
+from regista.envs.football.config import REPRESENTATIONS
+from regista.envs.football.constants import LEFT
+from regista.envs.football.observation.features import LIMIT, features_size
+from regista.envs.football.observation.observe import FEATURES, RAW, SIMPLE115, SMM, SMM_STACKED, View
+from regista.envs.football.observation.raw import raw_observation, raw_space
+from regista.envs.football.observation.simple115 import SIZE, simple115_unit
+from regista.envs.football.observation.smm import CHANNELS, FRAMES, HEIGHT, WIDTH, empty_history
+from regista.envs.football.scenic.lineup import Lineup
 
 
 class Observer:

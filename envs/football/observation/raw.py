@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space
 
-from envs.football.constants import BALL_RADIUS, STEP
-from envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
+from regista.envs.football.constants import BALL_RADIUS, STEP
+from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 
 FAR = 1e6
 MANY = 2**31  # goals, steps

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
-from envs.football.observation.units import ALOFT, FLYING, RUNNING, UNIT_X, UNIT_Y
+from regista.envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
+from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING, UNIT_X, UNIT_Y
 from scenic_lite.kernels.jit import kernel
 
 SIZE = 115

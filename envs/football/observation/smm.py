@@ -13,8 +13,8 @@ import math
 
 import numpy as np
 
-from envs.football.constants import LEFT, NOBODY
-from envs.football.observation.units import UNIT_X, UNIT_Y
+from regista.envs.football.constants import LEFT, NOBODY
+from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from scenic_lite.kernels.jit import kernel
 
 HEIGHT, WIDTH = 72, 96  # pixels

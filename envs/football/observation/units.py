@@ -3,7 +3,7 @@
 Read next: `observation.raw`.
 """
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y
+from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y
 
 UNIT_X, UNIT_Y = 100 * METRES_PER_X, -100 * METRES_PER_Y  # m per unit
 SPIN_UNIT = 1e-4  # of `ball_rotation`: rad/s into tenths of rad/ms

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BALL_RADIUS,
     DT,
     GOAL_HALF_WIDTH,

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT, STEP
-from envs.football.physics.vectors import length
+from regista.envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT, STEP
+from regista.envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 
 

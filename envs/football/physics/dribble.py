@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
-from envs.football.physics.running import (
+from regista.envs.football.constants import BALL_RADIUS, NOBODY, NORMAL, RUN_SPEED, STEP
+from regista.envs.football.physics.running import (
     BRAKING,
     SETTLED,
     START,
@@ -25,7 +25,7 @@ from envs.football.physics.running import (
     run_free,
     straight,
 )
-from envs.football.physics.vectors import toward
+from regista.envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import NOBODY, STEP
-from envs.football.physics.dribble import run_with_ball
-from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.running import BRAKING, STANCE, TOES, run_free
-from envs.football.physics.vectors import apart, toward
+from regista.envs.football.constants import NOBODY, STEP
+from regista.envs.football.physics.dribble import run_with_ball
+from regista.envs.football.physics.pitch import attacked_goal_x
+from regista.envs.football.physics.running import BRAKING, STANCE, TOES, run_free
+from regista.envs.football.physics.vectors import apart, toward
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

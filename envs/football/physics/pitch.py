@@ -5,7 +5,7 @@ Read next: `physics.ball`.
 
 from __future__ import annotations
 
-from envs.football.constants import BOX_DEPTH, BOX_HALF_WIDTH, HALF_LENGTH, LEFT
+from regista.envs.football.constants import BOX_DEPTH, BOX_HALF_WIDTH, HALF_LENGTH, LEFT
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
-from envs.football.physics.ball import AIR, GROUND, MEAN_DRAG, rolled
-from envs.football.physics.bodies import PUSH
-from envs.football.physics.vectors import apart, length
+from regista.envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
+from regista.envs.football.physics.ball import AIR, GROUND, MEAN_DRAG, rolled
+from regista.envs.football.physics.bodies import PUSH
+from regista.envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
 

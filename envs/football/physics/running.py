@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import GK, RUN_SPEED, STEP
+from regista.envs.football.constants import GK, RUN_SPEED, STEP
 from scenic_lite.kernels.jit import kernel
 
 

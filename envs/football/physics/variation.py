@@ -8,7 +8,7 @@ Read next: `state`, the table of the factors.
 
 from __future__ import annotations
 
-from envs.football.constants import GK
+from regista.envs.football.constants import GK
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     FREE_KICK,
     HALF_LENGTH,
     LEFT,
@@ -17,9 +17,9 @@ from envs.football.constants import (
     PENALTY,
     STEP,
 )
-from envs.football.physics.pitch import in_box_of
-from envs.football.physics.possession import lose_ball
-from envs.football.rules.whistle import stand_still, stop_play
+from regista.envs.football.physics.pitch import in_box_of
+from regista.envs.football.physics.possession import lose_ball
+from regista.envs.football.rules.whistle import stand_still, stop_play
 from scenic_lite.kernels.jit import kernel
 
 SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which it is a foul, a yellow and a red card

@@ -5,8 +5,8 @@ As in Google Research Football, the game never shows the mode of a kick-off. Rea
 
 from __future__ import annotations
 
-from envs.football.constants import NOBODY
-from envs.football.rules.whistle import move_to, put_ball
+from regista.envs.football.constants import NOBODY
+from regista.envs.football.rules.whistle import move_to, put_ball
 from scenic_lite.kernels.jit import kernel
 
 

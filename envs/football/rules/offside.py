@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import FREE_KICK
-from envs.football.physics.pitch import forward
-from envs.football.rules.whistle import stop_play
+from regista.envs.football.constants import FREE_KICK
+from regista.envs.football.physics.pitch import forward
+from regista.envs.football.rules.whistle import stop_play
 from scenic_lite.kernels.jit import kernel
 
 

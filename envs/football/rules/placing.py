@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     FREE_KICK,
     GK,
     GOAL_KICK,
@@ -18,9 +18,9 @@ from envs.football.constants import (
     NOBODY,
     THROW_IN,
 )
-from envs.football.physics.pitch import forward, own_goal_x
-from envs.football.physics.vectors import apart, length
-from envs.football.rules.whistle import move_to
+from regista.envs.football.physics.pitch import forward, own_goal_x
+from regista.envs.football.physics.vectors import apart, length
+from regista.envs.football.rules.whistle import move_to
 from scenic_lite.kernels.jit import kernel
 
 

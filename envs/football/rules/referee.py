@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     CORNER,
     GOAL_HALF_WIDTH,
     GOAL_HEIGHT,
@@ -22,11 +22,11 @@ from envs.football.constants import (
     STEP,
     THROW_IN,
 )
-from envs.football.physics.possession import own_at_restart, update_possession
-from envs.football.rules.fouls import judge_foul, send_off
-from envs.football.rules.kick_offs import kick_off_again, second_half
-from envs.football.rules.restarts import set_up
-from envs.football.rules.whistle import off_pitch, stop_play
+from regista.envs.football.physics.possession import own_at_restart, update_possession
+from regista.envs.football.rules.fouls import judge_foul, send_off
+from regista.envs.football.rules.kick_offs import kick_off_again, second_half
+from regista.envs.football.rules.restarts import set_up
+from regista.envs.football.rules.whistle import off_pitch, stop_play
 from scenic_lite.kernels.jit import kernel
 
 GOAL_KICK_X = 0.92 * HALF_LENGTH

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 
-from envs.football.constants import FREE_KICK, NOBODY, PENALTY, THROW_IN
-from envs.football.physics.pitch import forward
-from envs.football.physics.vectors import apart, toward
-from envs.football.rules.placing import EVEN, place_players
-from envs.football.rules.whistle import move_to
+from regista.envs.football.constants import FREE_KICK, NOBODY, PENALTY, THROW_IN
+from regista.envs.football.physics.pitch import forward
+from regista.envs.football.physics.vectors import apart, toward
+from regista.envs.football.rules.placing import EVEN, place_players
+from regista.envs.football.rules.whistle import move_to
 from scenic_lite.kernels.jit import kernel
 
 THROWER_OUT, RUN_UP, RUN_UP_FREE, RUN_UP_PENALTY = 0.3, 2.3, 2.3, 3.0  # m behind the ball, where the taker starts

@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from envs.football.constants import PROGRAM_FAULT
-from envs.football.field_kinds import Kind, Place
-from envs.football.limits import Limits
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD, WHOLE
+from regista.envs.football.constants import PROGRAM_FAULT
+from regista.envs.football.field_kinds import Kind, Place
+from regista.envs.football.limits import Limits
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.scenic.world_table import BUT_HEADING, HEADING, NUM_FIELDS, UNREAD, WHOLE
 from scenic_lite import Program
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes as op

@@ -6,8 +6,8 @@ Read next: `library/model.scenic`.
 
 from pathlib import Path
 
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.football.state import ENGINE_FIELDS
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.state import ENGINE_FIELDS
 from scenic_lite.core.world import Domain
 
 LIBRARY = Path(__file__).parent / "library"

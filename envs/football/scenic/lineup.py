@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
-from envs.football.control.control_modes import count_agents
-from envs.football.kick_off import MatchConfig, Roster, placed, unplaced
-from envs.football.limits import Limits, fields_of
-from envs.football.scenic.domain import FACTORS, SETTINGS
-from envs.football.scenic.world_table import THE_BALL
-from envs.football.state import MATCH, TABLES
+from regista.envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, METRES_PER_Y, RIGHT
+from regista.envs.football.control.control_modes import count_agents
+from regista.envs.football.kick_off import MatchConfig, Roster, placed, unplaced
+from regista.envs.football.limits import Limits, fields_of
+from regista.envs.football.scenic.domain import FACTORS, SETTINGS
+from regista.envs.football.scenic.world_table import THE_BALL
+from regista.envs.football.state import MATCH, TABLES
 from scenic_lite import Program, Scenes, SourceSpan
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}

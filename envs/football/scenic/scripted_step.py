@@ -9,7 +9,7 @@ Read next: `scenic.world_table`, what programs see; `simulator`.
 
 from __future__ import annotations
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BUILTIN_AI,
     BY_PROGRAM,
     NO_FAULT,
@@ -20,8 +20,8 @@ from envs.football.constants import (
     RUNNING,
     TERMINATED,
 )
-from envs.football.control.agents import seen_by
-from envs.football.scenic.world_table import THE_BALL, write_world
+from regista.envs.football.control.agents import seen_by
+from regista.envs.football.scenic.world_table import THE_BALL, write_world
 from scenic_lite.dynamics.machine import bytecode
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers

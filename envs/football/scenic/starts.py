@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from envs.football.scenic.compiled_behaviors import CompiledBehaviors
-from envs.football.scenic.lineup import Lineup
-from envs.football.state import MATCH
+from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.state import MATCH
 
 BLOCK = 128  # levels that are made ahead at most
 INVALID = -1

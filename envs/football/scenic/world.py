@@ -6,8 +6,8 @@ importing it compiles nothing. Read next: `scenic.world_table`, which fills the 
 
 from __future__ import annotations
 
-from envs.football.constants import BUILTIN_AI, NUM_COMMANDS, STEP
-from envs.football.scenic.world_fields import FACTS, FIELDS
+from regista.envs.football.constants import BUILTIN_AI, NUM_COMMANDS, STEP
+from regista.envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite.core.types import Instance, Namespace, describe_kind
 from scenic_lite.core.world import World
 from scenic_lite.errors import ScenicError

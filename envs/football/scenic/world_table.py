@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
-from envs.football.control.agents import seen_by
-from envs.football.scenic.world_fields import FIELDS
+from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
+from regista.envs.football.control.agents import seen_by
+from regista.envs.football.scenic.world_fields import FIELDS
 from scenic_lite.kernels.jit import kernel
 
 THE_BALL = -1  # in place of a player's index

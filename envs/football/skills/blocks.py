@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import DT, NOBODY
-from envs.football.physics.possession import lose_ball
-from envs.football.physics.vectors import length, toward
-from envs.football.skills.saves import foresee
+from regista.envs.football.constants import DT, NOBODY
+from regista.envs.football.physics.possession import lose_ball
+from regista.envs.football.physics.vectors import length, toward
+from regista.envs.football.skills.saves import foresee
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
-from envs.football.physics.bodies import advance_players
-from envs.football.physics.possession import ball_speed, forget_kick
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.skills.blocks import block, is_shot
-from envs.football.skills.first_touch import cushion, lets_come
-from envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
-from envs.football.skills.kicks import AFTER_KICK, kick_first_time
-from envs.football.skills.saves import DIVE, foresee
-from envs.football.skills.tackles import (
+from regista.envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
+from regista.envs.football.physics.bodies import advance_players
+from regista.envs.football.physics.possession import ball_speed, forget_kick
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.skills.blocks import block, is_shot
+from regista.envs.football.skills.first_touch import cushion, lets_come
+from regista.envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
+from regista.envs.football.skills.kicks import AFTER_KICK, kick_first_time
+from regista.envs.football.skills.saves import DIVE, foresee
+from regista.envs.football.skills.tackles import (
     STANDING,
     frontal,
     goes_for_ball,
@@ -28,7 +28,7 @@ from envs.football.skills.tackles import (
     tackle,
     within_reach,
 )
-from envs.football.skills.touch import take
+from regista.envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

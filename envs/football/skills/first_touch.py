@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY, STEP
-from envs.football.physics.bodies import PUSH
-from envs.football.physics.dribble import push_on
-from envs.football.physics.running import READY, START, SURE
-from envs.football.physics.vectors import length
-from envs.football.skills.touch import take
+from regista.envs.football.constants import BUILTIN_AI, DIRECTION_X, DIRECTION_Y, NOBODY, STEP
+from regista.envs.football.physics.bodies import PUSH
+from regista.envs.football.physics.dribble import push_on
+from regista.envs.football.physics.running import READY, START, SURE
+from regista.envs.football.physics.vectors import length
+from regista.envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import GK, NOBODY
-from envs.football.physics.pitch import in_box_of, own_goal_x
-from envs.football.physics.possession import lose_ball
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.rules.offside import whistled
-from envs.football.skills.saves import SAVE
-from envs.football.skills.touch import take
+from regista.envs.football.constants import GK, NOBODY
+from regista.envs.football.physics.pitch import in_box_of, own_goal_x
+from regista.envs.football.physics.possession import lose_ball
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.rules.offside import whistled
+from regista.envs.football.skills.saves import SAVE
+from regista.envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import normal, uniform
 

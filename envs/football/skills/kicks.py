@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BALL_RADIUS,
     DIRECTION_X,
     DIRECTION_Y,
@@ -20,12 +20,12 @@ from envs.football.constants import (
     SHOT,
     STEP,
 )
-from envs.football.physics.possession import forget_kick, lose_ball
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.rules.offside import whistled
-from envs.football.skills.passes import aim_pass, play_pass
-from envs.football.skills.saves import foresee_shot
-from envs.football.skills.shots import aim_shot, angle_between, strike
+from regista.envs.football.physics.possession import forget_kick, lose_ball
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.rules.offside import whistled
+from regista.envs.football.skills.passes import aim_pass, play_pass
+from regista.envs.football.skills.saves import foresee_shot
+from regista.envs.football.skills.shots import aim_shot, angle_between, strike
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

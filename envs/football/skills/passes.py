@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
-from envs.football.physics.vectors import length
-from envs.football.skills.first_touch import difficulty
-from envs.football.skills.shots import bend
+from regista.envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
+from regista.envs.football.physics.vectors import length
+from regista.envs.football.skills.first_touch import difficulty
+from regista.envs.football.skills.shots import bend
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

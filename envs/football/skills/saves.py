@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     DT,
     GK,
     GOAL_HALF_WIDTH,
@@ -17,11 +17,11 @@ from envs.football.constants import (
     HALF_LENGTH,
     NOBODY,
 )
-from envs.football.physics.ball import advance_ball
-from envs.football.physics.pitch import in_box_of, own_goal_x
-from envs.football.physics.possession import ball_speed
-from envs.football.physics.running import READY
-from envs.football.physics.vectors import length, squared_apart
+from regista.envs.football.physics.ball import advance_ball
+from regista.envs.football.physics.pitch import in_box_of, own_goal_x
+from regista.envs.football.physics.possession import ball_speed
+from regista.envs.football.physics.running import READY
+from regista.envs.football.physics.vectors import length, squared_apart
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.physics.bodies import PUSH
-from envs.football.physics.pitch import attacked_goal_x
-from envs.football.physics.vectors import length
+from regista.envs.football.physics.bodies import PUSH
+from regista.envs.football.physics.pitch import attacked_goal_x
+from regista.envs.football.physics.vectors import length
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

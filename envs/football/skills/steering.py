@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from envs.football.constants import NOBODY
-from envs.football.physics.motion import SLIDE
-from envs.football.physics.possession import ball_speed, look_ahead, time_needed, time_to_meet, travelled
-from envs.football.physics.vectors import apart, length
+from regista.envs.football.constants import NOBODY
+from regista.envs.football.physics.motion import SLIDE
+from regista.envs.football.physics.possession import ball_speed, look_ahead, time_needed, time_to_meet, travelled
+from regista.envs.football.physics.vectors import apart, length
 from scenic_lite.kernels.jit import kernel
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envs.football.constants import BUILTIN_AI, DT
-from envs.football.physics.motion import SLIDE
-from envs.football.physics.vectors import apart, length, toward
-from envs.football.rules.fouls import report_foul
-from envs.football.skills.touch import take
+from regista.envs.football.constants import BUILTIN_AI, DT
+from regista.envs.football.physics.motion import SLIDE
+from regista.envs.football.physics.vectors import apart, length, toward
+from regista.envs.football.rules.fouls import report_foul
+from regista.envs.football.skills.touch import take
 from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 

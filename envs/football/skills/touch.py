@@ -5,9 +5,9 @@ Read next: `skills.hands`, for keepers; `skills.contacts`, where it is decided w
 
 from __future__ import annotations
 
-from envs.football.constants import BALL_RADIUS, NOBODY
-from envs.football.physics.possession import lose_ball
-from envs.football.rules.offside import whistled
+from regista.envs.football.constants import BALL_RADIUS, NOBODY
+from regista.envs.football.physics.possession import lose_ball
+from regista.envs.football.rules.offside import whistled
 from scenic_lite.kernels.jit import kernel
 
 

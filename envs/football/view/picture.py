@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
-from envs.football.view.render import (
+from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
+from regista.envs.football.view.render import (
     GOAL_DEPTH,
     LEFT_COLOUR,
     LEFT_KEEPER_COLOUR,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from envs.football.constants import (
+from regista.envs.football.constants import (
     BOX_DEPTH,
     BOX_HALF_WIDTH,
     GK,
@@ -25,7 +25,7 @@ from envs.football.constants import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from envs.football.scenic.lineup import Lineup
+    from regista.envs.football.scenic.lineup import Lineup
 
 Colour = tuple[int, int, int]
 

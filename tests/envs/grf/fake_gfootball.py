@@ -2,7 +2,7 @@
 
 Players walk where they are told, the nearest one has the ball, chance is a stream from the seed. FAKE_GRF, a JSON
 object, makes it misbehave: `do` (die, hang, garbage, refuse, version) at step `at` of the process, once if `once` names
-a file that is not there yet. Read next: `envs.grf.worker`.
+a file that is not there yet. Read next: `regista.envs.grf.worker`.
 """
 
 import importlib.metadata

@@ -1,4 +1,4 @@
-"""Engines for the tests of `envs.grf`: a stand-in that is always there, and the real one where it is installed.
+"""Engines for the tests of `regista.envs.grf`: a stand-in that is always there, and the real one where it is installed.
 
 Read next: `fake_gfootball`.
 """
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from envs.grf.workers import GrfError, grf_python
+from regista.envs.grf.workers import GrfError, grf_python
 
 HERE = Path(__file__).parent
 SCENE = {

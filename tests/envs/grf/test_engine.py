@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import DURATION, GK, SHOT
-from envs.football.gym_env import FootballEnv
-from envs.football.replay import Recorder, load_record, replay, same
-from envs.football.scenic.lineup import NotAMatchError
-from envs.football.vector_env import FootballVectorEnv
-from envs.grf.observed_match import follow_kicks
-from experiments.__main__ import main
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import DURATION, GK, SHOT
+from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.replay import Recorder, load_record, replay, same
+from regista.envs.football.scenic.lineup import NotAMatchError
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.grf.observed_match import follow_kicks
+from regista.experiments.__main__ import main
 from tests.envs.grf.fixtures import fake_python
 from ued.upomdp import check_theta
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.config import FootballConfig
-from envs.football.constants import TERMINATED
-from envs.football.vector_env import FootballVectorEnv
-from envs.grf import engine
-from minigames.suites import HERE as HOME
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import TERMINATED
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.grf import engine
+from regista.minigames.suites import HERE as HOME
 from tests.envs.grf.fixtures import HERE, real_python
 
 ACADEMIES = (

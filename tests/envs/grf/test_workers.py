@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.grf import worker, workers
-from envs.grf.workers import Episode, GrfError, Workers, grf_python
+from regista.envs.grf import worker, workers
+from regista.envs.grf.workers import Episode, GrfError, Workers, grf_python
 from tests.envs.grf.fixtures import SCENE, fake_python
 
 pytestmark = pytest.mark.slow
@@ -121,7 +121,7 @@ def test_closing_ends_the_processes(tmp_path):
 PLAY = """
 import sys, time
 import numpy as np
-from envs.grf import workers
+from regista.envs.grf import workers
 from tests.envs.grf.fixtures import SCENE
 python, then = sys.argv[1:]
 workers.ANSWER_SECONDS, workers.STEP_SECONDS = 3.0, 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.compiler.compile import compile_program

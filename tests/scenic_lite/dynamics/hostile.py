@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from envs.toy_world import FACTS, FIELDS, toy_world
+from regista.envs.toy_world import FACTS, FIELDS, toy_world
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.bytecode import Code

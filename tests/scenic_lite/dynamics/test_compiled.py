@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.world import FOOTBALL_WORLD
-from envs.toy_world import toy_world
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.compile import compile_program

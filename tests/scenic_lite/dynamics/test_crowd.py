@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from envs.football.scenic.domain import FOOTBALL
-from envs.football.scenic.world import FOOTBALL_WORLD
+from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.world import FOOTBALL_WORLD
 from scenic_lite import load
 from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler import lists

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences

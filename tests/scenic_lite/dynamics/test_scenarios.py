@@ -6,7 +6,7 @@ What it does well is in the golden oracle.
 import numpy as np
 import pytest
 
-from envs.toy_world import toy_world
+from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.reference.interpreter import Reference

@@ -1,6 +1,6 @@
 """One episode in the toy world, in which every object drifts up the y axis by the same distance in each step.
 
-`run` plays it with any controller that has `act` and `watch`. Read next: `envs.toy_world`;
+`run` plays it with any controller that has `act` and `watch`. Read next: `regista.envs.toy_world`;
 `dynamics.reference.interpreter`.
 """
 
