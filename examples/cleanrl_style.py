@@ -35,6 +35,7 @@ optimizer = torch.optim.Adam([*actor.parameters(), *critic.parameters()], 2.5e-3
 
 records = curriculum.propose(N)  # (1) levels to begin with
 obs, _ = envs.reset_to_levels(records["level"])
+visits = 0  # of levels: the same level at another visit has other luck
 steps, total_return, total_value, returns = np.zeros(N), np.zeros(N), np.zeros(N), []
 for update in range(1, updates + 1):
     data = {name: torch.zeros(T, N) for name in ("action", "log_prob", "value", "reward", "done", "train")}
@@ -46,7 +47,7 @@ for update in range(1, updates + 1):
             data["action"][t] = action = policy.sample()
             data["log_prob"][t] = policy.log_prob(action)
         data["train"][t] = torch.as_tensor(records["train"])  # (2) robust PLR learns from replayed levels alone
-        obs, reward, terminated, truncated, _ = envs.step(action.numpy())
+        obs, reward, terminated, truncated, _ = envs.advance(action.numpy())
         done = terminated | truncated
         data["reward"][t], data["done"][t] = torch.as_tensor(reward), torch.as_tensor(done)
         steps, total_return, total_value = steps + 1, total_return + reward, total_value + data["value"][t].numpy()
@@ -58,7 +59,8 @@ for update in range(1, updates + 1):
             finished.append(records[done])
             steps[done], total_return[done], total_value[done] = 0, 0, 0
             records[done] = curriculum.propose(int(done.sum()))
-            obs, _ = envs.reset_to_levels(records["level"][done], done)
+            visits += 1
+            obs, _ = envs.reset_to_levels(records["level"][done], done, visits)
     if finished:
         curriculum.update(np.concatenate(finished))  # (4) the levels are scored
         returns += np.concatenate(finished)["returns"].ravel().tolist()

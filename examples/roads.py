@@ -48,9 +48,9 @@ def put(env: gymnasium.Env, values: dict[str, Any]) -> None:
     config["traffic_density"] = values["traffic"]
 
 
-def scenario(seed: int | None) -> int:
-    """Return the number of a scenario for a level's seed; None, a level is played again, is the first one."""
-    return (seed or 0) % SCENARIOS
+def scenario(seed: int) -> int:
+    """Return the number of a scenario for a level's seed."""
+    return seed % SCENARIOS
 
 
 def make(num_envs: int) -> ued.GymUPOMDP:

@@ -62,6 +62,7 @@ FLOORS = {
         "files",
         "checkpoint",
         "parameters",  # what the columns of theta are
+        "level_space",  # levels, and which there are
         "upomdp",  # the seam
         "gym_upomdp",
         "mixture",

@@ -22,15 +22,27 @@ STANDARD = set(sys.stdlib_module_names)
 MAY_IMPORT = {
     "scenic_lite": {"scenic_lite", "numpy", "numba", "shapely"},
     "ued": {"ued", "numpy", "gymnasium", "torch"},
-    "envs": {"envs", "scenic_lite", "ued.upomdp", "numpy", "numba", "gymnasium", "matplotlib", "PIL", "imageio_ffmpeg"},
+    "envs": {
+        "envs",
+        "scenic_lite",
+        "ued.level_space",
+        "ued.upomdp",
+        "numpy",
+        "numba",
+        "gymnasium",
+        "matplotlib",
+        "PIL",
+        "imageio_ffmpeg",
+    },
     "minigames": {"minigames", "scenic_lite", "envs", "gymnasium"},
 }
 EXCEPTIONS = {
     "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # it runs where nothing else of ours is
     "envs/football/parallel_env.py": {"envs", "scenic_lite", "ued.upomdp", "numpy", "gymnasium", "pettingzoo"},
     "ued/parameters.py": {"numpy"},
-    "ued/upomdp.py": {"numpy", "gymnasium", "ued.parameters"},
-    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.parameters", "ued.upomdp"},
+    "ued/level_space.py": {"numpy", "ued.parameters"},
+    "ued/upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters"},
+    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters", "ued.upomdp"},
     "ued/recorder/buffer_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},

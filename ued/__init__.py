@@ -32,10 +32,11 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.method": ("Method",),
     "ued.methods": ("METHODS",),
     "ued.mixture": ("Mixture",),
-    "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range"),
+    "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range", "Seeds"),
     "ued.policy": ("load_policy",),
     "ued.task": ("Task",),
-    "ued.upomdp": ("UPOMDP", "ThetaError", "level_dtype"),
+    "ued.level_space": ("ThetaError", "level_dtype", "luck_seeds"),
+    "ued.upomdp": ("UPOMDP",),
 }
 
 

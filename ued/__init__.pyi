@@ -23,6 +23,9 @@ from ued.gym_upomdp import LevelError as LevelError
 from ued.gym_upomdp import UPOMDPWrapper as UPOMDPWrapper
 from ued.learning.ppo import PPO as PPO
 from ued.learning.student import Student as Student
+from ued.level_space import ThetaError as ThetaError
+from ued.level_space import level_dtype as level_dtype
+from ued.level_space import luck_seeds as luck_seeds
 from ued.levels.adversary import Adversary as Adversary
 from ued.levels.batch import LevelBatch as LevelBatch
 from ued.levels.buffer import LevelBuffer as LevelBuffer
@@ -46,8 +49,7 @@ from ued.parameters import Integer as Integer
 from ued.parameters import LevelFamily as LevelFamily
 from ued.parameters import LogRange as LogRange
 from ued.parameters import Range as Range
+from ued.parameters import Seeds as Seeds
 from ued.policy import load_policy as load_policy
 from ued.task import Task as Task
 from ued.upomdp import UPOMDP as UPOMDP
-from ued.upomdp import ThetaError as ThetaError
-from ued.upomdp import level_dtype as level_dtype

@@ -16,9 +16,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from ued.level_space import LevelSpace, check_theta, level_dtype
 from ued.parameters import Theta, ThetaMap
 from ued.resumable import Resumable
-from ued.upomdp import LevelSpace, check_theta, level_dtype
 
 
 class Curriculum(Protocol):

@@ -32,11 +32,15 @@ class CurriculumFeed:
             raise ValueError(f"batch must be at least 1, got {batch}")
         self.curriculum, self.batch = curriculum, batch
         self.finished: list[np.ndarray] = []
+        self.visits = 0  # of levels so far
         self.metrics: dict[str, float] = {}
 
     def next(self) -> np.ndarray:
-        """Return one new level record, `[1]`."""
-        return self.curriculum.propose(1)
+        """Return the next level record, `[1]`: a visit of a level, new or not."""
+        record = self.curriculum.propose(1)
+        record["turn"] = self.visits
+        self.visits += 1
+        return record
 
     def finish(self, record: np.ndarray) -> None:
         """Take a record `[1]` with its returns; let the curriculum learn when there are enough."""
@@ -53,6 +57,8 @@ class CurriculumWrapper(gymnasium.Wrapper):
     an early `reset` does not count.
     """
 
+    env: UPOMDPWrapper
+
     def __init__(self, env: UPOMDPWrapper, feed: CurriculumFeed) -> None:
         super().__init__(env)
         self.feed = feed
@@ -60,15 +66,20 @@ class CurriculumWrapper(gymnasium.Wrapper):
         self.total = 0.0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start an episode on the level whose turn it is; `options["theta"]` overrules the curriculum."""
+        """Start an episode on the level whose turn it is; `options["theta"]` and `["level"]` overrule the curriculum.
+
+        All episodes of a visit start from the layout of the level's own seed; `seed` is that of other levels alone.
+        """
         self.total = 0.0
-        if options and "theta" in options:
+        options = options or {}
+        if options.keys() & {"theta", "level"}:
             self.record = None
             return self.env.reset(seed=seed, options=options)
-        if self.record is None:
-            self.record = self.feed.next()
-        theta = self.record["level"]["theta"][0]
-        return self.env.reset(seed=seed, options={**(options or {}), "theta": theta})
+        if self.record is not None:
+            return self.env.play_again(options)
+        self.record = self.feed.next()
+        level = {"level": self.record["level"], "visit": int(self.record["turn"][0])}
+        return self.env.reset(seed=seed, options={**options, **level})
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
         """Step; note the return when the episode is over."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ued.learning.student import Player, Student
+from ued.level_space import SEEDS
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, successes
 
@@ -28,7 +29,7 @@ class Evaluation:
         lengths: `[E]` steps.
         level: `[E]` index into `levels`.
         levels: `[L]` records of the levels that were asked for, or drawn.
-        env_steps: steps simulated, those of environments waiting for the last episode included.
+        env_steps: steps of these episodes.
     """
 
     returns: np.ndarray
@@ -49,9 +50,9 @@ def evaluate(
 ) -> Evaluation:
     """Play `episodes` whole episodes and return what came of them.
 
-    With `levels` `[L]`, episode e plays level e mod L, each time with a new seed; without, every episode plays a level
-    of its own, drawn at random. Actions are drawn from the policy, or its most likely ones if `greedy`. The
-    environments are reset, so they must not be those of a running training (use `upomdp.copy()`).
+    With `levels` `[L]`, episode e plays level e mod L: the same layout each time, with new luck. Without, every episode
+    plays a level of its own, drawn at random. Actions are drawn from the policy, or its most likely ones if `greedy`.
+    The environments are reset, so they must not be those of a running training (use `upomdp.copy()`).
 
     Raises `ValueError` for fewer than one episode or no level, `RuntimeError` for an episode that never ends.
     """
@@ -61,29 +62,30 @@ def evaluate(
         raise ValueError("levels must hold at least one level, got none")
     seeds = SeedStream(seed)
     upomdp.next_levels = None
-    upomdp.reset(seed=seeds.next())
+    upomdp.np_random = np.random.default_rng(seeds.next())
     pool = upomdp.sample_levels(episodes) if levels is None else levels  # [L]
     index = np.arange(episodes) % len(pool)  # [E]
-    playlist = upomdp.make_levels(pool["theta"][index])  # [E] with seeds of their own
-    playlist["program"] = pool["program"][index]
-    played = _play(Player(student, torch_generator(seeds.next()), greedy), upomdp, playlist)
-    returns, success, lengths, env_steps = played
-    return Evaluation(returns, success, lengths, index, pool.copy(), env_steps)
+    visits = seeds.next() % SEEDS + np.arange(episodes) // len(pool)  # [E] luck that depends on the seed
+    player = Player(student, torch_generator(seeds.next()), greedy)
+    returns, success, lengths = _play(player, upomdp, pool[index], visits)
+    return Evaluation(returns, success, lengths, index, pool.copy(), int(lengths.sum()))
 
 
-def _play(player: Player, upomdp: UPOMDP, playlist: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Play each of these levels `[E]` once; return returns, success and lengths `[E]`, and the steps it took."""
+def _play(
+    player: Player, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Play an episode on each of these levels `[E]`, at visits of these numbers `[E]`; return returns, success and
+    lengths `[E]`.
+    """
     episodes, num_envs = len(playlist), upomdp.num_envs
     returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
     upomdp.upcoming = lambda: playlist[next_episode:]
-    observation, _ = upomdp.reset_to_levels(playlist[episode % episodes])
-    steps = 0
+    observation, _ = upomdp.reset_to_levels(playlist[episode % episodes], None, visits[episode % episodes])
     while (episode < episodes).any():
-        observation, reward, terminated, truncated, info = upomdp.step(player(observation))
-        steps += 1
+        observation, reward, terminated, truncated, info = upomdp.advance(player(observation))
         listed = episode < episodes  # [N]
         returns[episode[listed]] += reward[listed]
         lengths[episode[listed]] += 1
@@ -101,6 +103,7 @@ def _play(player: Player, upomdp: UPOMDP, playlist: np.ndarray) -> tuple[np.ndar
             starts = ends & (episode < episodes)  # [N]
             upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():
-                observation, _ = upomdp.reset_to_levels(playlist[episode[starts]], starts)
+                now = episode[starts]
+                observation, _ = upomdp.reset_to_levels(playlist[now], starts, visits[now])
     upomdp.idle[:], upomdp.upcoming = False, None
-    return returns, success, lengths, steps * num_envs
+    return returns, success, lengths

@@ -12,47 +12,70 @@ import os
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
+from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seeds
 from ued.parameters import Theta, ThetaMap
-from ued.upomdp import UPOMDP, LevelSpace, check_count, check_theta, set_stream
+from ued.upomdp import UPOMDP, check_count
 
 # Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
 Apply = Callable[[gymnasium.Env, Any], object]
-# What an environment's own `reset(seed=)` is given: the level's seed, nothing, or what a function makes of that seed.
-SeedRule = bool | Callable[[int | None], int | None]
+# What an environment's own `reset(seed=)` is given: the seed, nothing, or what a function makes of that seed.
+SeedRule = bool | Callable[[int], int | None]
+# What of an episode is luck: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
+# draws, or what a function does with an environment that has been reset, and a seed.
+Luck = bool | str | Callable[[gymnasium.Env, int], object]
 
 
 class LevelError(RuntimeError):
     """Something went wrong in an environment; the message says in what, and on which level."""
 
 
-class _Levelled(gymnasium.Wrapper):
-    """One environment that is put on levels; errors in it tell on which."""
+class Start(NamedTuple):
+    """What an episode starts from: θ `[D]` and the seed of its level, and the seed of its luck."""
 
-    def __init__(self, env: gymnasium.Env, apply: Apply, theta_map: ThetaMap, seed_episodes: SeedRule = True) -> None:
+    theta: np.ndarray
+    seed: int
+    luck: int
+
+
+class _Levelled(gymnasium.Wrapper):
+    """One environment that is put on levels; errors in it name the level."""
+
+    def __init__(
+        self,
+        env: gymnasium.Env,
+        apply: Apply | None,
+        theta_map: ThetaMap,
+        seed_episodes: SeedRule = True,
+        luck: Luck = False,
+    ) -> None:
         super().__init__(env)
-        self.apply, self.theta_map, self.seed_episodes = apply, theta_map, seed_episodes
-        self.theta = np.zeros(len(theta_map.draws))
-        self.seed: int | None = None
+        self.apply, self.theta_map, self.seed_episodes, self.luck = apply, theta_map, seed_episodes, luck
+        self.start = Start(np.zeros(len(theta_map.draws)), 0, 0)
         self._shape = env.observation_space.shape  # asked once: a chain of wrappers takes longer than the check
 
-    def begin(self, theta: np.ndarray, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Start an episode on θ `[D]`; `seed` is the level's, None where an episode is played again."""
-        self.theta, self.seed = theta.copy(), seed if seed is not None else self.seed
+    def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Start an episode; `options` are the user's own for `reset`."""
+        self.start = start
         with self._telling("the function that puts levels into it"):
-            returned = self.apply(self.env, self.theta_map.values(self.theta))
+            values = self.theta_map.values(start.theta)
+            returned = None if self.apply is None else self.apply(self.env, values)
         if isinstance(returned, dict):
             options = {**returned, **options}
-        rule = self.seed_episodes
-        seed = rule(seed) if callable(rule) else seed if rule else None
+        if isinstance(self.luck, str):
+            options = {**options, self.luck: start.luck}
+        rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
+        given = rule(seed) if callable(rule) else seed if rule else None
         with self._telling("reset"):
-            observation, info = self.env.reset(seed=seed, options=options or None)
+            observation, info = self.env.reset(seed=given, options=options or None)
+            if callable(self.luck):
+                self.luck(self.env, start.luck)
             return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -75,11 +98,11 @@ class _Levelled(gymnasium.Wrapper):
         except LevelError:
             raise
         except Exception as error:
-            level = level_in_words(self.theta_map, self.theta, self.seed)
+            level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
             raise LevelError(f"{self.env} failed in {what}: {type(error).__name__}: {error} ({level})") from error
 
 
-def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int | None) -> str:
+def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
     """Return θ `[D]`, the values it stands for and the seed, for an error."""
     row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
     values = str(theta_map.values(theta))
@@ -91,19 +114,31 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
 
     `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset, and a dict
-    that it returns is the reset's options. A reset without θ draws one at random, so a stock trainer sees domain
-    randomisation. `theta` and `valid` are those of `GymUPOMDP`.
+    that it returns is the reset's options. A reset without θ draws a level at random, so a stock trainer sees domain
+    randomization. `theta`, `valid`, `seed_episodes` and `luck` are those of `GymUPOMDP`.
     """
 
     theta_map: ThetaMap
 
     def __init__(
-        self, env: gymnasium.Env, apply: Apply, theta: Theta, valid: Callable[[Any], bool] | None = None
+        self,
+        env: gymnasium.Env,
+        apply: Apply | None,
+        theta: Theta,
+        valid: Callable[[Any], bool] | None = None,
+        seed_episodes: SeedRule = True,
+        luck: Luck = False,
     ) -> None:
-        gymnasium.utils.RecordConstructorArgs.__init__(self, apply=apply, theta=theta, valid=valid)
-        _Levelled.__init__(self, env, apply, ThetaMap(theta, valid))
-        self.draws, self.family = self.theta_map.draws, self.theta_map.family
+        gymnasium.utils.RecordConstructorArgs.__init__(
+            self, apply=apply, theta=theta, valid=valid, seed_episodes=seed_episodes, luck=luck
+        )
+        check_luck(luck, seed_episodes)
+        _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
+        self.draws, self.family, self.seeds = self.theta_map.draws, self.theta_map.family, self.theta_map.seeds
+        self.seed_is_luck = luck is True
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
+        self.level = np.zeros(1, level_dtype(self.theta_dim))
+        self.visit = self.episode = 0
         self._streams = np.random.default_rng()
 
     @property
@@ -111,7 +146,11 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         return self._streams
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start an episode on `options["theta"]` `[D]`, or on a random θ. `info["theta"]` says which.
+        """Start an episode on `options["theta"]` `[D]`, on `options["level"]` `[1]`, or on a random level.
+
+        `seed` seeds the stream of levels, and is the seed of this level where none is given. A level, a record of
+        `level_dtype(D)`, comes with its own; `options["visit"]` is the number of this visit of it, which its luck
+        depends on. `info["theta"]` and `info["level_seed"]` say which level it is.
 
         Raises `ued.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that
         describes no valid level.
@@ -119,16 +158,25 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         if seed is not None:
             self._streams = np.random.default_rng(seed)
         options = dict(options or {})
-        if "theta" in options:
-            theta = check_theta(options.pop("theta"), self.theta_dim, rows=1)
-            if not self.valid(theta)[0]:
-                raise ValueError(f"theta {theta[0].tolist()} describes no valid level")
+        self.level = self._level_of(options.pop("level", None), options.pop("theta", None), seed)
+        self.visit, self.episode = int(options.pop("visit", 0)), 0
+        return self._play(options)
+
+    def _level_of(self, level: Any, theta: Any, seed: int | None) -> np.ndarray:
+        """Return the level `[1]` that a reset is to start; see `reset`."""
+        if level is not None:
+            level = np.array(level, self.level.dtype).reshape(1)
+            check_theta(level["theta"], self.theta_dim)
         else:
-            theta = self.sample_theta(1)
-        return self._restart(theta[0], seed, options)
+            level = self.sample_levels(1) if theta is None else self.make_levels(check_theta(theta, self.theta_dim, 1))
+            if seed is not None and self.seeds is None:
+                level["seed"] = seed
+        if not self.valid(level["theta"])[0]:
+            raise ValueError(f"theta {level['theta'][0].tolist()} describes no valid level")
+        return level
 
     def reset_random(self) -> Any:
-        """Draw θ at random and reset; return the observation."""
+        """Draw a level at random and reset; return the observation."""
         return self.reset()[0]
 
     def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
@@ -136,12 +184,28 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode with the same θ; return the observation."""
-        return self._restart(self.theta, None, {})[0]
+        """Start the next episode of the same level; return the observation."""
+        return self.play_again()[0]
 
-    def _restart(self, theta: np.ndarray, seed: int | None, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        observation, info = self.begin(theta, seed, options)
-        return observation, {**info, "theta": self.theta.copy()}
+    def play_again(self, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start the next episode of the same level, in the same visit; as `reset`."""
+        self.episode += 1
+        return self._play(options or {})
+
+    def _play(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Start an episode of the present level."""
+        (seed,), (theta,) = self.level["seed"].tolist(), self.level["theta"]
+        luck = luck_seeds(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
+        observation, info = self.begin(Start(theta.copy(), seed, int(luck)), options)
+        return observation, {**info, "theta": theta.copy(), "level_seed": seed}
+
+
+def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
+    """Raise `ValueError` for what says nothing of an environment's luck, or what cannot be had with these seeds."""
+    if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
+        raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
+    if luck is True and seed_episodes is False:
+        raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
 
 
 SUCCESS = ("success", "is_success")  # what environments call it in their info: Meta-World, Gymnasium-Robotics
@@ -152,15 +216,35 @@ def told_success(info: Mapping[str, Any]) -> Any:
     return next((info[name] for name in SUCCESS if name in info), math.nan)
 
 
+ENDS = ("slot_terminated", "slot_truncated")  # in the info of a `_Slot`
+
+
 class _Slot(_Levelled):
-    """One environment of a batch: takes its own row of `options["theta"]` `[N, D]` at each reset."""
+    """One environment of a batch: takes its own row of the batch's starts at each reset.
+
+    At the end of an episode it stands still until the next reset. Its batch would refuse to step the others meanwhile,
+    so the end is reported in the info alone.
+    """
 
     index = 0
+    _last: Any = None  # observation, of an episode that has ended
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        self._last = None
         if options is None:  # a vector environment resets on its own account
             return self.env.reset(seed=seed)[0], {}
-        return self.begin(options["theta"][self.index], seed, {})[0], {}
+        theta, seeds, luck = options["starts"]  # [N, D], [N], [N]
+        start = Start(theta[self.index].copy(), int(seeds[self.index]), int(luck[self.index]))
+        return self.begin(start, {})[0], {}
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        if self._last is not None:
+            return self._last, 0.0, False, False, {}
+        observation, reward, terminated, truncated, info = super().step(action)
+        if terminated or truncated:
+            self._last = observation
+            info = {**info, **dict(zip(ENDS, (bool(terminated), bool(truncated)), strict=True))}
+        return observation, reward, False, False, info
 
 
 def as_array(env: gymnasium.Env) -> gymnasium.Env:
@@ -196,16 +280,20 @@ class GymUPOMDP(UPOMDP):
     Args:
         make_env: makes one environment; called `num_envs` times.
         apply: `apply(env, values)` puts one level's values into an environment, before each of its resets; a dict that
-            it returns is the reset's options.
+            it returns is the reset's options. None: there is nothing to put.
         theta: number of dimensions; mapping from name to a `Range`, `LogRange`, `Integer`, `Choice` or a pair (low,
-            high); a program; or a `LevelFamily`. See `parameters.ThetaMap`.
+            high); a program; a `LevelFamily`; or `Seeds`. See `parameters.ThetaMap`.
         num_envs: N.
         vectorization: "sync" steps them one after the other in this process, "async" each in a process of its own.
             Those give no state: a checkpoint of a training holds their levels, and open episodes begin anew.
         valid: says of the values of one level whether it can be played; None: all can.
-        seed_episodes: what `reset(seed=)` of an environment is given: the level's seed (True), nothing (False), or what
-            a function makes of that seed, which is None where a level is played again; for environments whose seed is
-            something else, such as the number of a map.
+        seed_episodes: what `reset(seed=)` of an environment is given: the seed (True), nothing (False: then levels are
+            no more than θ, and what is drawn is in nobody's hand), or what a function makes of the seed, for
+            environments whose seed is something else, such as the number of a map.
+        luck: what of an episode is luck, which is new in each episode of a level: nothing (False), so that all episodes
+            of a level start alike; all that `reset(seed=)` draws (True), for environments whose reset adds a little
+            noise to what θ describes; what an environment draws from a second seed, under this key of the reset's
+            options; or what `luck(env, seed)` does after each reset.
 
     What goes wrong in an environment is raised as a `LevelError` that tells the level.
     """
@@ -215,21 +303,24 @@ class GymUPOMDP(UPOMDP):
     def __init__(
         self,
         make_env: Callable[[], gymnasium.Env],
-        apply: Apply,
+        apply: Apply | None,
         theta: Theta,
         num_envs: int = 1,
         vectorization: Literal["sync", "async"] = "sync",
         valid: Callable[[Any], bool] | None = None,
         seed_episodes: SeedRule = True,
+        luck: Luck = False,
     ) -> None:
         if vectorization not in ("sync", "async"):
             raise ValueError(f"vectorization must be sync or async, got {vectorization!r}")
         for name, function in {"make_env": make_env, "apply": apply}.items():
-            if not callable(function):
+            if not callable(function) and (name, function) != ("apply", None):
                 raise ValueError(f"{name} must be a function, got {function!r}")
-        self.make_env, self.apply, self.seed_episodes = make_env, apply, seed_episodes
+        check_luck(luck, seed_episodes)
+        self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
-        self.family = self.theta_map.family
+        self.family, self.seeds = self.theta_map.family, self.theta_map.seeds
+        self.seed_is_luck = luck is True
         self.vectorization: Literal["sync", "async"] = vectorization
         self._theta, self._valid = theta, valid
         self.vector = self._vectorize(check_count(num_envs))
@@ -240,6 +331,7 @@ class GymUPOMDP(UPOMDP):
         if "render_fps" in self.vector.metadata:
             self.metadata["render_fps"] = self.vector.metadata["render_fps"]
         self._observations: Any = None  # until the first reset
+        self._going_on = np.zeros(num_envs, bool)
 
     def _vectorize(self, num_envs: int) -> Any:
         owner = os.getpid()
@@ -251,7 +343,7 @@ class GymUPOMDP(UPOMDP):
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")
-                env = _Slot(as_array(made), self.apply, self.theta_map, self.seed_episodes)
+                env = _Slot(as_array(made), self.apply, self.theta_map, self.seed_episodes, self.luck)
                 env.index = index
                 return env
 
@@ -265,35 +357,28 @@ class GymUPOMDP(UPOMDP):
         return self.theta_map.theta(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
-        seeds: list[int | None] = [None] * self.num_envs
-        for level, index in zip(levels, where.tolist(), strict=True):
-            seeds[index] = int(level["seed"] % 2**31)
-        return self._restart(where, seeds)
-
-    def _restart(self, where: np.ndarray, seeds: list[int | None] | None = None) -> np.ndarray:
-        mask = np.zeros(self.num_envs, bool)
-        mask[where] = True
+        mask, luck = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, np.uint64)
+        mask[where], luck[where] = True, self.luck_seeds(where)
         if mask.any():
-            options = {"reset_mask": mask, "theta": self.levels["theta"]}
-            self._observations, _ = self.vector.reset(seed=seeds, options=options)
+            starts = self.levels["theta"], self.levels["seed"], luck
+            self._observations, _ = self.vector.reset(options={"reset_mask": mask, "starts": starts})
             self._check_finite("an observation", self._observations)
         return self._observations.copy()
 
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        self._observations, rewards, terminated, truncated, told = self.vector.step(actions)
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        self._observations, rewards, _, _, told = self.vector.step(actions)
+        terminated, truncated = (np.array(told.get(end, self._going_on), bool) for end in ENDS)
         self._check_finite("a reward", rewards)
         self._check_finite("an observation", self._observations)
-        ended, final = terminated | truncated, self._observations
-        observations = self._restart(np.flatnonzero(ended))
-        info = {"final_obs": final.copy(), "_final_obs": ended, "success": self._success(told)}
-        return observations, rewards, terminated, truncated, info
+        info = {"success": self._success(told)}
+        return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
         """Raise `LevelError` where an environment gave NaN or infinity in its part of `[N, ...]`."""
         if numbers.dtype.kind != "f" or np.isfinite(numbers).all():
             return
         index = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
-        level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index] % 2**31))
+        level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index]))
         raise LevelError(f"environment {index} gave {what} that is not finite: {numbers[index]} ({level})")
 
     def _success(self, told: Mapping[str, Any]) -> np.ndarray:
@@ -315,26 +400,18 @@ class GymUPOMDP(UPOMDP):
             envs = copy.deepcopy(self.vector)
         except Exception as error:  # whatever the environments hold: windows, clocks, connections
             raise NotImplementedError(f"these environments cannot be copied: {error}") from error
-        return {
-            "levels": self.levels.copy(),
-            "observations": self._observations.copy(),
-            "np_random": self.np_random.bit_generator.state,
-            "envs": envs,
-        }
+        return {**self.level_state(), "observations": self._observations.copy(), "envs": envs}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
-        self._check_state(state, "envs", "observations")
-        self.levels[:] = state["levels"]
-        set_stream(self.np_random, state["np_random"])
+        self.set_level_state(state, "envs", "observations")
         self.vector = copy.deepcopy(state["envs"])
         self._observations = state["observations"].copy()
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> GymUPOMDP:
         """Return a second one of so many environments, with a stream of its own; nothing is reset yet."""
-        return GymUPOMDP(
-            self.make_env, self.apply, self._theta, num_envs, self.vectorization, self._valid, self.seed_episodes
-        )
+        rules = self._valid, self.seed_episodes, self.luck
+        return GymUPOMDP(self.make_env, self.apply, self._theta, num_envs, self.vectorization, *rules)
 
     def copy(self) -> GymUPOMDP:
         """Return a second one; environments that give no state begin the same levels anew."""
@@ -343,7 +420,7 @@ class GymUPOMDP(UPOMDP):
             twin.set_state(self.get_state())
         except NotImplementedError:
             twin.np_random.bit_generator.state = self.np_random.bit_generator.state
-            twin.reset_to_levels(self.levels)
+            twin.reset_to_levels(self.levels, None, self.visits, self.episodes)
         return twin
 
     def render(self) -> tuple[Any, ...] | None:

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, flatdim
 
+from ued.level_space import check_theta, level_dtype
 from ued.parameters import Choice, Column, Range, index_in, snap
-from ued.upomdp import UPOMDP, check_theta, level_dtype, set_stream
+from ued.upomdp import UPOMDP
 
 
 class Mixture(UPOMDP):
@@ -49,6 +50,7 @@ class Mixture(UPOMDP):
         space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
+        self.seed_is_luck = all(member.seed_is_luck for member in members)
         for k, member in enumerate(self.members):
             member.upcoming = partial(self._upcoming_of, k)
 
@@ -107,7 +109,8 @@ class Mixture(UPOMDP):
     def _start_member(self, k: int, levels: np.ndarray, where: np.ndarray) -> None:
         mask = np.zeros(self.num_envs, bool)
         mask[where] = True
-        observations, _ = self.members[k].reset_to_levels(self._of_member(k, levels), mask)
+        numbers = self.visits[where], self.episodes[where]
+        observations, _ = self.members[k].reset_to_levels(self._of_member(k, levels), mask, *numbers)
         self._see(k, observations, where, self._observations)
 
     def _of_member(self, k: int, levels: np.ndarray) -> np.ndarray:
@@ -127,22 +130,19 @@ class Mixture(UPOMDP):
         into[where, ..., : self.sizes[k]] = observations[where]
         into[where, ..., self.width + k] = 1.0
 
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         rewards = np.zeros(self.num_envs)
         terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
-        final, success = np.zeros_like(self._observations), np.full(self.num_envs, np.nan)
+        success = np.full(self.num_envs, np.nan)
         for k, member in enumerate(self.members):
             where = np.flatnonzero(~member.idle)
             if not len(where):
                 continue
-            observations, reward, over, cut, info = member.step(actions)
+            observations, reward, over, cut, info = member.advance(actions)
             rewards[where], terminated[where], truncated[where] = reward[where], over[where], cut[where]
             self._see(k, observations, where, self._observations)
             success[where] = np.asarray(info.get("success", success), float)[where]
-            ended = where[(over | cut)[where]]
-            self._see(k, info["final_obs"], ended, final)
-        info = {"final_obs": final, "_final_obs": terminated | truncated, "success": success}
-        return self._observations.copy(), rewards, terminated, truncated, info
+        return self._observations.copy(), rewards, terminated, truncated, {"success": success}
 
     # ------------------------------------------------------------ state
 
@@ -150,18 +150,16 @@ class Mixture(UPOMDP):
         return {
             "members": [member.get_state() for member in self.members],
             "idle": [member.idle.copy() for member in self.members],
-            "levels": self.levels.copy(),
             "observations": self._observations.copy(),
-            "np_random": self.np_random.bit_generator.state,
+            **self.level_state(),
         }
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
-        self._check_state(state, "members", "idle", "observations")
+        self.set_level_state(state, "members", "idle", "observations")
         for member, saved, idle in zip(self.members, state["members"], state["idle"], strict=True):
             member.set_state(saved)
             member.idle[:] = idle
-        self.levels[:], self._observations[:] = state["levels"], state["observations"]
-        set_stream(self.np_random, state["np_random"])
+        self._observations[:] = state["observations"]
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> Mixture:

@@ -197,6 +197,34 @@ class LevelFamily(Protocol):
         """Return the level of a code `[size]`."""
 
 
+@dataclass(frozen=True)
+class Seeds:
+    """Levels that are nothing but their seeds, as in Procgen: `count` of them, `first`, `first + 1`, ...
+
+    The one column of θ, "seed", chooses among them, and `reset(seed=)` is given the number that it stands for.
+    Raises `ValueError` for seeds outside [0, 2^31).
+    """
+
+    count: int
+    first: int = 0
+
+    def __post_init__(self) -> None:
+        whole = all(isinstance(x, int) and not isinstance(x, bool) for x in (self.count, self.first))
+        if not whole or self.count < 1 or self.first < 0 or self.first + self.count > 2**31:
+            raise ValueError(
+                f"Seeds(count, first) needs a count from 1 on and seeds from 0 to 2**31 - 1, got {self.count!r} seeds "
+                f"from {self.first!r} on"
+            )
+
+    @property
+    def draws(self) -> tuple[Column, ...]:
+        return (Column("seed", Integer(self.first, self.first + self.count - 1)),)
+
+    def of(self, theta: np.ndarray) -> np.ndarray:
+        """Return the seeds that θ `[n, 1]` stand for: uint64 `[n]`."""
+        return (self.first + index_in(theta[:, 0], self.count)).astype(np.uint64)
+
+
 class ThetaProgram(Protocol):
     """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
 
@@ -206,7 +234,7 @@ class ThetaProgram(Protocol):
     def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
 
 
-Theta = int | Mapping[str, Kind | tuple[float, float]] | ThetaProgram | LevelFamily
+Theta = int | Mapping[str, Kind | tuple[float, float]] | ThetaProgram | LevelFamily | Seeds
 
 
 class ThetaMap:
@@ -214,14 +242,15 @@ class ThetaMap:
 
     Args:
         theta: the number of dimensions (values are θ itself, named `theta[0]`, ...); a mapping from name to what the
-            parameter is, where a pair (low, high) is a `Range`; a program whose random values are the columns; or a
-            `LevelFamily`, whose levels take the place of values.
+            parameter is, where a pair (low, high) is a `Range`; a program whose random values are the columns; a
+            `LevelFamily`, whose levels take the place of values; or `Seeds`.
         valid: says of one level's values whether it can be played; None: all can.
     """
 
     def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
         self.program: ThetaProgram | None = None
         self.family: LevelFamily | None = None
+        self.seeds = theta if isinstance(theta, Seeds) else None
         if valid is not None and not callable(valid):
             raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
         self._valid = valid
@@ -229,6 +258,8 @@ class ThetaMap:
             if theta < 0:
                 raise ValueError(f"theta_dim must be 0 or more, got {theta}")
             self.draws: tuple[Parameter, ...] = numbered("theta", theta)
+        elif isinstance(theta, Seeds):
+            self.draws = theta.draws
         elif isinstance(theta, Mapping):
             self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
         elif isinstance(theta, LevelFamily):
@@ -239,8 +270,8 @@ class ThetaMap:
             self.draws = theta.draws
         else:
             raise ValueError(
-                f"theta must be a number of dimensions, a mapping from name to parameter, a program or a LevelFamily, "
-                f"got {theta!r}"
+                f"theta must be a number of dimensions, a mapping from name to parameter, a program, a LevelFamily or "
+                f"Seeds, got {theta!r}"
             )
 
     def valid(self, theta: np.ndarray) -> np.ndarray:

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
+from ued.level_space import check_theta
 from ued.parameters import Column, Range, middle_of
-from ued.upomdp import UPOMDP, check_theta, set_stream
+from ued.upomdp import UPOMDP
 
 ACTIONS = 4
 
@@ -40,6 +41,8 @@ class Frontier(UPOMDP):
         blocked_above: last column of θ beyond which a path is blocked; 1: none is.
         turns: seed of the hidden turns.
     """
+
+    seed_is_luck = True  # of which there is none
 
     def __init__(
         self, num_envs: int = 32, longest: int = 20, dim: int = 4, blocked_above: float = 0.8, turns: int = 0
@@ -82,16 +85,15 @@ class Frontier(UPOMDP):
         self.place[where], self.lost[where] = 0, False
         return self._look()
 
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         theta = self.levels["theta"]
+        at_end = self.place >= self.length(theta)  # of an episode that nobody has started again
         if not self.knowing:
-            self.lost |= np.asarray(actions) != self.turns[self.place]
-        self.place += 1
+            self.lost |= np.asarray(actions) != self.turns[np.minimum(self.place, self.longest - 1)]
+        self.place += ~at_end
         ended = self.place >= self.length(theta)
         reward = (ended & ~self.lost & ~self.blocked(theta)).astype(float)
-        final = self._look()
-        self.place[ended], self.lost[ended] = 0, False
-        return self._look(), reward, ended, np.zeros_like(ended), {"final_obs": final, "_final_obs": ended}
+        return self._look(), reward, ended, np.zeros_like(ended), {}
 
     def with_scripted_policy(self) -> Frontier:
         """Return a copy that knows all turns: the scripted antagonist."""
@@ -100,17 +102,14 @@ class Frontier(UPOMDP):
         return twin
 
     def get_state(self) -> dict[str, Any]:
-        state = {name: getattr(self, name).copy() for name in ("place", "lost", "levels")}
-        return state | {"np_random": self.np_random.bit_generator.state}
+        return {**self.level_state(), "place": self.place.copy(), "lost": self.lost.copy()}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
-        self._check_state(state, "place", "lost")
-        place = np.asarray(state["place"])
-        if not (place.shape == (self.num_envs,) and ((place >= 0) & (place < self.longest)).all()):
+        place = np.asarray(state["place"]) if isinstance(state, dict) and "place" in state else self.place
+        if not (place.shape == (self.num_envs,) and ((place >= 0) & (place <= self.longest)).all()):
             raise ValueError(f"place must be {self.num_envs} steps on paths of {self.longest}, got {place}")
-        for name in ("place", "lost", "levels"):
-            getattr(self, name)[:] = state[name]
-        set_stream(self.np_random, state["np_random"])
+        self.set_level_state(state, "place", "lost")
+        self.place[:], self.lost[:] = place, state["lost"]
         return self._look()
 
     def copy(self) -> Frontier:

@@ -1,7 +1,7 @@
 """A UPOMDP as TorchRL's batched environment, as VMAS has it: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
 
 Each episode is on a random level, or on what `upomdp.next_levels` gives; "theta" says on which. TorchRL sees the last
-observation of an episode, then resets: what the batch has begun by itself in the same step is what it finds there.
+observation of an episode, then resets.
 Read next: `sb3`, the same for Stable-Baselines3.
 """
 
@@ -45,31 +45,21 @@ class TorchRLEnv(EnvBase):
             name: Categorical(2, shape=[count, 1], dtype=torch.bool) for name in ("done", "terminated", "truncated")
         }
         self.done_spec = Composite(ends, shape=[count])
-        self._begun = torch.zeros(count, dtype=torch.bool)  # [N] episodes that the batch has begun by itself
 
     def _reset(self, tensordict: TensorDictBase | None = None, **_: Any) -> TensorDictBase:
         asked = None if tensordict is None else tensordict.get("_reset", None)
-        where = torch.ones_like(self._begun) if asked is None else asked.flatten()
-        anew = where & ~self._begun
-        if anew.any():
-            levels = self.upomdp.sample_levels(int(anew.sum()))
-            self._now, _ = self.upomdp.reset_to_levels(levels, anew.numpy())
-        self._begun &= ~where
+        where = np.ones(self.upomdp.num_envs, bool) if asked is None else asked.flatten().numpy()
+        if where.any():
+            self._now = self.upomdp.start_next(where)
         return TensorDict(self._look(self._now, self.upomdp.levels["theta"]), self.batch_size)
 
     def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
-        theta = self.upomdp.levels["theta"].copy()
         action = tensordict["action"].numpy() + self.first
-        self._now, reward, terminated, truncated, info = self.upomdp.step(action)
-        self._begun = torch.as_tensor(terminated | truncated)
-        seen = np.array(self._now)
-        if self._begun.any():
-            ended = self._begun.numpy()
-            seen[ended] = np.asarray(info["final_obs"])[ended]
+        self._now, reward, terminated, truncated, _ = self.upomdp.advance(action)
         ends = {"terminated": terminated, "truncated": truncated, "done": terminated | truncated}
         told = {name: torch.as_tensor(value)[:, None] for name, value in ends.items()}
         told["reward"] = torch.as_tensor(reward, dtype=torch.float32)[:, None]
-        return TensorDict(self._look(seen, theta) | told, self.batch_size)
+        return TensorDict(self._look(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
 
     def _look(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
         return {"observation": torch.as_tensor(np.array(seen)), "theta": torch.as_tensor(theta.copy())}

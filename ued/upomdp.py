@@ -4,6 +4,9 @@ A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that
 [-1, 1]^D, a *level* is a row (program, seed, θ), and N environments play N levels at a time. Which level comes next is
 the business of the method that trains on it, so an environment repeats its level until told otherwise.
 
+Every episode of a level starts from the same layout: it follows from the level alone. What differs between episodes is
+luck, whose seed follows from the level's seed, the visit of the level, and the number of the episode in that visit.
+
 Letters: `N` environments, `D` dimensions of θ. Read next: `learning.rollout`, which plays levels, or `gym_upomdp`,
 which makes a UPOMDP of any Gymnasium environment.
 """
@@ -19,15 +22,11 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from ued import parameters
-from ued.parameters import LevelFamily, Parameter, ThetaProgram
+from ued.level_space import SEEDS, LevelSpace, check_theta, level_dtype, luck_seeds
+from ued.parameters import Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
-MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
-
-
-class ThetaError(ValueError):
-    """A θ that is no θ: wrong shape, not a number, or outside [-1, 1]. The message says which row and column."""
+LEVEL_STATE = ("levels", "visits", "episodes", "np_random")
 
 
 def of_one_agent(space: Space, agents: int) -> Space:
@@ -53,37 +52,6 @@ def successes(info: dict[str, Any], ended: np.ndarray, returns: np.ndarray) -> n
     return np.where(np.isnan(said), returns > 0, said)
 
 
-def level_dtype(dim: int) -> np.dtype:
-    """Return the record of one level: `program` (its index), `seed` (of the episode's stream), `theta` [D]."""
-    return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
-
-
-def whole(records: np.ndarray) -> np.ndarray:
-    """Return records as pieces of memory: a view, of which numpy copies rows in one go instead of field by field."""
-    array = np.asarray(records)  # of a recarray, which is slow to look at
-    return array.view(np.dtype((np.void, array.itemsize)))
-
-
-def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
-    """Return θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
-    try:
-        if np.iscomplexobj(theta):
-            raise TypeError("complex numbers")
-        array = np.asarray(theta, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ThetaError(f"theta must be an array of numbers of shape [N, {dim}], got {theta!r}") from error
-    if array.ndim == 1:
-        array = array[None]
-    if array.ndim != 2 or array.shape[1] != dim or (rows is not None and array.shape[0] != rows):
-        shape = f"[{'N' if rows is None else rows}, {dim}]"
-        raise ThetaError(f"theta must have shape {shape}, got {list(np.shape(theta))}")
-    outside = ~((array >= -1.0) & (array <= 1.0))  # catches NaN too
-    if outside.any():
-        row, column = np.argwhere(outside)[0]
-        raise ThetaError(f"theta[{row}, {column}] is {array[row, column]:g}; every entry must be a number in [-1, 1]")
-    return array
-
-
 def check_count(num_envs: Any) -> int:
     """Return a number of environments. Raises ValueError for what is none."""
     if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
@@ -99,120 +67,25 @@ def set_stream(generator: np.random.Generator, state: Any) -> None:
         raise ValueError(f"np_random is no state of a {type(generator.bit_generator).__name__}") from error
 
 
-class LevelSpace:
-    """The levels that there are: all that a curriculum needs to know of environments. Every `UPOMDP` is one.
-
-    Subclasses set `draws` and give `_stream`, and where they can `valid` and `describe`.
-
-    Attributes:
-        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
-        family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
-        program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
-            where there is one only; see `mixture`.
-        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
-        theta_map: what `valid` and `describe` go by, such as a program or a `parameters.ThetaMap`; None: all levels are
-            valid, and a column's values lie evenly between its low and its high.
-    """
-
-    draws: tuple[Parameter, ...]
-    family: LevelFamily | None = None
-    program_names: tuple[str, ...] = ()
-    program_dims: tuple[int, ...] = ()
-    theta_map: ThetaProgram | None = None
-
-    @property
-    def theta_dim(self) -> int:
-        """D, the number of columns of θ."""
-        return len(self.draws)
-
-    @property
-    def _stream(self) -> np.random.Generator:
-        """The stream from which levels and their seeds are drawn."""
-        raise NotImplementedError(f"{type(self).__name__} has no stream")
-
-    def valid(self, theta: Any) -> np.ndarray:
-        """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
-        rows = check_theta(theta, self.theta_dim)
-        return np.ones(len(rows), bool) if self.theta_map is None else np.asarray(self.theta_map.valid(rows), bool)
-
-    def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
-        rows = check_theta(theta, self.theta_dim)
-        if self.theta_map is not None:
-            return [self.theta_map.describe(row) for row in rows]
-        low = np.array([parameter.low for parameter in self.draws])  # [D]
-        high = np.array([parameter.high for parameter in self.draws])  # [D]
-        values = low + (rows + 1) / 2 * (high - low)  # [N, D]
-        names = [parameter.name for parameter in self.draws]
-        return [dict(zip(names, map(float, row), strict=True)) for row in values]
-
-    def make_levels(self, theta: Any) -> np.ndarray:
-        """Return levels with these θ `[n, D]` and fresh seeds: `[n]` of `level_dtype(D)`.
-
-        Where a column has finitely many values, θ becomes the middle of its cell: equal levels are equal.
-        """
-        theta = parameters.snap(check_theta(theta, self.theta_dim), self.draws)
-        levels = np.zeros(len(theta), level_dtype(self.theta_dim))
-        levels["theta"] = theta
-        levels["seed"] = self._stream.integers(0, 2**63, len(theta), dtype=np.uint64)
-        return levels
-
-    def sample_levels(self, count: int) -> np.ndarray:
-        """Draw valid levels uniformly (domain randomisation): `[count]` of `level_dtype(D)`."""
-        return self.make_levels(self.sample_theta(count))
-
-    def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ uniformly, by rejection: `[count, D]`; of a family, codes of its levels.
-
-        Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
-        """
-        theta = self._draw(count) if count else np.zeros((0, self.theta_dim))
-        wrong = np.flatnonzero(~self.valid(theta)) if count else np.empty(0, int)
-        for _ in range(MAX_TRIES):
-            if not len(wrong):
-                return theta
-            theta[wrong] = self._draw(len(wrong))
-            wrong = wrong[~self.valid(theta[wrong])]
-        raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
-
-    def _draw(self, count: int) -> np.ndarray:
-        """Draw θ `[count, D]`, valid or not."""
-        if self.family is None:
-            return self._stream.uniform(-1.0, 1.0, (count, self.theta_dim))
-        levels = (self.family.sample(self._stream) for _ in range(count))
-        return check_theta([self.family.encode(level) for level in levels], self.theta_dim)
-
-    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
-        """Return edited copies of θ `[k, D]`, valid or not: see `parameters.edit`.
-
-        A level of a family is mutated `num_edits` times; `edit_size` means nothing to it.
-        """
-        if self.family is None:
-            return parameters.edit(theta, self.draws, num_edits, edit_size, rng)
-        edited = theta.copy()
-        for row, code in enumerate(theta):
-            level = self.family.decode(code)
-            for _ in range(num_edits):
-                level = self.family.mutate(level, rng)
-            edited[row] = self.family.encode(level)
-        return check_theta(edited, theta.shape[1])
-
-
 class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
-    Subclasses call `__init__` and give `_start`, `_step`, and where they can `valid`, `describe`, `get_state`,
-    `set_state`. Episodes that end start again in the same step (`AutoresetMode.SAME_STEP`): `info["final_obs"]` holds
-    the last observations of those that ended, dense `[N, ...]`, and `info["_final_obs"]` `[N]` says which rows count;
-    `info["final_info"]` is what else was told of them.
+    Subclasses call `__init__` and give `_start`, `_advance`, and where they can `valid`, `describe`, `get_state`,
+    `set_state`. `step` starts an episode that ended again in the same step (`AutoresetMode.SAME_STEP`):
+    `info["final_obs"]` holds the last observations of those that ended, dense `[N, ...]`, `info["_final_obs"]` `[N]`
+    says which rows count, and `info["final_info"]` is what else was reported of them. Whoever chooses levels calls
+    `advance`, which starts nothing again, and then `reset_to_levels` or `play_again`: one reset for each episode.
     Whether an ended episode succeeded is for the environment to say, in `info["success"]` `[N]`: 1, 0, or NaN where it
     does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
 
     Attributes:
         theta_space: `Box(-1, 1, (D,))`.
         levels: the levels being played, `[N]` of `level_dtype(D)`.
+        visits: the number of this visit of the level, int `[N]`; the same level at another visit has other luck.
+        episodes: the number of the episode in its visit, int `[N]`, from 0 on.
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
-            next. None: each repeats its own. Domain randomisation per episode is `next_levels = sample_levels`.
+            next, each a new visit. None: each repeats its own. Domain randomization per episode is
+            `next_levels = sample_levels`.
         upcoming: gives levels that are likely to be started soon, in this order: where starting many takes hardly
             longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
@@ -244,6 +117,8 @@ class UPOMDP(LevelSpace, VectorEnv):
         self.draws = tuple(draws)
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
+        self.visits = np.zeros(num_envs, np.int64)
+        self.episodes = np.zeros(num_envs, np.int64)
         self.next_levels: Callable[[int], np.ndarray] | None = None
         self.upcoming: Callable[[], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
@@ -280,11 +155,17 @@ class UPOMDP(LevelSpace, VectorEnv):
 
     @abstractmethod
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        """Put the environments `where` (indices `[k]`) at the start of `levels` `[k]`; return all observations."""
+        """Start an episode of `levels` `[k]` in the environments `where` (indices `[k]`); return all observations.
+
+        Whatever is drawn to lay out the world comes from the level's seed; what is luck, from `luck_seeds(where)`.
+        """
 
     @abstractmethod
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all, restart ended ones on their own level; return obs, reward, terminated, truncated `[N]`, info."""
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Step all; return observations, rewards, terminated, truncated `[N]`, info.
+
+        An environment whose episode ended stays at its end, with its last observation, until it is started again.
+        """
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
         """Return which levels `[k]` can be started: bool `[k]`."""
@@ -298,15 +179,39 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Take back what `get_state` returned; return the observations `[N, ...]` of that moment."""
         raise NotImplementedError(f"{type(self).__name__} cannot take a state")
 
-    def _check_state(self, state: Any, *names: str) -> None:
-        """Raise ValueError unless a state has these entries, and levels of this kind for all environments."""
-        missing = [name for name in ("levels", "np_random", *names) if not (isinstance(state, dict) and name in state)]
+    def level_state(self) -> dict[str, Any]:
+        """Return the part of a state that every UPOMDP has: which levels are played, and the stream of levels."""
+        return {
+            "levels": self.levels.copy(),
+            "visits": self.visits.copy(),
+            "episodes": self.episodes.copy(),
+            "np_random": self.np_random.bit_generator.state,
+        }
+
+    def set_level_state(self, state: Any, *names: str) -> None:
+        """Take back what `level_state` returned.
+
+        Raises ValueError unless the state has its entries and those of these `names`, and levels of this kind for all
+        environments; nothing is taken then.
+        """
+        missing = [name for name in (*LEVEL_STATE, *names) if not (isinstance(state, dict) and name in state)]
         if missing:
             raise ValueError(f"a state is what get_state returned, a dict with {missing[0]!r}, got {state!r:.100}")
         levels, expected = state["levels"], (self.levels.shape, self.levels.dtype)
         if not isinstance(levels, np.ndarray) or (levels.shape, levels.dtype) != expected:
             raise ValueError(f"this state is one of other levels, or of another number of them than {self.num_envs}")
         check_theta(levels["theta"], self.theta_dim)
+        numbers = [self._numbers(state[name], levels.shape) for name in ("visits", "episodes")]
+        set_stream(self.np_random, state["np_random"])
+        self.levels[:], self.visits[:], self.episodes[:] = levels, *numbers
+
+    def luck_seeds(self, where: np.ndarray) -> np.ndarray:
+        """Return the seeds of the luck of the episodes that begin in the environments `where` `[k]`: uint64 `[k]`.
+
+        Where levels have layouts, they differ from the seeds of these in every episode.
+        """
+        first = 0 if self.seed_is_luck else 1
+        return luck_seeds(self.levels["seed"][where], self.visits[where], self.episodes[where] + first)
 
     def copy(self) -> UPOMDP:
         """Return a second, independent UPOMDP of the same kind in the same state."""
@@ -318,31 +223,57 @@ class UPOMDP(LevelSpace, VectorEnv):
 
     # ------------------------------------------------------------ levels
 
-    def reset_to_levels(self, levels: np.ndarray, where: np.ndarray | None = None) -> tuple[Any, dict[str, Any]]:
+    def reset_to_levels(
+        self, levels: np.ndarray, where: np.ndarray | None = None, visits: Any = 0, episodes: Any = 0
+    ) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
+        `visits` and `episodes`, numbers or `[k]`, say which visit of the level this is and which episode of it comes
+        first; the same level, visit and episode have the same luck wherever they are played.
         An invalid level is replaced by a random valid one, never silently: `info["replaced"]` `[k]` says which,
         `info["levels"]` `[k]` what is played instead. Returns the observations of all N environments.
-        Raises `ThetaError` for a θ that is none, `ValueError` for a wrong number of levels or another mask.
+        Raises `ThetaError` for an invalid θ, `ValueError` for a wrong number of levels or another mask.
         """
         chosen = np.flatnonzero(self._mask(where))
+        self._check_levels(levels, len(chosen))
+        numbers = [self._numbers(value, chosen.shape) for value in (visits, episodes)]
+        levels = levels.copy()
+        replaced = ~self._playable(levels)
+        if replaced.any():
+            levels[replaced] = self.sample_levels(int(replaced.sum()))
+        self.levels[chosen], self.visits[chosen], self.episodes[chosen] = levels, *numbers
+        return self._start(levels, chosen), {"levels": levels, "replaced": replaced}
+
+    def play_again(self, where: np.ndarray | None = None) -> Any:
+        """Start the next episode of their levels in the environments `where` (bool `[N]`; None: all).
+
+        Returns the observations of all N environments.
+        """
+        chosen = np.flatnonzero(self._mask(where))
+        self.episodes[chosen] += 1
+        return self._start(self.levels[chosen], chosen)
+
+    def _check_levels(self, levels: Any, count: int) -> None:
+        """Raise ValueError unless these are so many levels of this kind."""
         if not isinstance(levels, np.ndarray) or levels.dtype != self.levels.dtype:
             kind = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
             raise ValueError(f"levels must be records of {self.levels.dtype}, got {kind}; see make_levels")
-        if levels.shape != chosen.shape:
-            raise ValueError(f"{len(chosen)} environments need as many levels, got an array of shape {levels.shape}")
+        if levels.shape != (count,):
+            raise ValueError(f"{count} environments need as many levels, got an array of shape {levels.shape}")
         check_theta(levels["theta"], self.theta_dim)
         num_programs = len(self.program_names) or 1
         unknown = levels["program"][(levels["program"] < 0) | (levels["program"] >= num_programs)]
         if unknown.size:
             known = "0 is the only program" if num_programs == 1 else f"programs are 0 to {num_programs - 1}"
             raise ValueError(f"a level is of program {unknown[0]}; {known}")
-        levels = levels.copy()
-        replaced = ~self._playable(levels)
-        if replaced.any():
-            levels[replaced] = self.sample_levels(int(replaced.sum()))
-        self.levels[chosen] = levels
-        return self._start(levels, chosen), {"levels": levels, "replaced": replaced}
+
+    @staticmethod
+    def _numbers(value: Any, shape: tuple[int, ...]) -> np.ndarray:
+        """Return visits or episodes as int64 of this shape. Raises ValueError for other ones."""
+        numbers = np.asarray(value)
+        if numbers.dtype.kind not in "iu" or numbers.shape not in ((), shape) or (numbers < 0).any():
+            raise ValueError(f"visits and episodes must be {list(shape)} whole numbers from 0 on, got {value!r:.100}")
+        return np.broadcast_to(numbers.astype(np.int64), shape)
 
     def _mask(self, where: Any) -> np.ndarray:
         """Return which environments are meant: bool `[N]`, all for None. Raises ValueError for what is no mask."""
@@ -386,16 +317,32 @@ class UPOMDP(LevelSpace, VectorEnv):
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Step all environments; an ended one is already at the start of its next episode (see the class)."""
-        observations, rewards, terminated, truncated, info = self._step(actions)
+        observations, rewards, terminated, truncated, info = self.advance(actions)
         ended = terminated | truncated
-        if ended.any():
-            last = {name: value for name, value in info.items() if name not in ("final_obs", "_final_obs")}
-            info |= {"final_info": last, "_final_info": ended}
-        if self.next_levels is not None:
-            count = int(np.count_nonzero(ended))
-            if count:
-                observations, _ = self.reset_to_levels(self.next_levels(count), ended)
-        return observations, rewards, terminated, truncated, info
+        if not ended.any():
+            return observations, rewards, terminated, truncated, info
+        last = dict(info)
+        info |= {"final_obs": observations, "_final_obs": ended, "final_info": last, "_final_info": ended}
+        return self.start_next(ended), rewards, terminated, truncated, info
+
+    def advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Step all environments and start none again: observations of those that ended are the last of their episodes.
+
+        The caller starts them again by `reset_to_levels`, `play_again` or `start_next`, or sets them `idle`.
+        """
+        return self._advance(actions)
+
+    def start_next(self, where: np.ndarray) -> Any:
+        """Start what comes next in the environments `where` (bool `[N]`): what `next_levels` gives, or the same levels.
+
+        A level that `next_levels` gives is visited anew: the number of the visit is drawn from the stream of levels.
+        Returns the observations of all N environments.
+        """
+        if self.next_levels is None:
+            return self.play_again(where)
+        count = int(np.count_nonzero(where))
+        levels, visits = self.next_levels(count), self.np_random.integers(0, SEEDS, count)
+        return self.reset_to_levels(levels, where, visits)[0]
 
     # ------------------------------------------------------------ PAIRED's and the thesis's names
 
@@ -408,7 +355,5 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode on the same levels: same θ, the next stretch of the random stream."""
-        levels = self.levels.copy()
-        levels["seed"] = self.np_random.integers(0, 2**63, self.num_envs, dtype=np.uint64)
-        return self.reset_to_levels(levels)[0]
+        """Start a new episode on the same levels: the next one of their visits."""
+        return self.play_again()

@@ -1,4 +1,4 @@
-"""The batch loop: N matches, each stepped, rewarded, observed, and started again when it has ended.
+"""The batch loop: N matches, each stepped, rewarded and observed. One that has ended stays at its end until it begins.
 
 This is the only loop over matches, and the only parallel one; all that it calls is scalar code on one match. A match
 never reads another, so the result is the same for any number of threads. Read next: `simulator`, for one step.
@@ -34,7 +34,7 @@ class Batch(NamedTuple):
     """N matches with all that they remember, and what each starts from when its episode begins."""
 
     matches: np.ndarray  # MATCH [N]
-    starts: np.ndarray  # MATCH [N]
+    starts: np.ndarray  # MATCH [N], the stream of random numbers of the episode included
     registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
     start_registers: np.ndarray  # [N, R] float64
     commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
@@ -61,8 +61,6 @@ class BatchSettings(NamedTuple):
 
     checkpoints: bool  # checkpoints count
     defending: bool  # an episode succeeds where no goal is conceded
-    deterministic: bool  # every episode repeats the same stream of random numbers
-    restart: bool  # an ended match starts again at once; if not, the caller sees to it
     observation: int  # what agents see: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; one without costs nothing
     object_to_player: np.ndarray  # [O] int64, the player that each object of the program is, or THE_BALL
@@ -92,24 +90,21 @@ def empty_outcome(count: int, agents: int) -> Outcome:
 
 
 @kernel(parallel=True)
-def step_batch(batch, actions, outcome, seen, final, settings, code):
-    """Step N matches of a program with actions `[N, A]`; an ended one starts again from its row of `batch.starts`.
-
-    What the agents see goes into the View `seen`, what they saw last of an episode that ended into the View `final`.
-    """
+def step_batch(batch, actions, outcome, seen, settings, code):
+    """Step N matches of a program with actions `[N, A]`; what the agents see goes into the View `seen`."""
     for index in prange(len(batch.matches)):
         # One call: Numba's parallel pass reorders the statements of a loop body, and does not see that they share
         # the record.
-        _step_row(batch, actions, outcome, seen, final, settings, code, np.int64(index))  # prange counts unsigned
+        _step_row(batch, actions, outcome, seen, settings, code, np.int64(index))  # prange counts unsigned
 
 
 @kernel(inline=True)
-def _step_row(batch, actions, outcome, seen, final, settings, code, index):
-    """Step, reward, observe and if need be restart one match."""
+def _step_row(batch, actions, outcome, seen, settings, code, index):
+    """Step, reward and observe one match."""
     if open_row(batch, actions, settings, code, index):
         play(batch.matches[index])
         watch_row(batch, settings, code, index)
-    close_row(batch, outcome, seen, final, settings, index)
+    close_row(batch, outcome, seen, settings, index)
 
 
 @kernel(inline=True)
@@ -160,8 +155,8 @@ def watch_row(batch, settings, code, index):
 
 
 @kernel(inline=True)
-def close_row(batch, outcome, seen, final, settings, index):
-    """Reward, observe and if need be restart a match, whether it was to be played or not."""
+def close_row(batch, outcome, seen, settings, index):
+    """Reward and observe a match, whether it was to be played or not."""
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
@@ -179,45 +174,20 @@ def close_row(batch, outcome, seen, final, settings, index):
     outcome.ended[index] = match.ended
     outcome.faults[index] = match.fault
     remember_minimap(batch, index, settings.observation)
-    if match.terminated or match.truncated:
-        observe(batch, index, final, settings.observation)
-        if settings.restart and match.fault == NO_FAULT:  # a fault is reported first
-            restart(batch, settings, index)
     observe(batch, index, seen, settings.observation)
 
 
 @kernel
-def restart(batch, settings, index):
-    """Start the next episode on the same level; its random stream goes on where the last one stopped."""
-    stream = batch.matches[index].random
-    put_at_start(batch, index)
-    if not settings.deterministic:
-        batch.matches[index].random = stream
-    begin_episode(batch, index, settings)
-
-
-@kernel
-def put_at_start(batch, index):
-    """Make match number `index` what it starts from."""
-    batch.matches[index] = batch.starts[index]
-    for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
-        batch.registers[index, register] = batch.start_registers[index, register]
-
-
-@kernel
 def begin(batch, where, settings):
-    """Put the matches `where` (indices `[k]`) at their start."""
+    """Put the matches `where` (indices `[k]`) at their start, with the luck of the stream that this holds."""
     for index in where:
-        put_at_start(batch, index)
-        begin_episode(batch, index, settings)
-
-
-@kernel
-def begin_episode(batch, index, settings):
-    """Draw what differs from episode to episode: the engine, and in what movement the whistle finds everybody."""
-    vary_engine(batch.matches[index])
-    take_stance(batch.matches[index])
-    remember_minimap(batch, index, settings.observation)
+        batch.matches[index] = batch.starts[index]
+        for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
+            batch.registers[index, register] = batch.start_registers[index, register]
+        # What differs from episode to episode: the engine, and in what movement the whistle finds everybody.
+        vary_engine(batch.matches[index])
+        take_stance(batch.matches[index])
+        remember_minimap(batch, index, settings.observation)
 
 
 @kernel

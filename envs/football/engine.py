@@ -1,8 +1,7 @@
 """What plays the matches of a batch: our own simulator, or another engine behind the same few calls.
 
-An engine begins matches, moves all of them on by a step, and starts them again; what it finds goes into `Batch` and
-`Outcome`, so that whoever calls it need not know which one it is. Read next: `batch`;
-`regista.envs.grf.engine`, the other one.
+An engine begins matches and moves all of them on by a step; what it finds goes into `Batch` and `Outcome`, so that
+whoever calls it need not know which one it is. Read next: `batch`; `regista.envs.grf.engine`, the other one.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from typing import Any, Protocol
 import numba
 import numpy as np
 
-from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, restart, step_batch
+from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, step_batch
 from regista.envs.football.observation.observe import View
 from scenic_lite.dynamics.machine.bytecode import Code
 
@@ -20,17 +19,10 @@ from scenic_lite.dynamics.machine.bytecode import Code
 class Engine(Protocol):
     """What a batch of matches needs of whatever plays it."""
 
-    restarts: bool  # `step` itself starts ended matches again where the settings say so
-
     def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
         """Put the matches `where` (indices `[k]`) at the start that `batch.starts` holds."""
 
-    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
-        """Begin the next episode of the matches `where` on the same level, with new luck."""
-
-    def step(
-        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
-    ) -> None:
+    def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on with actions `[N, A]`, as `batch.step_batch`."""
 
     def get_state(self) -> dict[str, np.ndarray]:
@@ -46,8 +38,6 @@ class Engine(Protocol):
 class Simulator:
     """Our own simulator: everything that changes stands in the batch."""
 
-    restarts = True
-
     def __init__(self, code: Code) -> None:
         self._code = code
         self._compiled: Any = None  # `step_batch` for arrays of these types
@@ -59,20 +49,13 @@ class Simulator:
         """Put the matches `where` at their start."""
         begin(batch, where, settings)
 
-    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
-        """Begin the next episode of the matches `where`."""
-        for index in where:
-            restart(batch, settings, index)
-
-    def step(
-        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
-    ) -> None:
+    def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on.
 
         Numba finds out the types of all arrays at every call, which takes longer than ten matches do: they stay what
         they are, so it is asked once.
         """
-        arguments = batch, actions, outcome, seen, final, settings, self._code
+        arguments = batch, actions, outcome, seen, settings, self._code
         if self._compiled is not None:
             self._compiled(*arguments)
             return

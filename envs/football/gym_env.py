@@ -67,16 +67,13 @@ class FootballEnv(gymnasium.Env):
             representation, rewards, control, right_control, dialect, engine=engine, grf_python=grf_python
         )
         self.batch = FootballVectorEnv(program, 1, config=config)
-        self.batch.keep_endings()
-        self._over = False
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
+        """Start a match; raises `ued.upomdp.ThetaError` for an invalid θ."""
         super().reset(seed=seed)
-        self._over = False
         options = options or {}
         if "theta" in options:
             observations, info = self.batch.reset(seed=seed, options={"theta": [options["theta"]]})
@@ -86,15 +83,13 @@ class FootballEnv(gymnasium.Env):
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play 0.1 s."""
-        observations, rewards, terminated, truncated, info = self.batch.step(np.array([action], np.int64))
-        self._over = over = bool(terminated[0] or truncated[0])
-        seen = self._first(info["final_obs"] if over else observations)
+        observations, rewards, terminated, truncated, info = self.batch.advance(np.array([action], np.int64))
         own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
         if self.batch.num_agents > 1:
             own["agent_rewards"] = info["agent_rewards"][0]
         if "records" in info:
             own["records"] = {name: values[0] for name, values in info["records"].items() if is_there(values[0])}
-        return seen, float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own
+        return self._first(observations), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own
 
     def reset_random(self) -> Any:
         """Draw all environment parameters at random and reset (thesis, section 4.2); gives the observation."""
@@ -106,7 +101,6 @@ class FootballEnv(gymnasium.Env):
 
     def reset_agent(self) -> Any:
         """Start a new episode on the same level; gives the observation."""
-        self._over = False
         return self._first(self.batch.reset_agent())
 
     def render(self) -> np.ndarray | None:
@@ -116,8 +110,7 @@ class FootballEnv(gymnasium.Env):
         """
         if not self.render_mode:
             return None
-        ended = self.batch.ended_matches
-        return draw_match((ended if self._over and ended is not None else self.batch.matches)[0])
+        return draw_match(self.batch.matches[0])
 
     def close(self) -> None:
         """Let go of what the engine holds."""
@@ -132,7 +125,6 @@ class FootballEnv(gymnasium.Env):
 
         Raises ValueError for a state of another match: see `FootballVectorEnv.set_state`.
         """
-        self._over = False
         return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:

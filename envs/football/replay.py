@@ -26,10 +26,11 @@ from scenic_lite import ScenicError
 
 KIND = "regista match record"
 LARGEST = 2**31  # bytes of a record, unpacked
-FORMAT = f"{KIND} 3"  # 2: before matches had engines of their own
+FORMAT = f"{KIND} 4"  # 3: before episodes had luck of their own
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
-_STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents", "levels")
-_ARRAYS = ("actions", "last", *_STATE)
+_STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
+_LEVELS = ("levels", "visits", "episodes")
+_ARRAYS = ("actions", "last", *_STATE, *_LEVELS)
 _OPTIONAL = ("scripted", "lengths")  # of demonstrations
 
 
@@ -99,11 +100,25 @@ class Recorder:
             raise ValueError("a record needs matches that play their level again; set env.next_levels = None")
         self.env, self._state = env, env.get_state()
         self._actions: list[np.ndarray] = []
+        self._single = False
+        self._lengths, self._over = np.zeros(env.num_envs, np.int64), np.zeros(env.num_envs, bool)
 
     def step(self, actions: Any) -> Any:
         """Step the environment; gives what `env.step` does."""
         result = self.env.step(actions)
         self._actions.append(np.array(actions, np.int64))
+        return result
+
+    def advance(self, actions: Any) -> Any:
+        """Step the environment and start no match again; gives what `env.advance` does.
+
+        The record is one of single episodes from then on: a match that has ended stands still when it is replayed.
+        """
+        result = self.env.advance(actions)
+        self._actions.append(np.array(actions, np.int64))
+        self._lengths += ~self._over
+        self._over |= result[2] | result[3]
+        self._single = True
         return result
 
     def record(self) -> Record:
@@ -114,7 +129,9 @@ class Recorder:
         program = self.env.program
         folder = program.mode.state.root  # of a program that was read from a file: its modules lie there
         file = "" if folder is None else str((folder / program.file).resolve())
-        return Record(program.source, file, self.env.config, self._state, actions, np.asarray(self.env.matches))
+        lengths = self._lengths if self._single else None
+        last = np.asarray(self.env.matches)
+        return Record(program.source, file, self.env.config, self._state, actions, last, lengths=lengths)
 
     def save(self, path: str | Path) -> None:
         """Write the record to a `.npz` file."""
@@ -195,26 +212,23 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
     """
     record = record if isinstance(record, Record) else load_record(record)
     env = record.make_env()
-    env.keep_endings()
     yield env.matches
     for step, actions in enumerate(record.actions):
         if record.lengths is not None:
             env.idle[:] = record.lengths <= step
         try:
-            _, _, terminated, truncated, _ = env.step(actions)
+            _, _, terminated, truncated, _ = env.advance(actions)
         except ValueError as error:
             raise RecordError(f"the record is damaged: {error}") from error
-        yield after_step(env, terminated | truncated) if endings else env.matches
+        if endings:
+            yield env.matches
+        ended = (terminated | truncated) & (record.lengths is None)
+        if ended.any():
+            env.play_again(ended)
+        if not endings:
+            yield env.matches
     if not same(env.matches, record.last):  # where an episode has ended, the next one's start
         raise RecordError("the matches came out differently than when they were recorded: by another simulator?")
-
-
-def after_step(env: FootballVectorEnv, ended: np.ndarray) -> np.ndarray:
-    """Return the matches as the last step left them, MATCH `[N]`, of an environment that keeps endings."""
-    matches = env.matches
-    if env.ended_matches is not None:
-        matches[ended] = env.ended_matches[ended]
-    return matches
 
 
 def same(first: np.ndarray, second: np.ndarray) -> bool:

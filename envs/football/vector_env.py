@@ -17,7 +17,6 @@ from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
 from regista.envs.football.engine import Engine, Simulator
 from regista.envs.football.limits import Limits, StateError
-from regista.envs.football.observation.observe import RAW
 from regista.envs.football.observation.observer import Observer
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.domain import FOOTBALL
@@ -26,7 +25,9 @@ from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from scenic_lite import Program, load
-from ued.upomdp import UPOMDP, check_count, check_theta, set_stream, whole
+from scenic_lite.kernels.rng import streams
+from ued.level_space import whole
+from ued.upomdp import UPOMDP, check_count
 
 
 class FootballVectorEnv(UPOMDP):
@@ -52,9 +53,11 @@ class FootballVectorEnv(UPOMDP):
     no number) where nothing was.
 
     Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
-    raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
+    raises ScenicError where the program fails at run time: that match begins its next episode, and the others have
     played their step. A UserWarning names each line that would fail so whenever a match came to it.
     """
+
+    seed_is_luck = True  # θ fixes the scene; what is drawn in a match, by the program too, is luck
 
     def __init__(
         self,
@@ -84,8 +87,6 @@ class FootballVectorEnv(UPOMDP):
         self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
             self.defending,
-            bool(self.lineup.config.deterministic),
-            self._engine.restarts and self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
             self.behaviors.is_live,
             self.lineup.object_to_player,
@@ -101,7 +102,6 @@ class FootballVectorEnv(UPOMDP):
         self._limits["minimap_agents"] = Limits.of_array(seen, dict.fromkeys(range(seen), WHO), self.lineup.counts)
         self._started = False
         self.scripted = False  # the program plays the agents' players: see `with_scripted_policy`
-        self.ended_matches: np.ndarray | None = None  # see `keep_endings`
 
     @property
     def matches(self) -> np.ndarray:
@@ -122,13 +122,6 @@ class FootballVectorEnv(UPOMDP):
     def observation_unit(self) -> np.ndarray | None:
         return self._observer.unit
 
-    def keep_endings(self) -> None:
-        """Keep in `ended_matches`, from now on, all matches as the last step left them in which one ended, MATCH `[N]`.
-
-        What ended has started again in `matches`; whoever draws a match wants to see the goal.
-        """
-        self._settings = self._settings._replace(restart=False)
-
     def _playable(self, levels: np.ndarray) -> np.ndarray:
         return self._starts.rows(levels, self.upcoming) != INVALID
 
@@ -140,33 +133,37 @@ class FootballVectorEnv(UPOMDP):
         batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
         whole(batch.starts)[where] = whole(self._starts.matches)[rows]
         batch.start_registers[where] = self._starts.registers[rows]
-        self._engine.begin(batch, where, self._settings)
-        self._started = True
+        self._begin(where)
         return self.observe()
 
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+    def play_again(self, where: np.ndarray | None = None) -> Any:
+        chosen = np.flatnonzero(self._mask(where))  # their starts are in the batch
+        self.episodes[chosen] += 1
+        self._begin(chosen)
+        return self.observe()
+
+    def _begin(self, where: np.ndarray) -> None:
+        """Begin episodes in the environments `where` `[k]`, whose starts are in the batch, with the luck of each."""
+        if not self.lineup.config.deterministic:
+            self._batch.starts["random"][where] = streams(self.luck_seeds(where))
+        self._engine.begin(self._batch, where, self._settings)
+        self._started = True
+
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         if not self._started:
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
-        out, seen, final = self._outcome, self._observer.room(self.num_envs), self._observer.room(self.num_envs)
+        out, seen = self._outcome, self._observer.room(self.num_envs)
         chosen = np.full_like(out.agent_actions, BY_PROGRAM) if self.scripted else self._checked(actions)
-        self._engine.step(self._batch, chosen, out, seen, final, self._settings)
+        self._engine.step(self._batch, chosen, out, seen, self._settings)
         if out.faults.any():
             self._report_faults()
-        ended = out.terminated | out.truncated
-        last = self._observer.read(final, self._batch.matches)
-        info = {"final_obs": last, "_final_obs": ended, "ended": out.ended.copy()}
-        info["success"] = out.success.astype(float)
+        info: dict[str, Any] = {"ended": out.ended.copy(), "success": out.success.astype(float)}
         if self.behaviors.sets_reward and not self.defending:
             info["success"][:] = np.nan  # what its program pays for is its success
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:
             info["records"] = self.behaviors.recorded(self._batch.registers)
-        if not self._settings.restart and ended.any():
-            self.ended_matches = self.matches
-            self._engine.restart(self._batch, np.flatnonzero(ended), self._settings)
-            seen = self._observer.room(self.num_envs)  # planes are drawn on nothing
-            observe_batch(self._batch, seen, self._settings)
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
@@ -203,13 +200,13 @@ class FootballVectorEnv(UPOMDP):
         return np.require(array.reshape(self.num_envs, self.num_agents), np.int64, ("C", "W"))
 
     def _report_faults(self) -> None:
-        """Put the matches that cannot go on back to their start, and raise the error of the first of them."""
+        """Begin the next episode of the matches that cannot go on, and raise the error of the first of them."""
         faulted = self._outcome.faults != NO_FAULT
         index, batch = int(np.flatnonzero(faulted)[0]), self._batch
         match, level = batch.matches[index], self.levels[index]
         where = f"match {index} of {self.num_envs}, step {match['step']}; its level: {level}"
         error = self.behaviors.error(match, batch.registers[index], where)
-        self._engine.restart(batch, np.flatnonzero(faulted), self._settings)
+        self.play_again(faulted)
         raise error
 
     def get_state(self) -> dict[str, Any]:
@@ -222,8 +219,7 @@ class FootballVectorEnv(UPOMDP):
             "start_registers": batch.start_registers.copy(),
             "minimap_places": batch.minimap_places.copy(),
             "minimap_agents": batch.minimap_agents.copy(),
-            "levels": self.levels.copy(),
-            "np_random": self.np_random.bit_generator.state,
+            **self.level_state(),
             **self._engine.get_state(),
         }
 
@@ -241,13 +237,11 @@ class FootballVectorEnv(UPOMDP):
             "start_registers": batch.start_registers,
             "minimap_places": batch.minimap_places,
             "minimap_agents": batch.minimap_agents,
-            "levels": self.levels,
         }
         check_state(state, pairs)
         for name, limits in self._limits.items():
             limits.check(state[name], name)
-        check_theta(state["levels"]["theta"], self.theta_dim)
-        set_stream(self.np_random, state.get("np_random"))
+        self.set_level_state(state)
         for name, array in pairs.items():
             bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
         self._engine.set_state(state, batch)
@@ -264,7 +258,7 @@ class FootballVectorEnv(UPOMDP):
         """
         twin = self.copy()
         twin.scripted = True
-        twin.reset_to_levels(self.levels)
+        twin.reset_to_levels(self.levels, None, self.visits)
         return twin
 
     def resized(self, num_envs: int) -> FootballVectorEnv:

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, restart
+from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
 from regista.envs.football.kick_off import MatchConfig
@@ -42,8 +42,6 @@ SETTINGS = (
 class GrfEngine:
     """N matches in Google Research Football. Raises GrfError where it is not installed."""
 
-    restarts = False
-
     def __init__(self, lineup: Lineup, behaviors: CompiledBehaviors, config: FootballConfig, count: int) -> None:
         self.lineup = lineup
         self._code = behaviors.code
@@ -64,15 +62,7 @@ class GrfEngine:
         begin(batch, where, settings)
         self._kick_off(batch, where, settings)
 
-    def restart(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
-        """Begin the next episode of the matches `where`."""
-        for index in where:
-            restart(batch, settings, index)
-        self._kick_off(batch, where, settings)
-
-    def step(
-        self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, final: View, settings: BatchSettings
-    ) -> None:
+    def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on."""
         playing = np.zeros(len(batch.matches), np.bool_)
         open_rows(batch, actions, settings, self._code, playing)
@@ -81,7 +71,7 @@ class GrfEngine:
         orders[:, self._rows] = batch.matches["players"]["action"][where, : len(self._rows)]
         observed = self._workers.play([self._played[int(index)] for index in where], orders)
         read_steps(batch, where, observed, self._controllers, settings, self._code)
-        close_rows(batch, outcome, seen, final, settings)
+        close_rows(batch, outcome, seen, settings)
 
     def get_state(self) -> dict[str, np.ndarray]:
         """Return the episodes as they have been played; the scenes are in `batch.starts`."""

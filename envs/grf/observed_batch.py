@@ -47,7 +47,7 @@ def read_steps(batch, where, observed, controllers, settings, code):
 
 
 @kernel
-def close_rows(batch, outcome, seen, final, settings):
+def close_rows(batch, outcome, seen, settings):
     """Reward and observe all matches."""
     for index in range(len(batch.matches)):
-        close_row(batch, outcome, seen, final, settings, index)
+        close_row(batch, outcome, seen, settings, index)

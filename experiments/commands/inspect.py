@@ -96,7 +96,7 @@ def main(argv: Sequence[str]) -> int:
 def inspect_task(config: InspectConfig) -> int:
     """Show a task of one's own: its parameters, levels drawn from it or the typed one, and their first frames."""
     from regista.experiments.pictures.task_view import describe_task, draw_task
-    from ued.upomdp import check_theta
+    from ued.level_space import check_theta
 
     scene = tasks.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
     upomdp = tasks.make_upomdp(scene, 1 if config.theta else config.n, config.seed)

@@ -57,7 +57,7 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{config.record}: a record ends in .npz")
     from regista.envs.football.config import FootballConfig
     from regista.envs.football.gym_env import ENDINGS
-    from regista.envs.football.replay import Recorder, after_step
+    from regista.envs.football.replay import Recorder
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
     try:
@@ -65,14 +65,13 @@ def main(argv: Sequence[str]) -> int:
     except ValueError as error:
         raise UsageError(str(error)) from error
     env = build.make_upomdp(program, 1, settings, config.seed, 1)
-    env.keep_endings()
     recorder, choose = Recorder(env), _player(config)
     observations, ended = env.observe(), 0
     moments = [env.matches[0]]
     while len(moments) <= config.steps and not ended:
-        observations, rewards, _, _, info = recorder.step(np.array([choose(observations)]))
+        observations, rewards, _, _, info = recorder.advance(np.array([choose(observations)]))
         ended = int(info["ended"][0])
-        moments.append(after_step(env, info["ended"] > 0)[0])
+        moments.append(env.matches[0])
     left, right = moments[-1]["score"]
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
     print(f"{len(moments) - 1} steps, {left} : {right}{end}")

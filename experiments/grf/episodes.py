@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from regista.envs.football.constants import DURATION, GOAL, OUT_OF_PLAY, POSSESSION, RUNNING, STEP
-from regista.envs.football.replay import after_step
 from regista.envs.football.vector_env import FootballVectorEnv
 
 if TYPE_CHECKING:
@@ -82,7 +81,6 @@ def play(
 
     `env` is reset.
     """
-    env.keep_endings()
     parts = [
         _play_batch(env, choose, levels[at : at + env.num_envs], steps, observed)
         for at in range(0, len(levels), env.num_envs)
@@ -142,9 +140,9 @@ def _play_batch(
         actions.append(_held(running, chosen, NO_ACTION))
         if observed:
             seen.append(_held(running, observation, np.nan).astype(np.float32))
-        observation, rewards, terminated, truncated, info = env.step(chosen)
+        observation, rewards, terminated, truncated, info = env.advance(chosen)
         over = (terminated | truncated) & running
-        now = _frame(after_step(env, over))
+        now = _frame(env.matches)
         frames.append([_held(running, new, old) for new, old in zip(now, frames[-1], strict=True)])
         returns[running] += rewards[running]
         lengths += running

@@ -74,13 +74,13 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
         env.idle[:] = ~running
         actions = idle_hands if choose is None else choose(observation)
         seen = observation
-        observation, rewards, terminated, truncated, info = env.step(actions)
+        observation, rewards, terminated, truncated, info = env.advance(actions)
         over = (terminated | truncated) & running
         steps.add(seen, info, rewards, terminated)
         returns[running] += rewards[running]
         ended = np.flatnonzero(over)
         if len(ended):
-            steps.end(ended, info["final_obs"])
+            steps.end(ended, observation)
             success[ended] = successes(info, ended, returns[ended])
         lengths += running
         running &= ~over

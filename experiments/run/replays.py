@@ -15,8 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
+from ued.level_space import level_dtype
 from ued.recorder.layout import ScenePainter
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import UPOMDP
 
 MAX_STEPS = 2_000  # of the episodes on one level
 STEP_SECONDS = 0.1  # of an environment that says nothing of it
@@ -29,7 +30,7 @@ class Replay:
     Attributes:
         update, id, turn: of the update that was based on the level, of the level, and of this playing of it.
         student: whose episodes they are.
-        level: the level, a record of `level_dtype(D)` `[1]`.
+        level: the level, a record of `level_dtype(D)` `[1]`; `turn` is the number of this visit of it.
         actions: `[T, ...]`, as the environment was given them.
         returns: of its episodes `[n]`, as they were.
     """
@@ -123,7 +124,7 @@ class Stage:
 
     def play(self, replay: Replay) -> Played:
         """Play a level's episodes again."""
-        self.env.reset_to_levels(replay.level)
+        self.env.reset_to_levels(replay.level, None, replay.turn)
         frames, begins, returns, total = [self._frame()], [0], list[float](), 0.0
         for action in replay.actions:
             _, reward, terminated, truncated, _ = self.env.step(np.asarray(action)[None])

@@ -49,7 +49,7 @@ class TaskScene:
 
     def theta(self, upomdp: UPOMDP) -> np.ndarray | None:
         """Return θ `[L, D]` of the levels of a test, None for random ones. Raises `CommandError` for none of it."""
-        from ued.upomdp import check_theta
+        from ued.level_space import check_theta
 
         if self.levels is None:
             return None

@@ -19,7 +19,7 @@ from regista.envs.football.gym_env import FootballEnv
 from regista.envs.football.observation.features import features_names
 from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
-from ued.upomdp import ThetaError
+from ued.level_space import ThetaError
 
 ROOT = Path(__file__).parent.parent.parent
 FREE = minigames.MINIGAMES["1v1Free"].program
@@ -92,7 +92,7 @@ def test_the_last_picture_of_an_episode_shows_its_end():
         *_, terminated, truncated, _ = env.step(SHOT)
         over = terminated or truncated
     end = env.render()
-    assert (end != start).any() and env.batch.ended_matches["ended"][0] > 0
+    assert (end != start).any() and env.batch.matches["ended"][0] > 0
     np.testing.assert_array_equal(env.batch.matches["step"], 0)
     env.reset_agent()
     assert (env.render() != end).any()

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
+from ued.level_space import level_dtype
 from ued.levels.batch import LevelBatch
 from ued.levels.record import level_record_dtype, make_records
-from ued.upomdp import UPOMDP, level_dtype
+from ued.upomdp import UPOMDP
 
 
 class ThetaColumn(NamedTuple):
@@ -35,22 +36,20 @@ class ProbeUPOMDP(UPOMDP):
     def _start(self, levels, where):
         return self.levels["theta"].astype(np.float32)
 
-    def _step(self, actions):
+    def _advance(self, actions):
         reward = (actions == (self.levels["theta"][:, 0] > 0)).astype(float)
         observation = self.levels["theta"].astype(np.float32)
         ended = np.ones(self.num_envs, bool)
-        info = {"final_obs": observation.copy(), "_final_obs": ended}
-        return observation, reward, ended, np.zeros(self.num_envs, bool), info
+        return observation, reward, ended, np.zeros(self.num_envs, bool), {}
 
     def resized(self, num_envs):
         return ProbeUPOMDP(num_envs)
 
     def get_state(self):
-        return {"levels": self.levels.copy(), "random": self.np_random.bit_generator.state}
+        return self.level_state()
 
     def set_state(self, state):
-        self.levels[:] = state["levels"]
-        self.np_random.bit_generator.state = state["random"]
+        self.set_level_state(state)
         return self.levels["theta"].astype(np.float32)
 
 

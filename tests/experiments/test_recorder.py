@@ -16,13 +16,13 @@ import pytest
 from regista.experiments.run.recording import RunRecorder, viewer_answers
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.config import BufferConfig
+from ued.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
 from ued.recorder.writer import Writer
-from ued.upomdp import level_dtype
 
 rerun = pytest.importorskip("rerun")
 ROOT = Path(__file__).resolve().parents[2]

@@ -6,8 +6,9 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from gymnasium.vector.utils import batch_space
 
+from ued.level_space import check_theta
 from ued.parameters import numbered
-from ued.upomdp import UPOMDP, check_theta
+from ued.upomdp import UPOMDP
 
 
 class Probe(UPOMDP):
@@ -37,23 +38,19 @@ class Probe(UPOMDP):
         self.sign[where] = self.stream.choice([-1.0, 1.0], len(where))
         return self.look()
 
-    def _step(self, actions):
+    def _advance(self, actions):
         reward, terminated, truncated = self.outcome(np.asarray(actions))
         self.t += 1
-        final = self.look()
-        ended = np.flatnonzero(terminated | truncated)
-        observations = self._start(self.levels[ended], ended)
-        return observations, reward, terminated, truncated, {"final_obs": final, "_final_obs": terminated | truncated}
+        return self.look(), reward, terminated, truncated, {}
 
     def get_state(self):
-        names = "t", "sign", "levels"
-        state = {name: getattr(self, name).copy() for name in names}
-        return state | {"np_random": self.np_random.bit_generator.state, "stream": self.stream.bit_generator.state}
+        state = {name: getattr(self, name).copy() for name in ("t", "sign")}
+        return {**self.level_state(), **state, "stream": self.stream.bit_generator.state}
 
     def set_state(self, state):
-        for name in ("t", "sign", "levels"):
+        self.set_level_state(state)
+        for name in ("t", "sign"):
             getattr(self, name)[:] = state[name]
-        self.np_random.bit_generator.state = state["np_random"]
         self.stream.bit_generator.state = state["stream"]
         return self.look()
 

@@ -18,9 +18,9 @@ from probes import Follow, Landscape
 from ued import checkpoint
 from ued.checkpoint import CheckpointError
 from ued.config import PairedConfig, PPOConfig
+from ued.level_space import level_dtype
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
-from ued.upomdp import level_dtype
 
 PPO = PPOConfig(num_steps=10, num_minibatches=2, hidden_size=8)
 NESTED = np.dtype([("ball", [("position", np.float64, (2,)), ("owner", np.int8)]), ("clock", np.uint64)], align=True)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ued.config import BufferConfig
+from ued.curriculum import ThetaSpace
+from ued.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
-from ued.upomdp import level_dtype
 
 
 def levels(*values):
@@ -16,7 +17,7 @@ def levels(*values):
 
 
 def buffer(**settings):
-    return LevelBuffer(level_dtype(1), BufferConfig(**{"capacity": 4, **settings}))
+    return LevelBuffer(ThetaSpace(1), BufferConfig(**{"capacity": 4, **settings}))
 
 
 def insert(to, values, scores, parent=NONE):

@@ -13,9 +13,9 @@ from regista.experiments.__main__ import main
 from tests.torture.calls import attack
 from ued import GymUPOMDP
 from ued.gym_upomdp import LevelError
+from ued.level_space import ThetaError
 from ued.parameters import Choice, Integer, LogRange, Range, ThetaMap
 from ued.probes import Frontier
-from ued.upomdp import ThetaError
 
 
 def make() -> Frontier:

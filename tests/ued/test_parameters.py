@@ -216,10 +216,10 @@ class Silent(UPOMDP):
     def _start(self, levels, where):
         return np.zeros((self.num_envs, 1), np.float32)
 
-    def _step(self, actions):
+    def _advance(self, actions):
         reward = (np.asarray(actions) == (self.levels["theta"][:, 0] > 0)).astype(float)
         over, seen = np.ones(self.num_envs, bool), np.zeros((self.num_envs, 1), np.float32)
-        return seen, reward, over, ~over, {"final_obs": seen, "_final_obs": over}
+        return seen, reward, over, ~over, {}
 
     def copy(self):
         return copy.deepcopy(self)

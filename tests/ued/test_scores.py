@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from ued.level_space import level_dtype
 from ued.levels.record import level_record_dtype, make_records
 from ued.levels.scores import population_regret, regret, score
-from ued.upomdp import level_dtype
 
 GAP = np.nan
 

@@ -2,8 +2,8 @@
 
 A turn is one playing of a level; a level that is replayed has several, and may have them at the same time.
 
-A level and its seed say all that an environment draws; with the actions they are the episode, bit for bit. Read next:
-`learning.worker`, which keeps a tape where somebody has asked for one.
+A level and the number of its turn, the visit, say all that an environment draws; with the actions they are the episode,
+bit for bit. Read next: `learning.worker`, which keeps a tape where somebody has asked for one.
 """
 
 from __future__ import annotations

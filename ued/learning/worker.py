@@ -76,7 +76,7 @@ class RolloutWorker(Resumable):
 
     def start(self, records: np.ndarray) -> None:
         """Begin an episode on the level of each of these records `[N]`."""
-        self.observation, _ = self.upomdp.reset_to_levels(records["level"])
+        self.observation, _ = self.upomdp.reset_to_levels(records["level"], None, records["turn"])
         self.training[:] = records["train"]
         if self.tape is not None:
             self.tape.begin(np.arange(len(records)), records["turn"])
@@ -105,18 +105,18 @@ class RolloutWorker(Resumable):
         if self.tape is not None:
             self.tape.note(actions)
         acted = perf_counter()
-        self.observation, reward, terminated, truncated, info = self.upomdp.step(actions)
+        self.observation, reward, terminated, truncated, info = self.upomdp.advance(actions)
         self.seconds["forward"] += acted - began
         self.seconds["sim"] += perf_counter() - acted
         rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.paid_apart else reward)
         rollout.terminated[t] = torch.as_tensor(terminated)
         rollout.truncated[t] = torch.as_tensor(truncated)
-        self._value_final_observations(t, truncated & ~terminated, info)
+        self._value_final_observations(t, truncated & ~terminated)
         self.returns += reward
         self.lengths += 1
         self.env_steps += self.upomdp.num_envs
-        ended = np.flatnonzero(terminated | truncated)
-        if len(ended):
+        ended = terminated | truncated
+        if ended.any():
             self._end_episodes(ended, info)
 
     def _act(self, t: int) -> np.ndarray:
@@ -128,15 +128,17 @@ class RolloutWorker(Resumable):
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
         return self.student.to_environment(action)
 
-    def _value_final_observations(self, t: int, cut: np.ndarray, info: dict[str, Any]) -> None:
+    def _value_final_observations(self, t: int, cut: np.ndarray) -> None:
         """Note what would have followed the episodes that were cut off in step t: bool `[N]`."""
         self.rollout.final_value[t] = 0.0
         if cut.any() and self.student is not None:
-            final = torch.as_tensor(np.asarray(info["final_obs"])[cut], dtype=torch.float32)
+            final = torch.as_tensor(np.asarray(self.observation)[cut], dtype=torch.float32)
             where = torch.as_tensor(cut)
             self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
-    def _end_episodes(self, ended: np.ndarray, info: dict[str, Any]) -> None:
+    def _end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
+        """Note the episodes that ended, bool `[N]`, and start others in their places."""
+        ended = np.flatnonzero(mask)
         returns = self.returns[ended]
         self._ended[0].extend(returns.tolist())
         self._ended[1].extend(self.lengths[ended].tolist())
@@ -146,16 +148,25 @@ class RolloutWorker(Resumable):
         began = perf_counter()
         success = np.asarray(info["success"], float)[ended] if "success" in info else np.full(len(ended), np.nan)
         envs, records = self.on_episode_end(ended, returns, success)
-        self.seconds["levels"] += perf_counter() - began
+        chosen = perf_counter()
+        self._start_episodes(mask, envs, records)
+        self.seconds["levels"] += chosen - began
+        self.seconds["sim"] += perf_counter() - chosen
+
+    def _start_episodes(self, ended: np.ndarray, envs: np.ndarray, records: np.ndarray) -> None:
+        """Start episodes where some ended, bool `[N]`: in `envs` `[c]` on new levels, elsewhere on the old ones."""
+        changing = np.zeros(self.upomdp.num_envs, bool)
+        changing[envs] = True
+        again = ended & ~changing
+        if again.any():
+            self.observation = self.upomdp.play_again(again)
         if len(envs):
-            began = perf_counter()
-            mask = np.zeros(self.upomdp.num_envs, bool)
-            mask[envs] = True
             self.training[envs] = records["train"]
             if self.tape is not None:
                 self.tape.begin(envs, records["turn"])
-            self.observation, _ = self.upomdp.reset_to_levels(records["level"][np.argsort(envs)], mask)
-            self.seconds["sim"] += perf_counter() - began
+            order = np.argsort(envs)
+            levels, visits = records["level"][order], records["turn"][order]
+            self.observation, _ = self.upomdp.reset_to_levels(levels, changing, visits)
 
     def finish(self) -> None:
         """Close the rollout: value what comes after its last step."""
@@ -181,8 +192,7 @@ class RolloutWorker(Resumable):
         """
         return super().state_dict() | {
             "upomdp": self.upomdp.get_state() if episodes else None,
-            "levels": self.upomdp.levels.copy(),
-            "np_random": self.upomdp.np_random.bit_generator.state,
+            **self.upomdp.level_state(),
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
@@ -193,8 +203,9 @@ class RolloutWorker(Resumable):
                 raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
         self._ended = [], []  # of an update that broke off
         if state["upomdp"] is None:
-            self.upomdp.np_random.bit_generator.state = state["np_random"]
-            self.observation, _ = self.upomdp.reset_to_levels(state["levels"])
+            self.upomdp.set_level_state(state)
+            numbers = state["visits"], state["episodes"]
+            self.observation, _ = self.upomdp.reset_to_levels(state["levels"], None, *numbers)
             self.returns[:], self.lengths[:], self.memory[:] = 0.0, 0, 0.0
         else:
             self.observation = self.upomdp.set_state(state["upomdp"])

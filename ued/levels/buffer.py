@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ued.config import BufferConfig, PLRConfig, RepairedConfig
+from ued.level_space import LevelSpace, level_dtype
 from ued.levels.ranking import Ranking
 from ued.levels.record import NONE, Origin, make_records, number
 from ued.resumable import Resumable
@@ -48,17 +49,17 @@ class LevelBuffer(Resumable):
     """At most `capacity` levels, the most worthwhile ones seen so far.
 
     Args:
-        level: the record of a level.
+        space: what levels there are.
         config: capacity, priorities, staleness.
     """
 
     state_fields = ("slots", "now", "next_id")
 
-    def __init__(self, level: np.dtype, config: BufferConfig) -> None:
-        self.config = config
-        self._slots = np.zeros(config.capacity, slot_dtype(level))
+    def __init__(self, space: LevelSpace, config: BufferConfig) -> None:
+        self.space, self.config = space, config
+        self._slots = np.zeros(config.capacity, slot_dtype(level_dtype(space.theta_dim)))
         self._count = 0
-        self._rows: dict[bytes, int] = {}  # which row holds a level, by its program and θ
+        self._rows: dict[bytes, int] = {}  # which row holds a level, by its key
         self._rows_by_id: dict[int, int] = {}
         self._score_weights: np.ndarray | None = None  # until a score changes
         self._by_rank = np.arange(1.0, config.capacity + 1) ** (-1 / config.temperature)
@@ -78,7 +79,7 @@ class LevelBuffer(Resumable):
     def slots(self, slots: np.ndarray) -> None:
         self._count = len(slots)
         self._slots[: self._count] = slots
-        self._rows = {_key(level): row for row, level in enumerate(slots["level"])}
+        self._rows = {self.space.key_of(level): row for row, level in enumerate(slots["level"])}
         self._rows_by_id = {number: row for row, number in enumerate(slots["id"].tolist())}
         self._score_weights, self._ranking = None, Ranking()
 
@@ -128,10 +129,9 @@ class LevelBuffer(Resumable):
         return rows
 
     def replay(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw `count` levels; return them as level records of this dtype, each with a new seed."""
+        """Draw `count` levels; return them as level records of this dtype: the very levels that were scored."""
         slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
         records = make_records(dtype, slots["level"], Origin.REPLAYED)
-        records["level"]["seed"] = rng.integers(0, 2**63, count, dtype=np.uint64)  # a level is its θ, not its luck
         records["id"] = slots["id"]
         return records
 
@@ -216,7 +216,7 @@ class LevelBuffer(Resumable):
         return rows
 
     def _is_kept(self, row: np.void) -> bool:
-        twin = self._rows.get(_key(row["level"]), NONE) if self.config.no_duplicates else NONE
+        twin = self._rows.get(self.space.key_of(row["level"]), NONE) if self.config.no_duplicates else NONE
         if twin == NONE:
             return False
         better = max(row["score"], self._slots["score"][twin])
@@ -234,22 +234,19 @@ class LevelBuffer(Resumable):
         return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
 
     def _put(self, place: int, row: np.void) -> bool:
-        if self.config.no_duplicates and _key(row["level"]) in self._rows:
+        key = self.space.key_of(row["level"])
+        if self.config.no_duplicates and key in self._rows:
             return False  # the same level twice in one call
         if place < self._count:
-            self._rows.pop(_key(self._slots["level"][place]), None)
+            self._rows.pop(self.space.key_of(self._slots["level"][place]), None)
             self._rows_by_id.pop(int(self._slots["id"][place]), None)
         self._slots[place] = row
         self._rows_by_id[int(row["id"])] = place
-        self._rows[_key(row["level"])] = place
+        self._rows[key] = place
         self._count = max(self._count, place + 1)
         self._score_weights = None
         self._rescored.add(place)
         return True
-
-
-def _key(level: np.void) -> bytes:
-    return level["program"].tobytes() + level["theta"].tobytes()
 
 
 def smallest(values: np.ndarray, count: int) -> np.ndarray:

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from ued.curriculum import Curriculum
+from ued.level_space import whole
 from ued.levels.record import NONE, number
 from ued.resumable import Resumable
-from ued.upomdp import whole
 
 # Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
 # of their number, for one request of many levels costs hardly more than one of one.

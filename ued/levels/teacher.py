@@ -10,12 +10,13 @@ import numpy as np
 
 from ued.config import TeacherConfig
 from ued.curriculum import LevelSpace, need_vector
+from ued.level_space import level_dtype, whole
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.parameters import categories_of
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP, level_dtype, whole
+from ued.upomdp import UPOMDP
 
 
 class Teacher(Resumable):

@@ -5,8 +5,9 @@
         else: replay a level and learn from it;
               edit a copy of it; look at that; offer it to the buffer
 
-An edit changes a few columns of θ, each as its kind is, and gives the level a new seed. A level at the edge of what the
-student can do has neighbours there, so curricula grow harder by small steps. Read next: `methods.paired`.
+An edit changes a few columns of θ, each as its kind is, and keeps the seed: a child differs from its parent by the edit
+alone. (Of levels that are `Seeds`, the seed is the column.) A level at the edge of what the student can do has
+neighbors there, so curricula grow harder by small steps. Read next: `methods.paired`.
 """
 
 from __future__ import annotations
@@ -96,6 +97,13 @@ class ACCELLevels(PLRLevels):
                 parents["level"]["theta"][open_], config.num_edits, config.edit_size, self.rng
             )
             valid = self.space.valid(theta) if len(theta) else np.zeros(0, bool)
-            children["level"][open_[valid]] = self.space.make_levels(theta[valid])
+            children["level"][open_[valid]] = self._children_of(parents["level"][open_[valid]], theta[valid])
             open_ = open_[~valid]
         return np.delete(children, open_)
+
+    def _children_of(self, parents: np.ndarray, theta: np.ndarray) -> np.ndarray:
+        """Return levels `[k]` of these θ with the seeds of their parents `[k]`."""
+        levels = self.space.make_levels(theta)
+        if self.space.seeds is None:
+            levels["seed"] = parents["seed"]
+        return levels

@@ -17,12 +17,12 @@ import numpy as np
 
 from ued.config import ALPGMMConfig
 from ued.curriculum import LevelSpace, RandomLevelPool, need_vector
+from ued.level_space import level_dtype
 from ued.levels.gaussian_mixture import GaussianMixture, aic, fit
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import level_dtype
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought

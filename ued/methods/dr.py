@@ -14,11 +14,11 @@ import numpy as np
 
 from ued.config import DRConfig
 from ued.curriculum import LevelSpace
+from ued.level_space import level_dtype
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import level_dtype
 
 
 class DR(Method):

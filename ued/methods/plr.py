@@ -16,13 +16,13 @@ import numpy as np
 
 from ued.config import PLRConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.level_space import level_dtype
 from ued.levels import scores
 from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import level_dtype
 
 
 class PLR(Method):
@@ -69,10 +69,10 @@ class PLRLevels(Resumable):
 
     def __init__(self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True) -> None:
         self.space, self.config, self.robust = space, config, robust
-        level = level_dtype(space.theta_dim)
         best = ("best", np.float64)  # the best return ever made on the level
+        level = level_dtype(space.theta_dim)
         self.dtype = level_record_dtype(level, episodes=config.episodes_per_level, extra=[best])
-        self.buffer = LevelBuffer(level, config.buffer)
+        self.buffer = LevelBuffer(space, config.buffer)
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
 

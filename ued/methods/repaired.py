@@ -23,7 +23,6 @@ from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.method import Method
 from ued.methods.paired import PairedLevels, add_students, has_antagonist, kl_target, paired_regret
-from ued.upomdp import level_dtype
 
 
 class Repaired(Method):
@@ -59,7 +58,7 @@ class RepairedLevels(PairedLevels):
 
     def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0) -> None:
         super().__init__(space, config, seed)
-        self.buffer = LevelBuffer(level_dtype(space.theta_dim), config.buffer)
+        self.buffer = LevelBuffer(space, config.buffer)
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:

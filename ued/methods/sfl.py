@@ -16,12 +16,12 @@ import numpy as np
 
 from ued.config import SFLConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
+from ued.level_space import level_dtype
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records, mean_played, solved
 from ued.method import Method
 from ued.resumable import Resumable
-from ued.upomdp import level_dtype
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
 
@@ -75,7 +75,6 @@ class SFLLevels(Resumable):
         new = make_records(self.dtype, self.pool.take(count - chosen))
         again = self.chosen[self.rng.integers(0, len(self.chosen), chosen)] if chosen else self.chosen[:0]
         replayed = make_records(self.dtype, again["level"], Origin.REPLAYED)
-        replayed["level"]["seed"] = self.rng.integers(0, 2**63, chosen, dtype=np.uint64)
         replayed["id"] = again["id"]
         records = np.concatenate([new, replayed])
         records["num_episodes"][candidates:] = 1

@@ -24,10 +24,10 @@ from scenic.core.lazy_eval import needsSampling
 from scenic.core.scenarios import Scene
 from scenic.core.utils import DefaultIdentityDict
 
+from ued.level_space import check_theta
 from ued.parameters import Choice, Integer, Range
 from ued.scenic3.columns import PRIMITIVES, ScenicColumn
 from ued.scenic3.names import Place, Places, object_names, primitive_names
-from ued.upomdp import check_theta
 
 COLOURS = ("*color*",)  # looks: excluded unless you say otherwise
 MOST_TRIES = 100  # scenes drawn for a θ with other seeds, before the one that made it valid is taken

@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 
 from ued.gym_upomdp import LevelError
+from ued.level_space import check_theta
 from ued.scenic3.episode import Episode, Role
 from ued.scenic3.program import ScenicProgram
-from ued.upomdp import UPOMDP, check_count, check_theta, set_stream
+from ued.upomdp import UPOMDP, check_count
 
 BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
 STEP_SECONDS = 30.0  # for each step
@@ -42,13 +43,16 @@ class Player:
         self.simulator: Any = None
         self.episode: Episode | None = None
 
-    def begin(self, theta: np.ndarray, seed: int, actions: Sequence[Any] = ()) -> Any:
-        """Play a level up to after these actions; return what is seen at the start, or the outcome of the last one."""
+    def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> Any:
+        """Play an episode of a level, with this seed of its luck, up to after these actions.
+
+        Returns what is seen at the start, or the outcome of the last action.
+        """
         if self.episode is not None:
             self.episode.close()
         if self.simulator is None:
             self.simulator = self.program.scenario.getSimulator()
-        self.episode = Episode(self.program.scene(theta, seed), self.simulator, self.role, seed)
+        self.episode = Episode(self.program.scene(theta, seed), self.simulator, self.role, luck)
         answer = self.episode.begin()
         for action in actions:
             answer = self.episode.step(action)
@@ -89,7 +93,7 @@ class Worker:
 
     def __init__(self, player: Player) -> None:
         self.player = player
-        self.theta, self.seed = np.zeros(0), 0
+        self.theta, self.seed, self.luck = np.zeros(0), 0, 0
         self.actions: list[Any] = []
         self._process: Any = None
         self._pipe: Connection | None = None
@@ -99,10 +103,10 @@ class Worker:
         """The number of the process; None: it has not begun."""
         return None if self._pipe is None else self._process.pid
 
-    def begin(self, theta: np.ndarray, seed: int, actions: Sequence[Any] = ()) -> None:
+    def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> None:
         """Ask for an episode, up to after these actions."""
-        self.theta, self.seed, self.actions = theta, seed, list(actions)
-        self._ask("begin", theta, seed, self.actions)
+        self.theta, self.seed, self.luck, self.actions = theta, seed, luck, list(actions)
+        self._ask("begin", theta, seed, luck, self.actions)
 
     def step(self, action: Any) -> None:
         """Ask for a step."""
@@ -120,7 +124,7 @@ class Worker:
             except WorkerGoneError as gone:
                 self.kill()
                 fate = str(gone)
-                self._ask("begin", self.theta, self.seed, self.actions)
+                self._ask("begin", self.theta, self.seed, self.luck, self.actions)
                 continue
             if well:
                 return answer
@@ -135,7 +139,7 @@ class Worker:
             well, answer = self._receive()
         except WorkerGoneError:
             self.kill()
-            self.begin(self.theta, self.seed, self.actions)
+            self.begin(self.theta, self.seed, self.luck, self.actions)
             self.answer()
             return self.render()
         if not well:
@@ -207,29 +211,27 @@ class ScenicUPOMDP(UPOMDP):
         return self.program.theta_of(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
-        for level, index in zip(levels, where, strict=True):
-            self.workers[index].begin(level["theta"].copy(), int(level["seed"]))
+        for level, luck, index in zip(levels, self.luck_seeds(where), where, strict=True):
+            self.workers[index].begin(level["theta"].copy(), int(level["seed"]), int(luck))
         for index in where:
             self._observations[index] = self.workers[index].answer()
         return self._observations.copy()
 
-    def _step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        for worker, action in zip(self.workers, actions, strict=True):
-            worker.step(action)
-        outcomes = [worker.answer() for worker in self.workers]
-        seen, rewards, terminated, truncated, told = zip(*outcomes, strict=True)
-        self._observations[:] = seen
-        ended = np.array(terminated) | np.array(truncated)  # [N]
-        info = {
-            "final_obs": self._observations.copy(),
-            "_final_obs": ended,
-            "success": np.array([float(each.get("success", np.nan)) for each in told]),
-        }
-        if ended.any():
-            info["ending"] = np.array([each.get("ending", "") for each in told], object)
-            if self.next_levels is None:  # who sets it begins other levels at once
-                self._start(self.levels[ended], np.flatnonzero(ended))
-        return self._observations.copy(), np.array(rewards), np.array(terminated), np.array(truncated), info
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        rewards, success = np.zeros(self.num_envs), np.full(self.num_envs, np.nan)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        endings = np.full(self.num_envs, "", object)
+        playing = np.flatnonzero(~self.idle)
+        for index in playing:
+            self.workers[index].step(actions[index])
+        for index in playing:
+            seen, rewards[index], terminated[index], truncated[index], told = self.workers[index].answer()
+            self._observations[index] = seen
+            success[index], endings[index] = float(told.get("success", np.nan)), told.get("ending", "")
+        info: dict[str, Any] = {"success": success}
+        if (terminated | truncated).any():
+            info["ending"] = endings
+        return self._observations.copy(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...]:
         """Return what each environment looks like from above, or as the role draws it."""
@@ -239,18 +241,14 @@ class ScenicUPOMDP(UPOMDP):
 
     def get_state(self) -> dict[str, Any]:
         """Return the levels and what has been played of them: repeating it is resuming."""
-        return {
-            "levels": self.levels.copy(),
-            "np_random": self.np_random.bit_generator.state,
-            "actions": [np.array(worker.actions) for worker in self.workers],
-        }
+        return {**self.level_state(), "actions": [np.array(worker.actions) for worker in self.workers]}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
-        self._check_state(state, "actions")
-        self.levels[:] = state["levels"]
-        set_stream(self.np_random, state["np_random"])
-        for worker, level, actions in zip(self.workers, self.levels, state["actions"], strict=True):
-            worker.begin(level["theta"].copy(), int(level["seed"]), list(actions))
+        self.set_level_state(state, "actions")
+        luck = self.luck_seeds(np.arange(self.num_envs))
+        rows = zip(self.workers, self.levels, luck, state["actions"], strict=True)
+        for worker, level, seed, actions in rows:
+            worker.begin(level["theta"].copy(), int(level["seed"]), int(seed), list(actions))
         for index, worker in enumerate(self.workers):
             answer = worker.answer()
             self._observations[index] = answer[0] if worker.actions else answer

@@ -20,7 +20,8 @@ INVALID = -1
 class Starts:
     """The starts of a block of levels: those that are wanted, and those that are said to come next.
 
-    A start depends on its level alone, so no number depends on which levels share a block.
+    A start depends on θ alone, so no number depends on which levels share a block. Its stream of random numbers is
+    for the environment to set: luck is new in every episode.
 
     Attributes:
         matches: MATCH `[B]` of the valid levels of the block; registers: `[B, R]`, of the program's behaviors.
@@ -47,9 +48,9 @@ class Starts:
         self._rows = dict.fromkeys(_keys(levels), INVALID)
         self._rows |= {key: row for row, key in enumerate(_keys(levels[valid]))}
         if len(valid):
-            self.matches = self._lineup.starts_of(scenes, valid, levels["seed"][valid])
+            self.matches = self._lineup.starts_of(scenes, valid, np.zeros(len(valid), np.uint64))
             self.registers = self._behaviors.registers(levels["theta"][valid])
 
 
 def _keys(levels: np.ndarray) -> list[bytes]:
-    return [level.tobytes() for level in levels]
+    return [theta.tobytes() for theta in levels["theta"]]
