@@ -233,7 +233,10 @@ class _Slot(_Levelled):
         self._last = None
         if options is None:  # a vector environment resets on its own account
             return self.env.reset(seed=seed)[0], {}
-        theta, seeds, luck = options["starts"]  # [N, D], [N], [N]
+        theta, seeds, luck, begins = options["starts"]  # [N, D], [N], [N], [N]
+        if not begins[self.index]:  # the first reset of a batch asks all
+            self._last = np.zeros(self.observation_space.shape, self.observation_space.dtype)
+            return self._last, {}
         start = Start(theta[self.index].copy(), int(seeds[self.index]), int(luck[self.index]))
         return self.begin(start, {})[0], {}
 
@@ -357,10 +360,11 @@ class GymUPOMDP(UPOMDP):
         return self.theta_map.theta(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
-        mask, luck = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, np.uint64)
-        mask[where], luck[where] = True, self.luck_seeds(where)
-        if mask.any():
-            starts = self.levels["theta"], self.levels["seed"], luck
+        begins, luck = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, np.uint64)
+        begins[where], luck[where] = True, self.luck_seeds(where)
+        if begins.any():
+            starts = self.levels["theta"], self.levels["seed"], luck, begins
+            mask = begins if self._observations is not None else np.ones(self.num_envs, bool)
             self._observations, _ = self.vector.reset(options={"reset_mask": mask, "starts": starts})
             self._check_finite("an observation", self._observations)
         return self._observations.copy()

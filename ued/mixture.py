@@ -146,6 +146,10 @@ class Mixture(UPOMDP):
 
     # ------------------------------------------------------------ state
 
+    @property
+    def gives_state(self) -> bool:
+        return all(member.gives_state for member in self.members)
+
     def get_state(self) -> dict[str, Any]:
         return {
             "members": [member.get_state() for member in self.members],

@@ -10,6 +10,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from regista.experiments.run import build
 from regista.experiments.run.baselines import make_baselines
 from regista.experiments.run.errors import DAMAGE, CommandError, refused
@@ -49,7 +51,10 @@ class EvalScenes:
         from ued.evaluation import evaluate
 
         scene, theta = self.scenes[label], self.theta.get(label)
-        levels = None if theta is None else scene.make_levels(theta)
+        if theta is None:
+            return evaluate(policy, scene, self.episodes, SEED)
+        scene.np_random = np.random.default_rng(SEED)
+        levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # a layout of its own in each episode
         return evaluate(policy, scene, self.episodes, SEED, levels)
 
     def play_random_levels(self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED) -> Evaluation:

@@ -16,6 +16,7 @@ import numpy as np
 from regista.experiments.run.errors import CommandError
 from ued.files import write_whole
 
+EXACT = "theta/"  # the beginning of the names of columns whose numbers are not cut
 WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers
 
 
@@ -46,15 +47,15 @@ class Table:
             raise cannot_write(self.path, error) from error
 
     def append_columns(self, columns: Mapping[str, np.ndarray]) -> None:
-        """Add rows that are given by column, `[R]` each, and flush them; real numbers are cut to 5 decimals.
+        """Add rows that are given by column, `[R]` each, and flush them.
 
-        Raises `CommandError` if the disk refuses, or where the table has other columns.
+        Real numbers are cut to 5 decimals, but for θ: a level is what its row says. Raises `CommandError` if the disk refuses, or where the table has other columns.
         """
         if self.columns and self.columns != list(columns):
             raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, and not {', '.join(columns)}")
         if not self.columns:
             self._widen(list(columns))
-        cells = [_spell_all(values) for values in columns.values()]
+        cells = [_spell_all(values, 5 if not name.startswith(EXACT) else None) for name, values in columns.items()]
         self._write("".join(",".join(row) + "\n" for row in zip(*cells, strict=True)))
 
     def until(self, update: int) -> list[str]:
@@ -143,11 +144,12 @@ def spell(value: Any) -> str:
     return str(value)
 
 
-def _spell_all(values: np.ndarray) -> list[str]:
-    """Write numbers or words `[R]` as cells: real numbers with 5 decimals at most, nothing for NaN."""
+def _spell_all(values: np.ndarray, decimals: int | None) -> list[str]:
+    """Write numbers or words `[R]` as cells: real numbers with so many decimals at most, nothing for NaN."""
     if values.dtype.kind != "f":
         return [_quote(str(value)) for value in values.tolist()]
-    rounded = np.round(values.astype(np.float64), 5) + 0.0  # no negative zero
+    numbers = values.astype(np.float64)
+    rounded = (numbers if decimals is None else np.round(numbers, decimals)) + 0.0  # no negative zero
     return ["" if value != value else repr(value).removesuffix(".0") for value in rounded.tolist()]
 
 

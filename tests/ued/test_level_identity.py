@@ -1,0 +1,389 @@
+"""A level is what was scored: every episode of it starts from the same layout, on every student and at every visit.
+
+The luck of an episode is the same for all students of a visit, and new in the next one. Asked of all methods on all
+adapters, through a kill and a resume.
+"""
+
+import hashlib
+import pickle
+from collections import defaultdict
+from functools import cache
+from typing import NamedTuple
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.spaces import Box, Discrete
+
+import ued
+from ued.curriculum import ThetaSpace
+from ued.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
+from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
+from ued.level_space import SEEDS, luck_seeds
+from ued.methods import METHODS
+from ued.methods.plr import PLRLevels
+from ued.mixture import Mixture
+from ued.parameters import Column, Range
+from ued.upomdp import UPOMDP
+
+PPO = ued.PPOConfig(num_steps=24, num_minibatches=1, update_epochs=1, hidden_size=8)
+BUFFER = ued.BufferConfig(capacity=12)
+SETTINGS = {
+    "minimax": ued.MinimaxConfig(adversary=ued.AdversaryConfig(min_batch=4)),
+    "paired": ued.PairedConfig(adversary=ued.AdversaryConfig(min_batch=4)),
+    "repaired": ued.RepairedConfig(adversary=ued.AdversaryConfig(min_batch=4), buffer=BUFFER),
+    "plr": ued.PLRConfig(buffer=BUFFER, episodes_per_level=2),
+    "robust_plr": ued.PLRConfig(buffer=BUFFER),
+    "accel": ued.ACCELConfig(buffer=BUFFER),
+    "sfl": ued.SFLConfig(candidates=6, candidate_episodes=2, chosen=3, choose_every=2),
+}
+
+
+class Rooms(gymnasium.Env):
+    """Draws its rooms when it is reset, its weather from a second seed, and chance while it is played."""
+
+    observation_space, action_space = Box(0, 1, (4,), np.float32), Discrete(2)
+    rooms = 1
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.t, self.luck = 0, (options or {}).get("weather")
+        self.layout = self.np_random.random(int(self.rooms) + 2)
+        return self._look(), {}
+
+    def step(self, action):
+        self.t += 1
+        chance = self.np_random.random()
+        return self._look(), float(chance < 0.5) * action, self.t >= 3 + 2 * int(action), False, {}
+
+    def _look(self):
+        return np.array([*self.layout[:3], self.t / 10], np.float32)
+
+
+def put(env, values):
+    env.unwrapped.rooms = values["rooms"]
+
+
+class Track(UPOMDP):
+    """A native batch: the track is drawn from the level's seed, the wind from the episode's luck."""
+
+    def __init__(self, num_envs=4):
+        super().__init__(num_envs, Box(-9, 9, (3,), np.float32), Discrete(2), [Column("bend", Range(0, 1))])
+        self.track, self.wind, self.t = np.zeros((num_envs, 2)), np.zeros(num_envs), np.zeros(num_envs, int)
+
+    def _start(self, levels, where):
+        for index, level, luck in zip(where, levels, self.luck_seeds(where), strict=True):
+            self.track[index] = np.random.default_rng(int(level["seed"])).random(2) + level["theta"][0]
+            self.wind[index], self.t[index] = np.random.default_rng(int(luck)).random(), 0
+        return self._look()
+
+    def _advance(self, actions):
+        self.t += 1
+        ended = self.t >= 3 + np.asarray(actions)
+        return self._look(), (self.wind > 0.5).astype(float), ended, np.zeros_like(ended), {}
+
+    def _look(self):
+        return np.column_stack([self.track, self.t]).astype(np.float32)
+
+    def get_state(self):
+        return {**self.level_state(), "track": self.track.copy(), "wind": self.wind.copy(), "t": self.t.copy()}
+
+    def set_state(self, state):
+        self.set_level_state(state, "track", "wind", "t")
+        self.track[:], self.wind[:], self.t[:] = state["track"], state["wind"], state["t"]
+        return self._look()
+
+    def copy(self):
+        twin = Track(self.num_envs)
+        twin.set_state(self.get_state())
+        return twin
+
+
+def rooms(num_envs=4, luck="weather", vectorization="sync"):
+    return GymUPOMDP(Rooms, put, {"rooms": ued.Integer(1, 6)}, num_envs, vectorization, luck=luck)
+
+
+def seeds(num_envs=4):
+    return GymUPOMDP(Rooms, None, ued.Seeds(9), num_envs, luck="weather")
+
+
+def mixture(num_envs=4):
+    return Mixture([rooms(num_envs), seeds(num_envs)], ["rooms", "seeds"])
+
+
+def football(num_envs=4):
+    from regista.envs.football.config import FootballConfig
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.minigames import MINIGAMES
+
+    return FootballVectorEnv(str(MINIGAMES["1v1Restricted"].program), num_envs, config=FootballConfig())
+
+
+ADAPTERS = {
+    "gymnasium": rooms,
+    "async": lambda: rooms(2, vectorization="async"),
+    "seeds": seeds,
+    "native": Track,
+    "mixture": mixture,
+    "football": football,
+}
+CASES = [
+    pytest.param(method, adapter, marks=[pytest.mark.slow] if adapter in ("async", "football") else [])
+    for method in METHODS
+    for adapter in ADAPTERS
+]
+
+
+class Start(NamedTuple):
+    """How an episode began."""
+
+    student: int
+    visit: int
+    episode: int
+    luck: int
+    layout: str
+
+
+class Watch:
+    """Notes how each episode begins in the environments of all learners of a method, by level."""
+
+    def __init__(self):
+        self.starts = defaultdict(list)
+
+    def over(self, method):
+        for student, learner in enumerate(method.learners):
+            self._over_one(student, learner.worker.upomdp)
+
+    def _over_one(self, student, upomdp):
+        start = upomdp._start
+        again = upomdp.play_again
+
+        def note(where, seen):
+            for index, luck in zip(where.tolist(), upomdp.luck_seeds(where).tolist(), strict=True):
+                key = upomdp.key_of(upomdp.levels[index])
+                numbers = student, int(upomdp.visits[index]), int(upomdp.episodes[index]), luck
+                self.starts[key].append(Start(*numbers, layout(upomdp, index, seen)))
+
+        def watched_start(levels, where):
+            seen = start(levels, where)
+            note(where, seen)
+            return seen
+
+        def watched_again(where=None):
+            seen = again(where)
+            if type(upomdp).play_again is not UPOMDP.play_again:  # which does not call `_start`
+                note(np.flatnonzero(upomdp._mask(where)), seen)
+            return seen
+
+        upomdp._start, upomdp.play_again = watched_start, watched_again
+
+
+def layout(upomdp, index, seen):
+    """Return a digest of all that an episode starts from, but for its luck."""
+    parts = [np.asarray(seen[index]).tobytes()]
+    if isinstance(upomdp, GymUPOMDP) and upomdp.vectorization == "sync":
+        env = upomdp.vector.envs[index].unwrapped
+        state = {name: value for name, value in vars(env).items() if name != "luck"}
+        parts.append(pickle.dumps(state))
+        assert env.luck == int(upomdp.luck_seeds(np.array([index]))[0])
+    if hasattr(upomdp, "matches"):  # of football: the stance in which the whistle finds a player is luck
+        players = upomdp.matches[index]["players"]
+        parts = [players[name].tobytes() for name in ("x", "y", "role", "team")]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
+
+
+@cache
+def trained(method, adapter, updates=6):
+    """Train, kill half-way and resume in environments of its own; return how all episodes began."""
+    watch, settings = Watch(), SETTINGS.get(method)
+    first = METHODS[method].load()(ADAPTERS[adapter](), PPO, settings, seed=3)
+    watch.over(first)
+    for _ in range(updates):
+        first.update()
+    state = pickle.loads(pickle.dumps(first.state_dict(episodes=first.upomdp.gives_state)))
+    second = METHODS[method].load()(ADAPTERS[adapter](), PPO, settings, seed=3)
+    watch.over(second)
+    second.load_state_dict(state)
+    for _ in range(updates):
+        second.update()
+    for each in (first, second):
+        for learner in each.learners:
+            learner.worker.upomdp.close()
+    return watch.starts
+
+
+@pytest.mark.parametrize(("method", "adapter"), CASES)
+def test_every_episode_of_a_level_starts_alike(method, adapter):
+    starts = trained(method, adapter)
+    assert all(len({start.layout for start in of_level}) == 1 for of_level in starts.values())
+    replayed = max(len({start.visit for start in of_level}) for of_level in starts.values())
+    if method in ("plr", "robust_plr", "accel", "sfl", "repaired"):
+        assert replayed > 2, "no level was visited again, so that this test says nothing"
+
+
+@pytest.mark.parametrize(("method", "adapter"), CASES)
+def test_luck_is_the_same_for_all_students_and_new_otherwise(method, adapter):
+    starts, episodes, students = trained(method, adapter), 0, 0
+    for of_level in starts.values():
+        lucks = defaultdict(set)
+        for start in of_level:
+            lucks[start.visit, start.episode].add(start.luck)
+            episodes, students = max(episodes, start.episode), max(students, start.student)
+        assert all(len(luck) == 1 for luck in lucks.values())
+        assert len(set.union(*lucks.values())) == len(lucks), "an episode has the luck of another"
+    if method in ("paired", "paired_literal", "repaired"):
+        assert students == 1 and episodes >= 1
+
+
+def test_an_edited_level_keeps_the_seed_of_its_parent():
+    method = METHODS["accel"].load()(rooms(), PPO, SETTINGS["accel"], seed=0)
+    parents, children = {}, []
+    for _ in range(12):
+        method.update()
+        for record in method.last.records:
+            parents[int(record["id"])] = record["level"].copy()
+            children += [record.copy()] if record["parent"] >= 0 else []
+    known = [child for child in children if int(child["parent"]) in parents]
+    assert known
+    for child in known:
+        parent = parents[int(child["parent"])]
+        assert child["level"]["seed"] == parent["seed"] and (child["level"]["theta"] != parent["theta"]).any()
+
+
+def test_a_buffer_tells_levels_of_one_theta_apart_by_their_layouts():
+    method = METHODS["plr"].load()(rooms(), PPO, ued.PLRConfig(buffer=ued.BufferConfig(capacity=64)), seed=0)
+    for _ in range(12):
+        method.update()
+    levels = method.buffer.slots["level"]
+    assert len(np.unique(levels["seed"])) == len(levels) > len(np.unique(levels["theta"]))
+    luck = GymUPOMDP(Rooms, put, {"rooms": ued.Integer(1, 6)}, 4, luck=True)
+    method = METHODS["plr"].load()(luck, PPO, ued.PLRConfig(buffer=ued.BufferConfig(capacity=64)), seed=0)
+    for _ in range(12):
+        method.update()
+    assert len(method.buffer) == 6
+
+
+# ---------------------------------------------------------------- what an environment is given
+
+
+class Given(Rooms):
+    """Notes what its reset is given."""
+
+    calls: list = []  # noqa: RUF012
+
+    def reset(self, *, seed=None, options=None):
+        Given.calls.append((seed, options))
+        return super().reset(seed=seed, options=options)
+
+
+def given(**settings):
+    Given.calls = []
+    batch = GymUPOMDP(Given, put, {"rooms": (1, 6)}, 1, **settings)
+    batch.reset(seed=0)
+    for _ in range(12):
+        batch.step(np.array([0]))
+    return batch, Given.calls
+
+
+def test_reset_is_given_the_seed_of_the_level_itself_in_every_episode():
+    batch, calls = given()
+    assert {seed for seed, _ in calls} == {int(batch.levels["seed"][0])} and len(calls) == 5
+    assert all(0 <= seed < SEEDS for seed, _ in calls)
+
+
+def test_luck_may_be_all_that_reset_draws_or_have_a_seed_of_its_own():
+    batch, calls = given(luck=True)
+    level = batch.levels["seed"][0]
+    assert [seed for seed, _ in calls] == [int(luck_seeds(level, 0, episode)) for episode in range(5)]
+    assert calls[0][0] == level and len({seed for seed, _ in calls}) == 5
+    batch, calls = given(luck="weather")
+    assert {seed for seed, _ in calls} == {int(batch.levels["seed"][0])}
+    lucks = [options["weather"] for _, options in calls]
+    assert len({*lucks, int(batch.levels["seed"][0])}) == 6
+    noted = []
+    batch, calls = given(luck=lambda env, seed: noted.append(seed))
+    assert len(set(noted)) == 5 and len({seed for seed, _ in calls}) == 1
+
+
+@pytest.mark.parametrize(("luck", "rule"), [("", True), (None, True), (3, True), (True, False)])
+def test_luck_that_is_none_is_refused(luck, rule):
+    with pytest.raises(ValueError, match="luck"):
+        GymUPOMDP(Rooms, put, {"rooms": (1, 6)}, 1, luck=luck, seed_episodes=rule)
+
+
+def test_seeds_are_levels():
+    batch = GymUPOMDP(Rooms, None, ued.Seeds(5, first=100), 4)
+    levels = batch.sample_levels(200)
+    assert set(levels["seed"].tolist()) == {100, 101, 102, 103, 104}
+    assert all(row["seed"] == seed for row, seed in zip(batch.describe(levels["theta"]), levels["seed"], strict=True))
+    assert batch.make_levels([batch.theta_of({"seed": 103})])["seed"].tolist() == [103]
+    for count, first in ((0, 0), (3, -1), (2**31, 1), (2.5, 0), (True, 0)):
+        with pytest.raises(ValueError, match="Seeds"):
+            ued.Seeds(count, first)
+
+
+@pytest.mark.parametrize("method", ["dr", "plr", "paired", "sfl", "accel"])
+def test_an_episode_costs_one_reset(method):
+    made = METHODS[method].load()(GymUPOMDP(Given, put, {"rooms": (1, 6)}, 4), PPO, SETTINGS.get(method), seed=0)
+    Given.calls, ended = [], 0
+    for _ in range(5):
+        made.update()
+        ended += sum(int(learner.worker.rollout.terminated.sum()) for learner in made.learners)
+    assert len(Given.calls) == ended > 50
+
+
+def test_an_evaluation_costs_one_reset_an_episode():
+    batch = GymUPOMDP(Given, put, {"rooms": (1, 6)}, 4)
+    student = METHODS["dr"].load()(batch, PPO, None, seed=0).student
+    tested = GymUPOMDP(Given, put, {"rooms": (1, 6)}, 4)
+    Given.calls = []
+    levels = tested.sample_levels(5)
+    played = ued.evaluate(student, tested, 40, 7, levels)
+    assert len(Given.calls) == 40 and played.env_steps == played.lengths.sum()
+    assert {seed for seed, _ in Given.calls} == set(levels["seed"].tolist())
+
+
+# ---------------------------------------------------------------- other people's trainers
+
+
+def test_a_wrapped_environment_plays_the_levels_of_a_curriculum():
+    Given.calls = []
+    curriculum = PLRLevels(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
+    env = CurriculumWrapper(UPOMDPWrapper(Given(), put, {"rooms": (1, 6)}, luck="weather"), CurriculumFeed(curriculum))
+    played = []
+    for _ in range(12):
+        env.reset(seed=5)
+        played.append(int(env.record["level"]["seed"][0]))
+        while not env.step(0)[2]:
+            pass
+    assert [seed for seed, _ in Given.calls] == played and len(set(played)) == 6
+    assert len({options["weather"] for _, options in Given.calls}) == 12
+
+
+def test_a_wrapped_environment_repeats_a_level():
+    env = UPOMDPWrapper(Rooms(), put, {"rooms": (1, 6)}, luck="weather")
+    seen, info = env.reset(seed=4)
+    again, told = env.reset(options={"level": env.level})
+    assert (seen == again).all() and told["level_seed"] == info["level_seed"] == 4
+    first = env.unwrapped.luck
+    assert (env.reset_agent() == seen).all() and env.unwrapped.luck != first
+    env.reset(options={"level": env.level, "visit": 1})
+    assert env.unwrapped.luck != first
+
+
+def test_stable_baselines_and_torchrl_play_levels_with_layouts():
+    stable = pytest.importorskip("stable_baselines3")
+    pytest.importorskip("torchrl")
+    from ued.sb3 import SB3VecEnv
+    from ued.torchrl import TorchRLEnv
+
+    batch = rooms()
+    pool = batch.sample_levels(3)
+    watch = Watch()
+    watch._over_one(0, batch)
+    batch.next_levels = lambda count: pool[np.random.default_rng(0).integers(0, 3, count)]
+    stable.PPO("MlpPolicy", SB3VecEnv(batch), n_steps=16, batch_size=32, seed=0).learn(128)
+    TorchRLEnv(batch).rollout(40, break_when_any_done=False)
+    assert all(len({start.layout for start in of_level}) == 1 for of_level in watch.starts.values())
+    lucks = [start.luck for key in map(batch.key_of, pool) for start in watch.starts[key]]
+    assert len(lucks) == len(set(lucks)) > 20
