@@ -13,6 +13,7 @@ SHORT = {
     "choose_among_skills.py": ["--env-steps", "8192"],
     "with_torchrl.py": ["--env-steps", "512"],
     "maze.py": ["--env-steps", "4096"],
+    "multiroom.py": ["--env-steps", "4096"],
     "hopper.py": ["--env-steps", "4096", "--out", "run"],
     "highway.py": ["--env-steps", "512", "--out", "run"],
     "roads.py": ["--env-steps", "512", "--out", "run"],
@@ -25,6 +26,7 @@ SAYS = {
     "choose_among_skills.py": "ChoosePassing",
     "with_torchrl.py": "512 env_steps",
     "maze.py": "4096 env_steps",
+    "multiroom.py": "of 100 solved",
     "hopper.py": "mars, loaded",
     "highway.py": "rush hour",
     "roads.py": "tight and busy",
@@ -34,6 +36,7 @@ SAYS = {
 
 
 NEEDS = {
+    "multiroom.py": "minigrid",
     "hopper.py": "mujoco",
     "highway.py": "highway_env",
     "roads.py": "metadrive",

@@ -138,9 +138,12 @@ class LevelSpace:
         return levels
 
     def key_of(self, level: np.void) -> bytes:
-        """Return what tells a level from all others: its program and θ, and its seed, unless that is luck."""
+        """Return what tells a level from all others: its program and θ, and its seed.
+
+        Not the seed where it is luck, nor of a family, whose code says all of a level.
+        """
         key = level["program"].tobytes() + level["theta"].tobytes()
-        return key if self.seed_is_luck else key + level["seed"].tobytes()
+        return key if self.seed_is_luck or self.family is not None else key + level["seed"].tobytes()
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Draw valid levels uniformly (domain randomization): `[count]` of `level_dtype(D)`."""

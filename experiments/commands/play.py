@@ -1,8 +1,9 @@
-"""`regista play`: play one match of a program, and keep it as a film or as a record that can be replayed.
+"""`regista play`: play one match of a program, or a level of a run, and keep it as a film or as a record.
 
     regista play 3v2FourBehaviors --video match.gif
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
+    regista play --level runs/paired --id 1234                     # the level of this number in the run's levels.csv
 
 Read next: `commands.replay`; `regista.envs.football.view.bot`, who plays unless told otherwise.
 """
@@ -27,8 +28,9 @@ from ued.files import write_whole
 
 if TYPE_CHECKING:
     from regista.envs.football.replay import Record
+    from regista.experiments.run.level_stage import LevelStage
 
-DESCRIPTION = "Play one match of a program, and write a film or a record of it."
+DESCRIPTION = "Play one match of a program, or a level that a run was trained on, and write a film or a record of it."
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,10 @@ class PlayConfig(Checked):
     player: Literal["bot", "random", "idle"] = setting("bot", "who moves the agents' players")
     control: str = setting("active", "left players that agents move: active, closest1 to closest3, all, a number, ...")
     steps: int = setting(600, "tenths of a second at most; the match may end sooner", ">=1")
-    seed: int = setting(0, "seed of the level and of chance", ">=0")
+    seed: int = setting(0, "seed of the level and of chance; with --level, of the player's chance alone", ">=0")
+    level: Path | None = setting(None, "play a level of this run folder, from its levels.csv, instead of a program")
+    id: int | None = setting(None, "the number of that level: column id")
+    turn: int | None = setting(None, "which visit of it, column turn, whose luck is played again; else the first one")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life", ">0")
     record: Path | None = setting(None, "write a record, .npz, for regista replay")
@@ -50,21 +55,40 @@ class PlayConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(PlayConfig(), argv, "play", DESCRIPTION)
-    if not config.program:
-        raise UsageError("play needs a program: a minigame's name or the path of a .scenic file")
+    if not config.program and config.level is None:
+        raise UsageError("play needs a program: a minigame's name or the path of a .scenic file; or --level RUN --id N")
+    if (config.id is None) != (config.level is None) or (config.program and config.level):
+        raise UsageError("a level of a run is named by --level RUN --id N, without a program")
     check_film_of(config.video)
     if config.record and config.record.suffix != ".npz":
         raise UsageError(f"{config.record}: a record ends in .npz")
+    if config.level is None:
+        return play_match(config, _match_of_program(config))
+    from regista.experiments.run.level_stage import LevelStage
+
+    assert config.id is not None
+    stage = LevelStage.of_run(config.level, config.id, config.turn, config.playing)
+    print(stage.describe())
+    return play_match(config, stage.env) if stage.is_football else _play_task(config, stage)
+
+
+def _match_of_program(config: PlayConfig) -> Any:
+    """Return a match of the program, on a random level."""
     from regista.envs.football.config import FootballConfig
-    from regista.envs.football.gym_env import ENDINGS
-    from regista.envs.football.replay import Recorder
 
     program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
     try:
         settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
     except ValueError as error:
         raise UsageError(str(error)) from error
-    env = build.make_upomdp(program, 1, settings, config.seed, 1)
+    return build.make_upomdp(program, 1, settings, config.seed, 1)
+
+
+def play_match(config: PlayConfig, env: Any) -> int:
+    """Play a match that stands at its start; print what came of it and write what is wanted of it."""
+    from regista.envs.football.gym_env import ENDINGS
+    from regista.envs.football.replay import Recorder
+
     recorder, choose = Recorder(env), _player(config)
     observations, ended = env.observe(), 0
     moments = [env.matches[0]]
@@ -79,6 +103,22 @@ def main(argv: Sequence[str]) -> int:
         _keep(recorder.record(), config.record)
     if config.video:
         film(config.video, moments, config.speed)
+    return 0
+
+
+def _play_task(config: PlayConfig, stage: LevelStage) -> int:
+    """Play an episode of an environment of one's own, by random actions or always the same; film what it renders."""
+    if config.record:
+        raise UsageError("--record keeps matches of football; of other environments there are films")
+    if config.video and stage.env.render_mode != "rgb_array":
+        raise UsageError("--video needs environments that are made with render_mode='rgb_array'")
+    played = stage.play(config.steps, config.seed, config.player == "idle")
+    player = "always the first action" if config.player == "idle" else "random actions"
+    print(f"{played.steps} steps by {player}, return {played.total:g}{', ended' * played.ended}")
+    if config.video:
+        from regista.envs.football.view.picture import write_video
+
+        write_video(config.video, played.frames, config.speed)
     return 0
 
 

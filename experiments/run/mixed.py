@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ued.level_space import level_dtype
 from ued.parameters import index_in
 
 if TYPE_CHECKING:
@@ -39,6 +40,14 @@ class MixedProgram:
         """Return the mixture in which this program is played in the place of number `index`, and no other."""
         others = self.programs[:index], self.programs[index + 1 :]
         return replace(self, programs=(*others[0], program, *others[1]), only=index)
+
+    def member_of(self, level: np.ndarray) -> tuple[Program, np.ndarray]:
+        """Return the program that a level `[1]` of the mixture is of, and the level as that program's own."""
+        theta = level["theta"][0]
+        program = self.programs[int(index_in(theta[0], len(self.programs)))]
+        own = np.zeros(1, level_dtype(program.dim))
+        own["seed"], own["theta"] = level["seed"], theta[1 : 1 + program.dim]
+        return program, own
 
 
 class MixedPainter:

@@ -49,7 +49,8 @@ class Table:
     def append_columns(self, columns: Mapping[str, np.ndarray]) -> None:
         """Add rows that are given by column, `[R]` each, and flush them.
 
-        Real numbers are cut to 5 decimals, but for θ: a level is what its row says. Raises `CommandError` if the disk refuses, or where the table has other columns.
+        Real numbers are cut to 5 decimals, but for θ: a level is what its row says. Raises `CommandError` if the disk
+        refuses, or where the table has other columns.
         """
         if self.columns and self.columns != list(columns):
             raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, and not {', '.join(columns)}")

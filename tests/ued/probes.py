@@ -18,6 +18,7 @@ class Probe(UPOMDP):
     """
 
     size, actions, dim = 1, 2, 0
+    seed_is_luck = True
 
     def __init__(self, num_envs=16):
         space = Box(-np.inf, np.inf, (self.size,), np.float32)

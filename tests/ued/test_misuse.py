@@ -166,7 +166,7 @@ def one() -> gymnasium.Env:
     [
         ("make_env must be a function", (one(), print, KINDS)),
         (r"make_env\(\) must return a gymnasium.Env, got None", (lambda: None, print, KINDS)),
-        ("apply must be a function", (one, None, KINDS)),
+        ("apply must be a function", (one, "length", KINDS)),
         ("theta must be a number of dimensions, a mapping", (one, print, ["length"])),
         ("valid must be a function", (one, print, KINDS, 2, "sync", "yes")),
     ],

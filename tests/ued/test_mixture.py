@@ -88,8 +88,8 @@ def test_each_environment_gets_the_rewards_of_its_program():
 class Defence(Choice):
     """What pays -1 is a failure, what pays nothing is none."""
 
-    def _step(self, actions):
-        observation, reward, *over, info = super()._step(actions)
+    def _advance(self, actions):
+        observation, reward, *over, info = super()._advance(actions)
         return observation, np.minimum(reward, 0.0), *over, info | {"success": (reward > 0).astype(float)}
 
 

@@ -76,7 +76,7 @@ class RolloutWorker(Resumable):
 
     def start(self, records: np.ndarray) -> None:
         """Begin an episode on the level of each of these records `[N]`."""
-        self.observation, _ = self.upomdp.reset_to_levels(records["level"], None, records["turn"])
+        self.observation, _ = self.upomdp.reset_to_levels(records["level"], None, visits_of(records))
         self.training[:] = records["train"]
         if self.tape is not None:
             self.tape.begin(np.arange(len(records)), records["turn"])
@@ -165,7 +165,7 @@ class RolloutWorker(Resumable):
             if self.tape is not None:
                 self.tape.begin(envs, records["turn"])
             order = np.argsort(envs)
-            levels, visits = records["level"][order], records["turn"][order]
+            levels, visits = records["level"][order], visits_of(records)[order]
             self.observation, _ = self.upomdp.reset_to_levels(levels, changing, visits)
 
     def finish(self) -> None:
@@ -209,6 +209,11 @@ class RolloutWorker(Resumable):
             self.returns[:], self.lengths[:], self.memory[:] = 0.0, 0, 0.0
         else:
             self.observation = self.upomdp.set_state(state["upomdp"])
+
+
+def visits_of(records: np.ndarray) -> np.ndarray:
+    """Return the numbers of these visits of levels `[k]`; 0 for records that nobody has numbered."""
+    return np.maximum(records["turn"], 0)
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:

@@ -29,7 +29,7 @@ def read_level(run: str | Path, id: int, turn: int | None = None) -> np.ndarray:
 
 
 def read_visit(run: str | Path, id: int, turn: int | None = None) -> tuple[np.ndarray, int]:
-    """Return a level as `read_level` does, and the number of the visit: the first one in the table if `turn` is None."""
+    """Return a level as `read_level` does, and the number of the visit; for None the first one in the table."""
     path = Path(run)
     path = path / "levels.csv" if path.is_dir() else path
     with open(path, newline="", encoding="utf-8") as file:

@@ -1,0 +1,103 @@
+"""A level of a run, as its levels.csv has it, in an environment that stands at its start.
+
+Read next: `ued.levels.table`, which reads the row; `commands.play`, which plays it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from regista.experiments.run import build
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.mixed import MixedProgram
+
+if TYPE_CHECKING:
+    from regista.experiments.run.config import EngineConfig
+
+
+class PlayedTask(NamedTuple):
+    """An episode: its steps and return, whether it came to its end, and what it looked like, if it was rendered."""
+
+    steps: int
+    total: float
+    ended: bool
+    frames: list[np.ndarray]
+
+
+@dataclass(frozen=True)
+class LevelStage:
+    """One environment at the start of a level.
+
+    Attributes:
+        env: the environment, of one.
+        level: the level, a record `[1]`; `visit`: the number of the visit whose luck it has.
+        is_football: whether `env` is a match.
+    """
+
+    env: Any
+    level: np.ndarray
+    visit: int
+    is_football: bool
+
+    @classmethod
+    def of_run(cls, path: Path, id: int, turn: int | None, playing: EngineConfig) -> LevelStage:
+        """Make the environment of a run and put it on a level of it.
+
+        Raises `CommandError` for a run without this level, or whose levels are of other environments by now.
+        """
+        from ued.levels.table import read_visit
+
+        run = RunFolder.open(path)
+        try:
+            level, visit = read_visit(path, id, turn)
+        except FileNotFoundError as error:
+            raise CommandError(f"{path} has no levels.csv: no update of it is over") from error
+        except (KeyError, ValueError) as error:
+            raise CommandError(str(error.args[0])) from error
+        program, football = build.load_scenes(run.config)[build.TRAINING_SCENE], build.is_football(run.config)
+        settings = None
+        if football:
+            try:
+                settings = playing.instead_of(replace(run.config.env, representation="raw"))
+            except ValueError as error:
+                raise UsageError(str(error)) from error
+        if isinstance(program, MixedProgram):
+            program, level = program.member_of(level)
+        env = build.make_upomdp(program, 1, settings, run.config.seed, 1)
+        if env.levels.dtype != level.dtype:
+            dims = env.theta_dim, level["theta"].shape[1]
+            raise CommandError(f"{path} has levels of {dims[1]} parameters, its environments {dims[0]}: it has changed")
+        _, info = env.reset_to_levels(level, None, visit)
+        if info["replaced"][0]:
+            raise CommandError(f"level {id} of {path} is no longer valid: its environments have changed")
+        return cls(env, level, visit, football)
+
+    def describe(self) -> str:
+        """Return the level in words: its seed, its visit, and what θ stands for."""
+        values = self.env.describe(self.level["theta"])[0]
+        spelled = ", ".join(
+            f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+            for name, value in values.items()
+        )
+        return f"seed {int(self.level['seed'][0])}, visit {self.visit}: {spelled or 'no parameters'}"
+
+    def play(self, steps: int, seed: int, idle: bool) -> PlayedTask:
+        """Play the episode for so many steps at most, by random actions, or always the same."""
+        space, total, ended = self.env.single_action_space, 0.0, False
+        space.seed(seed)
+        same, frames = space.sample(), [self._frame()]
+        while len(frames) <= steps and not ended:
+            action = np.zeros_like(same) if idle else space.sample()
+            _, reward, terminated, truncated, _ = self.env.advance(np.asarray(action)[None])
+            total, ended = total + float(reward[0]), bool(terminated[0] or truncated[0])
+            frames.append(self._frame())
+        return PlayedTask(len(frames) - 1, total, ended, [frame for frame in frames if frame is not None])
+
+    def _frame(self) -> np.ndarray | None:
+        images = self.env.render() if self.env.render_mode == "rgb_array" else None
+        return None if images is None else np.asarray(images[0], np.uint8)
