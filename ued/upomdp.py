@@ -108,6 +108,9 @@ class UPOMDP(LevelSpace, VectorEnv):
         action_space: gymnasium.Space,
         draws: Sequence[Parameter],
     ) -> None:
+        for name in ("_start", "_advance"):
+            if getattr(type(self), name) is getattr(UPOMDP, name):
+                raise TypeError(f"{type(self).__name__} must define {name}: see the class UPOMDP")
         check_count(num_envs)
         self.num_envs = num_envs
         self.single_observation_space = observation_space

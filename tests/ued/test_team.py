@@ -303,10 +303,10 @@ class Opponents(Roles):
     def __init__(self, num_envs=16):
         super().__init__(num_envs, agents=2)
 
-    def _step(self, actions):
+    def _advance(self, actions):
         follows = np.where((np.asarray(actions) == 1) == (self.sign[:, None] > 0), 1.0, -1.0)  # [N, A]
         own = follows - follows[:, ::-1]
-        observation, _, *over, info = super()._step(actions)
+        observation, _, *over, info = super()._advance(actions)
         return observation, own[:, 0], *over, info | {"agent_rewards": own}
 
 
