@@ -13,11 +13,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba.core import config
+import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
 ROOT = Path(__file__).resolve().parents[2]  # a checkout, or site-packages
 PACKAGES = ("regista", "scenic_lite")
+
+_config: Any = numba.config
 
 
 class _PlaceWithin(_CacheLocator):
@@ -26,14 +28,14 @@ class _PlaceWithin(_CacheLocator):
     def __init__(self, py_func: Any, py_file: str, within: Path) -> None:
         self._py_file = py_file
         self._line = py_func.__code__.co_firstlineno
-        self._folder = Path(config.CACHE_DIR) / ".".join(within.parent.parts)
+        self._folder = Path(_config.CACHE_DIR) / ".".join(within.parent.parts)
 
     @classmethod
     def from_function(cls, py_func: Callable, py_file: str) -> _PlaceWithin | None:
         """Return the place of a function, or None for a function that is not part of Regista: Numba then finds one."""
         path = Path(py_file)
         within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
-        if not config.CACHE_DIR or within.parts[:1] not in {(name,) for name in PACKAGES}:
+        if not _config.CACHE_DIR or within.parts[:1] not in {(name,) for name in PACKAGES}:
             return None
         place = cls(py_func, py_file, within)
         try:
@@ -57,8 +59,11 @@ def _digest(file: str) -> str:
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
 
+_PLACES: list[Any] = [_PlaceWithin, *CompileResultCacheImpl._locator_classes]
+
+
 class _KernelCacheImpl(CompileResultCacheImpl):
-    _locator_classes = [_PlaceWithin, *CompileResultCacheImpl._locator_classes]
+    _locator_classes = _PLACES
 
 
 class KernelCache(FunctionCache):
