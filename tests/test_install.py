@@ -70,7 +70,9 @@ def trained(python, project):
     words = ["train", GAME, "--method", "paired", *TINY, "--checkpoint-seconds", "0.001", "--out", str(folder)]
     script = python.with_name("regista")
     with open(project / "said.txt", "w") as said:
-        process = subprocess.Popen([script, *words], cwd=project, stdout=said, stderr=said, env={"PATH": "/usr/bin:/bin"})
+        process = subprocess.Popen(
+            [script, *words], cwd=project, stdout=said, stderr=said, env={"PATH": "/usr/bin:/bin"}
+        )
     until = time.monotonic() + 280
     while not (folder / "checkpoint.pt").exists():
         assert process.poll() is None and time.monotonic() < until, (project / "said.txt").read_text()
@@ -100,7 +102,9 @@ def test_a_run_is_evaluated(trained, regista):
 
 
 def test_methods_are_compared(regista, project):
-    regista("compare", GAME, "--methods", "dr", "plr", "--seeds", "1", "--processes", "1", *FEW, *SHORT, "--out", "both")
+    regista(
+        "compare", GAME, "--methods", "dr", "plr", "--seeds", "1", "--processes", "1", *FEW, *SHORT, "--out", "both"
+    )
     assert "plr" in (project / "both" / "table.md").read_text()
     assert (project / "both" / "plr-0" / "checkpoint.pt").exists()
 

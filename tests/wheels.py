@@ -39,7 +39,15 @@ def run(words: list[str | Path], folder: Path, **environment: str) -> subprocess
 
 def pip(*words: str | Path, folder: Path, python: Path | None = None) -> subprocess.CompletedProcess[str]:
     """Run pip without a network, for another Python if one is given."""
-    command = [sys.executable, "-m", "pip", *(["--python", python] if python else []), *words, "--no-index", "--no-deps"]
+    command = [
+        sys.executable,
+        "-m",
+        "pip",
+        *(["--python", python] if python else []),
+        *words,
+        "--no-index",
+        "--no-deps",
+    ]
     return run(command, folder, PIP_DISABLE_PIP_VERSION_CHECK="1")
 
 

@@ -298,6 +298,40 @@ def test_a_kernel_is_compiled_once_by_programs_that_begin_together(tmp_path: Pat
     assert sum(int(program.communicate(timeout=300)[0]) for program in programs) == 1
 
 
+MISSES = """
+import numpy as np
+from scenic_lite.kernels import jit, rng
+
+holder = np.zeros(1, [("random", "u8")]).view(np.recarray)[0]
+holder.random = rng.streams([3])[0]
+rng.uniform(holder)
+print(sum(rng.uniform.stats.cache_misses.values()), jit.ROOT)
+"""
+
+
+@pytest.mark.slow
+def test_equal_copies_of_regista_share_what_is_compiled(tmp_path: Path) -> None:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    misses = []
+    for copy in (tmp_path / "first", tmp_path / "second", tmp_path / "edited"):
+        shutil.copytree(jit.ROOT / "scenic_lite", copy / "scenic_lite")
+        if copy.name == "edited":
+            with (copy / "scenic_lite" / "kernels" / "rng.py").open("a") as source:
+                source.write("EDITED = 1\n")
+        command = [sys.executable, "-c", MISSES]
+        options = {
+            "env": environment | {"PYTHONPATH": str(copy)},
+            "cwd": tmp_path,
+            "capture_output": True,
+            "text": True,
+        }
+        told = subprocess.run(command, check=True, **options).stdout.split()
+        assert told[1] == str(copy)
+        misses.append(int(told[0]))
+    assert misses == [1, 0, 1]
+
+
 WITHOUT_LINKING = """
 import numba
 from scenic_lite.kernels import jit, rng
