@@ -95,12 +95,13 @@ def test_no_name_in_a_wheel_is_undefined(unpacked):
 IMPORTS = """
 import importlib, sys
 
+OURS = {"regista", "scenic_lite", "ued", "envs", "minigames", "experiments", ""}
 for name in sys.argv[1:]:
     try:
         importlib.import_module(name)
     except ImportError as error:
         cause = error.__cause__ or error  # of a message that says which extra to install
-        if (getattr(cause, "name", None) or "").partition(".")[0] in ("regista", "scenic_lite", "ued", "envs", "minigames", "experiments", ""):
+        if (getattr(cause, "name", None) or "").partition(".")[0] in OURS:
             print(name, repr(error))
 print("envs" in sys.modules, importlib.import_module("regista").__file__)
 """
