@@ -11,8 +11,8 @@ from setuptools import setup
 LINKS = {f"regista/{name}": f"../{name}" for name in ("envs", "minigames", "experiments")}
 LOST = """\
 Regista cannot be built from {root}: {links} must be symbolic links to {targets}, and are not. \
-Git on Windows and programs that unpack zip archives write a small file in place of a link. \
-In a clone, type `git config core.symlinks true`, then `git checkout -- regista` (on Windows: in developer mode). \
+Git on Windows and some programs that unpack zip archives write a small file in place of a link. \
+In a clone, run `git config core.symlinks true`, then `git checkout -- regista` (on Windows: in developer mode). \
 Instead of a zip archive, take a clone, a tar archive or `pip install git+URL`."""
 
 root = Path(__file__).resolve().parent
