@@ -18,7 +18,7 @@ def clone(folder: Path, *, links: bool = True) -> Path:
     """Write the files of the checkout into a folder, as `git clone` does; without `links`, as Git does on Windows."""
     words = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     names = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
-    for name in filter(None, names):
+    for name in filter(lambda name: name and os.path.lexists(ROOT / name), names):  # not those that are deleted
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if not (ROOT / name).is_symlink():
