@@ -1,4 +1,9 @@
-"""Environments of ours: football, Google Research Football behind the same interface, and a toy world.
+"""Regista's environments: football, Google Research Football behind the same interface, and a toy world.
 
-Imported as `regista.envs`, in a checkout, too. Read next: `football.vector_env`.
+Imported as `regista.envs`; `regista/envs` is a link to this folder. Read next: `football.vector_env`.
 """
+
+if __name__ == "envs":  # the root of a checkout is on `sys.path`
+    from regista.bare_names import lead_inside
+
+    lead_inside(__name__)

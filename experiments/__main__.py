@@ -1,4 +1,4 @@
-"""`regista COMMAND ...`, also as `python -m experiments COMMAND ...`.
+"""`regista COMMAND ...`, also as `python -m regista COMMAND ...`.
 
 Each command is a module with a frozen configuration and a `main(argv) -> int`; it is imported when it is called, so
 that `--help` does not wait for torch. Read next: `commands.train`.

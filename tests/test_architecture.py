@@ -15,7 +15,7 @@ import pytest
 from regista.experiments.__main__ import COMMANDS
 from tests.floors import FLOORS, ROOT, imported, modules, ringed, tree, upward
 
-OURS = ("scenic_lite", "ued", "envs", "minigames", "experiments")
+OURS = ("scenic_lite", "ued", "envs", "minigames", "experiments", "regista")
 STANDARD = set(sys.stdlib_module_names)
 
 # What each package may import beyond the standard library; `ued.upomdp` stands for the seam alone.
@@ -35,8 +35,12 @@ MAY_IMPORT = {
         "imageio_ffmpeg",
     },
     "minigames": {"minigames", "scenic_lite", "envs", "gymnasium"},
+    "regista": {"regista", "minigames", "experiments", "ued"},  # what lies in the folder itself, not behind its links
 }
 EXCEPTIONS = {
+    "envs/__init__.py": {"regista.bare_names"},
+    "minigames/__init__.py": {"minigames", "regista.bare_names"},
+    "regista/bare_names.py": set(),
     "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # it runs where nothing else of ours is
     "envs/football/parallel_env.py": {"envs", "scenic_lite", "ued.upomdp", "numpy", "gymnasium", "pettingzoo"},
     "ued/parameters.py": {"numpy"},
@@ -211,9 +215,9 @@ def test_functions_are_short():
 
 
 def test_the_language_stays_compact():
-    files = modules("scenic_lite").values()
+    files = [path for name, path in modules("scenic_lite").items() if not name.startswith("scenic_lite.kernels")]
     lines = sum(len(path.read_text().splitlines()) for path in files)
-    assert lines <= 19_000 and len(files) <= 95, f"{lines} lines in {len(files)} files"
+    assert lines <= 18_700 and len(files) <= 95, f"{lines} lines in {len(files)} files"
 
 
 def test_there_is_exactly_one_parallel_loop():

@@ -17,15 +17,17 @@ import pytest
 from tests.pages import ROOT, add_row, blocks, write
 
 PAGES = ("minigame", "simulator", "method")
-COPIED = ("experiments", "minigames", "tests", "ued", "examples", "pyproject.toml")
+COPIED = ("envs", "examples", "experiments", "minigames", "regista", "scenic_lite", "tests", "ued", "pyproject.toml")
 
 
 @pytest.fixture
 def checkout(tmp_path):
-    """Return a copy without the packages that have kernels: those are compiled once, for where they are."""
+    """Return a copy with its links; it loads the kernels that the checkout has compiled."""
     for name in COPIED:
-        copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
-        copy(ROOT / name, tmp_path / name)
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, tmp_path / name, symlinks=True)
+        else:
+            shutil.copy(ROOT / name, tmp_path / name)
     return tmp_path
 
 
@@ -52,7 +54,7 @@ def run(lines, folder):
         else:
             commands = [["-m", "pytest", "-p", "no:cacheprovider"] * (program == "pytest") + line for line in words]
         for command in commands:
-            environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), str(ROOT)]), "OMP_NUM_THREADS": "1"}
+            environment = os.environ | {"PYTHONPATH": str(folder), "OMP_NUM_THREADS": "1"}
             options = {"cwd": folder, "env": environment, "capture_output": True, "text": True, "timeout": 600}
             done = subprocess.run([sys.executable, *command], **options)
             assert done.returncode == 0, f"{words}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"

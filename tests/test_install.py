@@ -1,99 +1,157 @@
-"""What is built installs beside a project with an `envs` folder of its own, trains there, and compares."""
+"""An installed Regista does everything that it does in a checkout, beside a project with an `envs` folder of its own.
 
-import os
+Read next: `test_build`, what is installed.
+"""
+
+import csv
+import re
+import signal
 import subprocess
-import sys
-import tomllib
+import time
 from pathlib import Path
 
 import pytest
 
+from tests.wheels import ROOT, build_wheel, clone, install, run
+
 pytestmark = pytest.mark.slow
 
-ROOT = Path(__file__).parent.parent
 TASK = """
 import gymnasium
-import regista.envs.mine
+import envs.mine
 import ued
 
 def make(num_envs):
     return ued.GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), envs.mine.put, {"length": (0.2, 2.0)}, num_envs)
 """
 PUT = "def put(env, values):\n    env.unwrapped.length = values['length']\n"
-SHORT = ["--total-env-steps", "512", "--num-envs", "4", "--num-steps", "32", "--no-record", "--eval-every", "0"]
+FOREIGN = "raise AssertionError('Regista imported a folder of the user')\n"
+GAME = "1v1Restricted"
+TINY = ["--num-envs", "4", "--num-steps", "32"]
+SHORT = [*TINY, "--total-env-steps", "256", "--no-record", "--eval-every", "0"]
+FEW = ["--episodes", "2", "--levels", "0"]
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """Return a folder with what a wheel of ours holds, and nothing of the checkout."""
+def python(tmp_path_factory):
+    """Return the Python of an environment that has a wheel of this checkout."""
     folder = tmp_path_factory.mktemp("installed")
-    source = folder / "source"
-    source.mkdir()
-    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for name in filter(None, tracked.split("\0")):
-        if name.startswith("tests/") or not (ROOT / name).is_file():
-            continue
-        (source / name).parent.mkdir(parents=True, exist_ok=True)
-        (source / name).write_bytes((ROOT / name).read_bytes())
-    command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--target"]
-    done = subprocess.run([*command, str(folder / "site"), str(source)], capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return folder / "site"
+    return install(build_wheel(clone(folder / "clone"), folder / "wheel"), folder / "environment")
 
 
-def call(installed, folder, *words):
-    """Run Python in a folder, with what is installed before the checkout."""
-    environment = os.environ | {"PYTHONPATH": str(installed), "OMP_NUM_THREADS": "1", "NUMBA_DISABLE_JIT": "1"}
-    command = [sys.executable, *words]
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """Return a user's project, with folders of the names that Regista's have in its repository."""
+    folder = tmp_path_factory.mktemp("project")
+    for name, text in {"envs": "", "minigames": FOREIGN, "experiments": FOREIGN}.items():
+        (folder / name).mkdir()
+        (folder / name / "__init__.py").write_text(text)
+    (folder / "envs" / "mine.py").write_text(PUT)
+    (folder / "task.py").write_text(TASK)
+    return folder
 
 
-def test_nothing_of_ours_lies_at_the_top_but_what_others_import(installed):
-    assert {path.name for path in installed.iterdir() if path.suffix == "" and path.name != "bin"} == {
-        "regista",
-        "scenic_lite",
-        "ued",
-    }
-    assert (installed / "regista" / "envs" / "football" / "scenic" / "library").is_dir()
-    assert list((installed / "regista" / "minigames").rglob("*.scenic"))
+@pytest.fixture
+def regista(python, project):
+    """Return a function that runs a command in the project, whose folders come first on `sys.path`."""
+
+    def call(*words):
+        done = run([python, "-m", "regista", *words], project)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    return call
 
 
-def test_type_checkers_read_what_is_installed(installed):
-    """PEP 561: without its marker a package is `Any` to mypy and to editors."""
-    assert all((installed / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))
-    assert "from regista.experiments.calls import train" in (installed / "regista" / "__init__.py").read_text()
+@pytest.fixture(scope="module")
+def trained(python, project):
+    """Return a run that was killed after its first checkpoint, and resumed."""
+    folder = project / "runs" / "paired"
+    words = ["train", GAME, "--method", "paired", *TINY, "--checkpoint-seconds", "0.001", "--out", str(folder)]
+    script = python.with_name("regista")
+    with open(project / "said.txt", "w") as said:
+        process = subprocess.Popen(
+            [script, *words], cwd=project, stdout=said, stderr=said, env={"PATH": "/usr/bin:/bin"}
+        )
+    until = time.monotonic() + 280
+    while not (folder / "checkpoint.pt").exists():
+        assert process.poll() is None and time.monotonic() < until, (project / "said.txt").read_text()
+        time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    done = run([script, "train", "--resume", folder, "--total-env-steps", "4096"], project)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
 
 
-def test_it_trains_and_compares_beside_an_envs_of_yours(installed, tmp_path):
-    (tmp_path / "envs").mkdir()
-    (tmp_path / "envs" / "__init__.py").touch()
-    (tmp_path / "envs" / "mine.py").write_text(PUT)
-    (tmp_path / "task.py").write_text(TASK)
-    settings = ["--methods", "plr", "--seeds", "1", "--processes", "1", "--episodes", "4", "--levels", "0"]
-    done = call(installed, tmp_path, "-m", "regista", "compare", "task.py:make", *settings, *SHORT, "--out", "both")
-    assert done.returncode == 0, done.stderr
-    assert (tmp_path / "both" / "table.md").exists() and (tmp_path / "both" / "plr-0" / "checkpoint.pt").exists()
+def test_the_checkout_is_not_what_runs(python, project):
+    told = run([python, "-c", "import regista, sys; print(regista.__file__, *sys.path, sep='\\n')"], project).stdout
+    file, *places = told.splitlines()
+    assert Path(file).is_relative_to(python.parents[1]) and str(ROOT) not in places
 
 
-def test_football_is_found_inside_regista(installed, tmp_path):
-    told = call(
-        installed,
-        tmp_path,
-        "-c",
-        "import gymnasium, sys, regista, regista.envs.football.vector_env as football\n"
-        "env = gymnasium.make('regista:regista/1v1Free-v0'); env.reset(seed=0)\n"
-        "print(football.__file__, 'envs' in sys.modules)",
+def test_a_killed_run_is_resumed_and_recorded(trained):
+    with open(trained / "metrics.csv") as file:
+        steps = [int(float(row["env_steps"])) for row in csv.DictReader(file)]
+    assert steps == sorted(set(steps)) and steps[-1] >= 4096
+    assert (trained / "curriculum.rrd").stat().st_size > 10_000
+
+
+def test_a_run_is_evaluated(trained, regista):
+    assert "easy" in regista("evaluate", str(trained), *FEW)
+
+
+def test_methods_are_compared(regista, project):
+    regista(
+        "compare", GAME, "--methods", "dr", "plr", "--seeds", "1", "--processes", "1", *FEW, *SHORT, "--out", "both"
     )
-    assert told.returncode == 0, told.stderr
-    file, clash = told.stdout.split()
-    assert Path(file).is_relative_to(installed) and clash == "False"
+    assert "plr" in (project / "both" / "table.md").read_text()
+    assert (project / "both" / "plr-0" / "checkpoint.pt").exists()
 
 
-def test_the_core_needs_three_packages():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert [line.partition(">")[0] for line in project["dependencies"]] == ["gymnasium", "numpy", "torch"]
+def test_a_match_is_played_and_replayed(regista, project):
+    regista("play", GAME, "--steps", "20", "--video", "match.gif", "--record", "match.npz")
+    assert (project / "match.gif").stat().st_size > 1000
+    regista("replay", "match.npz", "--video", "again.gif")
+    assert (project / "again.gif").read_bytes() == (project / "match.gif").read_bytes()
 
 
-def test_the_version_is_told():
-    done = call(ROOT, ROOT, "-m", "regista", "--version")
-    assert done.stdout.startswith("regista ") and done.returncode == 0
+def test_a_program_is_inspected_and_all_are_listed(regista, project):
+    assert "6" in regista("inspect", GAME, "--png", "scenes.png")
+    assert (project / "scenes.png").stat().st_size > 1000
+    assert GAME in regista("list")
+
+
+def test_a_task_imports_the_envs_of_its_project(regista, project):
+    settings = ["--methods", "plr", "--seeds", "1", "--processes", "1", *FEW]
+    regista("compare", "task.py:make", *settings, *SHORT, "--out", "task")
+    assert (project / "task" / "table.md").exists() and (project / "task" / "plr-0" / "checkpoint.pt").exists()
+
+
+HELP = """
+import contextlib, io, sys
+from regista.experiments.__main__ import main
+
+for command in sys.argv[1:]:
+    shown = io.StringIO()
+    with contextlib.redirect_stdout(shown), contextlib.suppress(SystemExit):
+        main([command, "--help"])
+    print(command, shown.getvalue().startswith(f"usage: regista {command}"))
+"""
+
+
+def test_every_command_has_help(regista, python, project):
+    commands = re.findall(r"^  (\w+)  ", regista("--help"), re.M)
+    assert len(commands) >= 15
+    told = run([python, "-c", HELP, *commands], project)
+    assert told.stdout.splitlines() == [f"{command} True" for command in commands], told.stderr
+
+
+def test_gymnasium_makes_a_minigame(python, project):
+    code = "import gymnasium; print(gymnasium.make('regista:regista/1v1Free-v0').reset(seed=0)[0].shape)"
+    done = run([python, "-c", code], project)
+    assert done.stdout.startswith("("), done.stderr
+
+
+def test_the_version_is_told(regista):
+    assert re.fullmatch(r"regista \d+\.\d+\.\d+\n", regista("--version"))

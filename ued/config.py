@@ -1,7 +1,7 @@
 """What can be set about learning: frozen dataclasses whose fields carry their own help text.
 
-The command line is derived from such fields (`experiments.run.arguments`). No torch is needed here, so `--help` is
-quick. Read next: `learning.ppo` and `methods.dr`, which are configured by them.
+The command line is derived from such fields (`regista.experiments.run.arguments`). No torch is needed here, so
+`--help` is quick. Read next: `learning.ppo` and `methods.dr`, which are configured by them.
 """
 
 from __future__ import annotations

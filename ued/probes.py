@@ -1,7 +1,8 @@
 """Environments of known answers on which a method can be judged in seconds.
 
 `Frontier` is made so that domain randomisation wastes most of its steps: what can be learned next is a thin shell of
-levels that moves outward as the student learns. Read next: `experiments.commands.probe`, which compares methods on it.
+levels that moves outward as the student learns. Read next: `regista.experiments.commands.probe`, which compares methods
+on it.
 """
 
 from __future__ import annotations

@@ -26,7 +26,7 @@ DESCRIPTION = "Play a recorded match again, and check that it comes out as it di
 class ReplayConfig(Checked):
     """What is typed after `regista replay`."""
 
-    record: str = positional("a record: a .npz file of regista play, or of envs.football.replay.Recorder", default="")
+    record: str = positional("a record: a .npz file of regista play, or of regista.envs.football.replay", default="")
     match: int = setting(0, "which of the matches of the record is shown", ">=0")
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life", ">0")

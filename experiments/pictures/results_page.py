@@ -1,7 +1,7 @@
 """What a comparison leaves for a page of results: `page.md` in its folder, and the page that is made of such folders.
 
     regista compare 1v1Free --methods dr paired --seeds 5 --out runs/results
-    python -m experiments.pictures.results_page runs/results runs/probe
+    python -m regista.experiments.pictures.results_page runs/results runs/probe
 
 The second command puts each folder's page.md between two marks of RESULTS.md that name the folder, in the place of what
 was there, or at the end if nothing was; its pictures are copied to experiments/gallery. The rest of the page stays.
@@ -33,7 +33,7 @@ PICTURE = re.compile(r"!\[([^]]*)\]\(([^)/]+)\)")  # one in the folder itself
 
 @dataclass(frozen=True)
 class PageConfig:
-    """What is typed after `python -m experiments.pictures.results_page`."""
+    """What is typed after `python -m regista.experiments.pictures.results_page`."""
 
     folders: tuple[Path, ...] = positional("folders of comparisons", default=())
     into: Path = setting(Path("RESULTS.md"), "the page; it is made if there is none")

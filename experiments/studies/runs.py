@@ -24,7 +24,7 @@ STEPS = 1_000_000  # of a run, where a study knows of no better budget
 CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
 # Settings that may be typed where a study's own are to be kept
 BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
-HERE = Path(__file__).parent.parent
+HERE = Path(__file__).resolve().parent.parent  # of a checkout `experiments`, which `regista/experiments` is a link to
 LONGEST = 24 * 365.0  # hours, where nobody says how many
 
 

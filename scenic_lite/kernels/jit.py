@@ -27,8 +27,9 @@ from typing import Any
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import numba
+import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[2]  # a checkout, or site-packages
 PACKAGES = ("scenic_lite", "regista/envs")
 KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
 # Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
@@ -107,8 +108,13 @@ def sources() -> list[Path]:
 
 
 def digest() -> str:
-    """Name the present state of `sources()` in 16 hexadecimal digits."""
-    state = hashlib.sha256(f"{numba.__version__} {LINKING} {_numba_config.BOUNDSCHECK}".encode())
+    """Name the present state of `sources()`, and of what compiles them, in 16 hexadecimal digits.
+
+    A checkout and an installed package with the same sources have the same digest and share compiled kernels.
+    """
+    config = _numba_config
+    made_by = (numba.__version__, np.__version__, LINKING, config.BOUNDSCHECK, config.USING_SVML)
+    state = hashlib.sha256(" ".join(map(str, made_by)).encode())
     for path in sources():
         state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
     return state.hexdigest()[:16]

@@ -25,6 +25,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 from numba.core.types.functions import BaseFunction
 
+from scenic_lite.kernels.numba_cache import KernelCache
+
 # Stages for what no kernel has: contexts, closures, exceptions, expressions of arrays, functions to inline as source.
 NEEDLESS = {
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
@@ -183,6 +185,10 @@ class Kernel(CPUDispatcher):
     @property
     def _numba_type_(self) -> Any:
         return self._part._numba_type_
+
+    def enable_caching(self) -> None:
+        """Keep what is compiled where every copy of Regista with the same sources finds it."""
+        self._cache = KernelCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
         """Load or compile it; programs that begin together wait for the one that compiles, and load what it made."""

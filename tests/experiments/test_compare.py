@@ -294,7 +294,7 @@ def test_a_page_of_an_unfinished_comparison(tmp_path):
 @pytest.mark.slow
 def test_a_small_comparison_stopped_and_continued(tmp_path):
     folder = tmp_path / "demo"
-    command = [sys.executable, "-m", "experiments", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]
+    command = [sys.executable, "-m", "regista", "compare", "1v1Restricted", "--seeds", "1", "--out", str(folder)]
     command += ["--total-env-steps", "4096", "--num-envs", "8", "--num-steps", "64", "--hidden-size", "16"]
     command += ["--eval-every", "2500", "--eval-episodes", "2", "--episodes", "4", "--processes", "1"]
     command += ["--levels", "10", "--level-episodes", "2"]

@@ -73,7 +73,7 @@ def test_what_was_to_be_ignored_is_ignored():
 
 @pytest.mark.parametrize("words", [["train", "--help"], pytest.param(["inspect", "1v1Free"], marks=pytest.mark.slow)])
 def test_a_reader_that_has_gone_is_no_error(words):
-    command = [sys.executable, "-m", "experiments", *words]
+    command = [sys.executable, "-m", "regista", *words]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     process.stdout.close()
     said = process.stderr.read().decode()
@@ -83,7 +83,7 @@ def test_a_reader_that_has_gone_is_no_error(words):
 def test_a_terminal_that_has_gone_is_no_error():
     master, terminal = os.openpty()
     os.close(master)
-    command = [sys.executable, "-m", "experiments", "train", "--help"]
+    command = [sys.executable, "-m", "regista", "train", "--help"]
     ended = subprocess.run(command, cwd=ROOT, stdout=terminal, stderr=subprocess.PIPE)
     os.close(terminal)
     assert ended.returncode == 141 and ended.stderr == b""

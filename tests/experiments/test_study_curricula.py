@@ -13,6 +13,7 @@ from regista.experiments.studies.curricula import COMPARISONS
 from regista.experiments.studies.curricula_page import Game
 from regista.experiments.studies.measuring import HELD_OUT, THIRDS, thirds
 from regista.experiments.studies.runs import Places
+from tests.floors import ROOT
 from ued.evaluation import Evaluation
 from ued.statistics import Interval
 
@@ -121,6 +122,15 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
     assert game.gain_in_time("plr").estimate == pytest.approx(0.2875 - 0.3)  # at 11.5 s the slower one has not ended
     assert curricula_page.in_points(gain).startswith("**+40 [")
     assert curricula_page.in_points(Interval(0.1, -0.1, 0.3)) == "+10 [-10, +30]"
+
+
+def test_what_is_published_goes_into_the_repository():
+    places = Places.of(None, "RESULTS.md")
+    assert places.page.samefile(ROOT / "RESULTS.md")
+    assert places.pictures.samefile(ROOT / "experiments" / "gallery") and places.results.is_dir()
+    assert (
+        places.pictures.relative_to(places.page.parent).as_posix() == "experiments/gallery"
+    )  # as the page links to it
 
 
 def test_a_page_keeps_what_else_stands_on_it(tmp_path):

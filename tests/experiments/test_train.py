@@ -302,7 +302,7 @@ def test_an_open_run_is_locked(probe, tmp_path, capsys):
 
 def regista(*argv, **options):
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-m", "experiments", *argv]
+    command = [sys.executable, "-m", "regista", *argv]
     return subprocess.Popen(
         command, env=environment, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
     )

@@ -19,7 +19,7 @@ from numba.core.types.functions import BaseFunction
 
 from scenic_lite.kernels import jit
 from scenic_lite.kernels.rng import streams, uniform
-from tests.floors import imported, modules
+from tests.floors import imported, modules, own_name
 
 
 def cache_folder(tmp_path: Path, **environment: str) -> str:
@@ -101,28 +101,29 @@ def test_a_cache_that_a_program_may_use_just_now_stays(tmp_path: Path) -> None:
 
 def test_the_digest_follows_every_file_that_a_kernel_can_see(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for package in jit.PACKAGES:
-        (tmp_path / package).mkdir()
-    (tmp_path / "envs" / "numbers.py").write_text("G = 9.81\n")
-    (tmp_path / "envs" / "ball.py").write_text(
-        "from regista.envs.numbers import G\nfrom scenic_lite.kernels.jit import kernel\n"
-    )
-    (tmp_path / "envs" / "drawing.py").write_text("import math\n")
+        (tmp_path / package).mkdir(parents=True)
+    envs = tmp_path / "regista" / "envs"
+    (envs / "numbers.py").write_text("G = 9.81\n")
+    (envs / "ball.py").write_text("from regista.envs.numbers import G\nfrom scenic_lite.kernels.jit import kernel\n")
+    (envs / "drawing.py").write_text("import math\n")
     (tmp_path / "scenic_lite" / "kernels").mkdir()
     (tmp_path / "scenic_lite" / "kernels" / "jit.py").write_text("\n")
     monkeypatch.setattr(jit, "ROOT", tmp_path)
     before = jit.digest()
-    (tmp_path / "envs" / "drawing.py").write_text("import math, os\n")
+    (envs / "drawing.py").write_text("import math, os\n")
     assert jit.digest() == before
-    (tmp_path / "envs" / "numbers.py").write_text("G = 1.62\n")
+    (envs / "numbers.py").write_text("G = 1.62\n")
     assert jit.digest() != before
 
 
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a copy of all sources that kernels may stand in."""
+    """Return a copy of all sources that kernels may stand in, laid out as in a checkout: `regista/envs` is a link."""
     folder = tmp_path_factory.mktemp("copied")
-    for package in jit.PACKAGES:
-        shutil.copytree(jit.ROOT / package, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
+    for inside, package in {"scenic_lite": "scenic_lite", "regista/envs": "envs"}.items():
+        shutil.copytree(jit.ROOT / inside, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
+    (folder / "regista").mkdir()
+    (folder / "regista" / "envs").symlink_to("../envs")
     return folder
 
 
@@ -155,10 +156,16 @@ def test_an_edit_compiles_anew_only_what_compiled_code_can_see(
     assert (jit.digest() != before) == stale
 
 
+def covered() -> set[str]:
+    """Return the modules that the digest covers, by the names of their folders."""
+    return {own_name(str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".")) for path in jit.sources()}
+
+
 def test_the_digest_misses_no_import() -> None:
     """Sources are found by a pattern, for speed; here by Python's own parser, which also sees inside of functions."""
-    sources = {str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".") for path in jit.sources()}
-    ours = {name for package in jit.PACKAGES for name in modules(package)}
+    sources = covered()
+    ours = {own_name(name) for package in jit.PACKAGES for name in modules(package)}
+    assert "envs.football.simulator" in sources & ours
     for path in jit.sources():
         for name in imported(path):
             module = name if name in ours else name.rpartition(".")[0]
@@ -167,13 +174,13 @@ def test_the_digest_misses_no_import() -> None:
 
 @pytest.mark.parametrize("package", ["experiments", "tests"])
 def test_kernels_elsewhere_see_only_themselves_and_what_the_digest_covers(package: str) -> None:
-    covered = {str(path.relative_to(jit.ROOT).with_suffix("")).replace("/", ".") for path in jit.sources()}
+    known = covered()
     for path in modules(package).values():
         if "@kernel" not in path.read_text():
             continue
         tree = ast.parse(path.read_text())
         homes = {
-            name.asname or name.name: (f"{node.module}.{name.name}", str(node.module))
+            name.asname or name.name: (own_name(f"{node.module}.{name.name}"), own_name(str(node.module)))
             for node in ast.walk(tree)
             if isinstance(node, ast.ImportFrom)
             for name in node.names
@@ -184,7 +191,7 @@ def test_kernels_elsewhere_see_only_themselves_and_what_the_digest_covers(packag
             ):
                 seen = {node.id for node in ast.walk(function) if isinstance(node, ast.Name)} & homes.keys()
                 ours = {name for name in seen if homes[name][1].split(".")[0] in ("envs", "scenic_lite", package)}
-                assert all(covered & {*homes[name]} for name in ours), f"{path}: {function.name} uses {ours}"
+                assert all(known & {*homes[name]} for name in ours), f"{path}: {function.name} uses {ours}"
 
 
 def test_compiled_tells_whether_a_call_will_be_quick() -> None:
@@ -289,6 +296,40 @@ def test_a_kernel_is_compiled_once_by_programs_that_begin_together(tmp_path: Pat
         program.stdin.write("go\n")
         program.stdin.flush()
     assert sum(int(program.communicate(timeout=300)[0]) for program in programs) == 1
+
+
+MISSES = """
+import numpy as np
+from scenic_lite.kernels import jit, rng
+
+holder = np.zeros(1, [("random", "u8")]).view(np.recarray)[0]
+holder.random = rng.streams([3])[0]
+rng.uniform(holder)
+print(sum(rng.uniform.stats.cache_misses.values()), jit.ROOT)
+"""
+
+
+@pytest.mark.slow
+def test_equal_copies_of_regista_share_what_is_compiled(tmp_path: Path) -> None:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    environment.pop("NUMBA_DISABLE_JIT", None)
+    misses = []
+    for copy in (tmp_path / "first", tmp_path / "second", tmp_path / "edited"):
+        shutil.copytree(jit.ROOT / "scenic_lite", copy / "scenic_lite")
+        if copy.name == "edited":
+            with (copy / "scenic_lite" / "kernels" / "rng.py").open("a") as source:
+                source.write("EDITED = 1\n")
+        command = [sys.executable, "-c", MISSES]
+        options = {
+            "env": environment | {"PYTHONPATH": str(copy)},
+            "cwd": tmp_path,
+            "capture_output": True,
+            "text": True,
+        }
+        told = subprocess.run(command, check=True, **options).stdout.split()
+        assert told[1] == str(copy)
+        misses.append(int(told[0]))
+    assert misses == [1, 0, 1]
 
 
 WITHOUT_LINKING = """

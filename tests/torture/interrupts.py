@@ -36,7 +36,7 @@ def started(words: list[str], **settings: object) -> subprocess.Popen:
     before = [signal.signal(number, signal.SIG_DFL) for number in (signal.SIGINT, signal.SIGHUP)]
     try:
         return subprocess.Popen(
-            [sys.executable, "-m", "experiments", *words],
+            [sys.executable, "-m", "regista", *words],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -1,0 +1,35 @@
+"""The minigames as environments: importing this registers them with Gymnasium; PettingZoo's are made on demand.
+
+Read next: `suites`, the rows that are registered.
+"""
+
+from typing import Any
+
+import gymnasium
+
+from regista.minigames.suites import NAMED
+
+for _game in NAMED.values():
+    gymnasium.register(
+        f"regista/{_game.name.replace('/', '_')}-v0",
+        entry_point="regista.envs.football.gym_env:FootballEnv",
+        vector_entry_point="regista.envs.football.vector_env:make_vec",
+        kwargs={"program": str(_game.program), "control": _game.control},
+    )
+
+
+def parallel_env(minigame: str, **settings: Any) -> Any:
+    """Make a minigame into a PettingZoo `ParallelEnv`; `settings` are those of `FootballParallelEnv`.
+
+    Agents move whom a team moves in the minigame, or all, unless `control` and `right_control` say otherwise. Raises
+    ValueError for an unknown name or a control mode that does not fit, ImportError without PettingZoo.
+    """
+    if minigame not in NAMED:
+        raise ValueError(f"unknown minigame {minigame!r}; known are {', '.join(NAMED)}")
+    try:
+        from regista.envs.football.parallel_env import FootballParallelEnv
+    except ImportError as error:
+        raise ImportError("a parallel_env needs PettingZoo: pip install 'regista[pettingzoo]'") from error
+    game = NAMED[minigame]
+    control = game.team_control[0] if game.team_control else "all"
+    return FootballParallelEnv(str(game.program), **{"control": control, **settings})

@@ -1,0 +1,139 @@
+"""A wheel has all that Regista needs and nothing else; every module of it can be imported, every name is defined."""
+
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from regista.experiments.run import provenance
+from scenic_lite.kernels import jit
+from tests.wheels import LINKS, ROOT, build_sdist, build_wheel, clone, install, pip, run
+
+pytestmark = pytest.mark.slow
+
+FOLDERS = {"regista/envs": "envs", "regista/minigames": "minigames", "regista/experiments": "experiments"}
+DATA = {".scenic", ".csv", ".pyi", ".typed", ".html"}  # what programs read, besides Python
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    return clone(tmp_path_factory.mktemp("clone") / "regista")
+
+
+@pytest.fixture(scope="module")
+def wheel(source, tmp_path_factory):
+    return build_wheel(source, tmp_path_factory.mktemp("wheel"))
+
+
+@pytest.fixture(scope="module")
+def unpacked(wheel, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("unpacked")
+    zipfile.ZipFile(wheel).extractall(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def python(wheel, tmp_path_factory):
+    return install(wheel, tmp_path_factory.mktemp("environment"))
+
+
+def contents(wheel: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(wheel) as file:
+        return {name: file.read(name) for name in file.namelist()}
+
+
+def test_a_wheel_has_the_files_of_the_checkout_as_they_are(unpacked):
+    for package in ("scenic_lite", "ued", *FOLDERS):
+        folder = ROOT / FOLDERS.get(package, package)
+        there = {path.relative_to(unpacked / package) for path in (unpacked / package).rglob("*") if path.is_file()}
+        ours = {path.relative_to(folder) for path in folder.rglob("*") if path.suffix in DATA | {".py"}}
+        assert there == ours
+        assert all((unpacked / package / path).read_bytes() == (folder / path).read_bytes() for path in ours)
+
+
+def test_a_wheel_has_nothing_at_the_top_but_what_others_import(unpacked):
+    """No `envs` and no tests: nearly every project has folders of these names."""
+    names = {path.name for path in unpacked.iterdir() if not path.name.endswith(".dist-info")}
+    assert names == {"regista", "scenic_lite", "ued"}
+
+
+def test_type_checkers_read_what_is_installed(unpacked):
+    """PEP 561: without its marker a package is `Any` to mypy and to editors."""
+    assert all((unpacked / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))
+    assert (unpacked / "ued" / "__init__.pyi").is_file()
+
+
+def test_an_sdist_makes_the_same_wheel_and_has_no_tests(source, wheel, tmp_path):
+    with tarfile.open(build_sdist(source, tmp_path / "sdist")) as file:
+        assert not [name for name in file.getnames() if "/tests" in name]
+        file.extractall(tmp_path / "elsewhere", filter="data")
+    (tree,) = (tmp_path / "elsewhere").iterdir()
+    assert contents(build_wheel(tree, tmp_path / "again")) == contents(wheel)
+
+
+@pytest.mark.parametrize("words", [("wheel", "--wheel-dir", "out"), ("install", "--target", "out", "--editable")])
+def test_a_tree_without_its_links_is_refused(tmp_path, words):
+    tree = clone(tmp_path / "tree", links=False)
+    done = pip(*words, tree, "--no-build-isolation", folder=tmp_path)
+    assert done.returncode != 0
+    assert f"Regista cannot be built from {tree}: {', '.join(LINKS)} must be symbolic links to ../envs" in (
+        done.stdout + done.stderr
+    )
+    assert not [*tmp_path.glob("out/*")]
+
+
+def test_no_name_in_a_wheel_is_undefined(unpacked):
+    command = [sys.executable, "-m", "ruff", "check", "--isolated", "--no-cache", "--select", "F821,F822,F823,E9"]
+    done = subprocess.run([*command, unpacked], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+IMPORTS = """
+import importlib, sys
+
+OURS = {"regista", "scenic_lite", "ued", "envs", "minigames", "experiments", ""}
+for name in sys.argv[1:]:
+    try:
+        importlib.import_module(name)
+    except ImportError as error:
+        cause = error.__cause__ or error  # of a message that says which extra to install
+        if (getattr(cause, "name", None) or "").partition(".")[0] in OURS:
+            print(name, repr(error))
+print("envs" in sys.modules, importlib.import_module("regista").__file__)
+"""
+
+
+def test_every_module_of_a_wheel_can_be_imported(unpacked, python, tmp_path):
+    """Of those that need a package that is not installed, as far as that package."""
+    files = [path.relative_to(unpacked) for path in unpacked.rglob("*.py")]
+    names = sorted(".".join(path.with_suffix("").parts).removesuffix(".__init__") for path in files)
+    done = run([python, "-c", IMPORTS, *names], tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("\n") == 1, done.stdout
+    clash, file = done.stdout.split()
+    assert clash == "False" and Path(file).is_relative_to(python.parents[1])
+
+
+SOURCES = """
+from scenic_lite.kernels import jit
+from regista.experiments.run import provenance
+
+print(jit.digest(), provenance.simulator(), *(path.relative_to(jit.ROOT) for path in jit.sources()))
+"""
+
+
+def test_an_installed_wheel_has_the_digests_of_the_checkout(python, tmp_path):
+    """So it shares the checkout's compiled kernels, and its records say that the same simulator made them."""
+    kernels, simulator, *sources = run([python, "-c", SOURCES], tmp_path).stdout.split()
+    assert "regista/envs/football/constants.py" in sources
+    assert sources == [path.relative_to(jit.ROOT).as_posix() for path in jit.sources()]
+    assert (kernels, simulator) == (jit.digest(), provenance.simulator())
+
+
+def test_the_core_needs_three_packages():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert [line.partition(">")[0] for line in project["dependencies"]] == ["gymnasium", "numpy", "torch"]
