@@ -21,7 +21,7 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, save_csv, write_text
-from ued.config import Checked, setting
+from ued.config import Checked, most_threads, setting
 
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
@@ -31,12 +31,14 @@ class EvaluateConfig(Checked):
     """What is typed after `regista evaluate`."""
 
     runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
-    episodes: int = setting(500, "whole episodes on each scene", ">=1")
-    levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
-    level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    episodes: int = setting(500, "whole episodes on each scene", ">=1", most=1_000_000)
+    levels: int = setting(
+        200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none", most=1_000_000, least=0
+    )
+    level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
     held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
     baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")

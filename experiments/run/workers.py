@@ -65,7 +65,7 @@ class LaunchConfig(Checked):
     launcher: Literal["local", "ray", "commands"] = setting(
         "local", "who trains: local, this machine; ray, a Ray cluster; commands, you: print a line for each run"
     )
-    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0")
+    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0", most=100_000)
 
     def at_a_time(self, threads: int, runs: int) -> int:
         """Return how many of these runs are trained at a time: as many as asked for, or as cores have room for."""
