@@ -44,7 +44,10 @@ class CompareConfig(Checked):
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
     seeds: int = setting(4, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
-        0, "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above", ">=0", most=LARGEST_SEED - 10_000
+        0,
+        "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above",
+        ">=0",
+        most=LARGEST_SEED - 10_000,
     )
     held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
     episodes: int = setting(500, "whole episodes on each test scene after training", ">=1", most=1_000_000)

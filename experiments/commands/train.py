@@ -86,10 +86,11 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
             last = method.env_steps >= config.total_env_steps
             if scenes is not None and scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
-            elapsed += time.perf_counter() - began
+            seconds = time.perf_counter() - began
+            elapsed += seconds
             reporters.report(method, metrics | {"time/elapsed": elapsed})
             run.keep_config()  # not before its tables have taken an update: one that cannot go on stays as it was
-            if run.checkpoint_due():
+            if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
         if method.updates > run.saved_update:

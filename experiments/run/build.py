@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
 MANY = 1_024  # environments, above which one is made first, to see whether they fit
+STATE_COPIES = 3  # of a match, while it is stepped
 ENGINE_BYTES = 55_000_000  # of one engine of Google Research Football
 
 TRAINING_SCENE = "training distribution"  # uniform θ of the training program: tested beside the test scenes
@@ -268,7 +269,7 @@ def _bytes_of_one(upomdp: Any, seed: int) -> int:
     held = upomdp.get_state().values() if upomdp.gives_state else ()
     upomdp.close()
     kept = sum(getattr(value, "nbytes", 0) for value in held)
-    return kept + 2 * space_bytes(upomdp.agent_observation_space) * upomdp.num_agents
+    return STATE_COPIES * kept + 2 * space_bytes(upomdp.agent_observation_space) * upomdp.num_agents
 
 
 def _environments(program: Program | MixedProgram, num_envs: int, config: FootballConfig) -> Any:

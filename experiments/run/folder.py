@@ -32,6 +32,7 @@ from regista.experiments.run import provenance
 from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
+from regista.experiments.run.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.table import Table, cannot_write, read_columns
 from regista.experiments.run.tasks import is_task
 from ued.files import is_partial, write_whole
@@ -198,9 +199,13 @@ class RunFolder:
             return "clone"
         return f"{self.config.method} fine-tuned" if (self.path / "origin.pt").exists() else self.config.method
 
-    def checkpoint_due(self) -> bool:
-        """Return whether the last checkpoint is older than `checkpoint_seconds`."""
-        return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
+    def checkpoint_due(self, update_seconds: float = 0.0) -> bool:
+        """Return whether the last checkpoint is older than `checkpoint_seconds`, or updates take so long.
+
+        A signal may not wait for the end of a long one: then there is what the one before left.
+        """
+        old = time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
+        return old or update_seconds > CHILD_GRACE_SECONDS / 2
 
     def finished(self) -> bool:
         """Return whether the checkpoint is at the end of the budget, and the picture is drawn, which comes last."""

@@ -332,4 +332,3 @@ def test_stop_requests_are_counted():
         assert stop and stop.exit_code == 130
         with pytest.raises(KeyboardInterrupt):
             os.kill(os.getpid(), signal.SIGINT)
-    signal.setitimer(signal.ITIMER_REAL, 0)  # which ends commands that take too long to tidy up, and would end us
