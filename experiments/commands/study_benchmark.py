@@ -225,8 +225,8 @@ def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
     if config.preset == "fast":
         return config.train
     chosen = presets()[config.preset]
-    env = replace(config.train.env, representation="smm_stacked")
-    return replace(config.train, env=env, ppo=chosen.ppo, num_envs=chosen.num_envs, total_env_steps=5_000_000)
+    names = ("env", "ppo", "paired", "num_envs", "total_env_steps")
+    return replace(config.train, **{name: getattr(chosen, name) for name in names})
 
 
 def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:

@@ -96,14 +96,15 @@ def canonical_name(name: str) -> str:
 def starting_point(preset: str, minigame: str) -> Any:
     """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
 
-    Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
+    The thesis pays for goals alone. Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
     """
     from regista.experiments.run.config import presets, task_presets
 
     if tasks.is_task(minigame):
         return task_presets()[preset]
     config, game = presets()[preset], find_minigame(parts_of(minigame)[0])
-    return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
+    rewards = config.env.rewards if preset == "thesis" else game.rewards
+    return replace(config, env=replace(config.env, control=game.control, rewards=rewards))
 
 
 def settings_for(argv: Sequence[str]) -> Any:
