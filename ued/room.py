@@ -12,8 +12,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
 
@@ -85,7 +83,7 @@ def weights(config: PPOConfig, space: Space, agents: int) -> int:
 
 def space_bytes(space: Space) -> int:
     """Return the bytes of one observation as rollouts keep it: bytes as bytes, other numbers as float32."""
-    return math.prod(space.shape or ()) * (1 if space.dtype == np.uint8 else 4)
+    return math.prod(space.shape or ()) * (1 if str(space.dtype) == "uint8" else 4)
 
 
 def size(count: float) -> str:

@@ -168,7 +168,7 @@ def _options(hint: Any, about: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _bounded(convert: Callable[[str], Any], about: Mapping[str, Any]) -> Callable[[str], Any]:
-    """Return the function that reads a value, and refuses one that the field does not allow; argparse names the flag."""
+    """Return what reads a value and refuses one that the field does not allow; argparse names the flag."""
 
     def read(text: str) -> Any:
         value = convert(text)

@@ -96,7 +96,8 @@ def canonical_name(name: str) -> str:
 def starting_point(preset: str, minigame: str) -> Any:
     """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
 
-    The thesis pays for goals alone. Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
+    The thesis pays for goals alone. Of a mixture, those of its first minigame; of a task of one's own, those of
+    `TaskTrainConfig`.
     """
     from regista.experiments.run.config import presets, task_presets
 

@@ -28,7 +28,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import config as configs
-from regista.experiments.run import provenance
+from regista.experiments.run import provenance, trust
 from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
@@ -132,7 +132,9 @@ class RunFolder:
     def words(self) -> list[str]:
         """What is typed behind `regista` to train it on, wherever that is."""
         engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
-        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else [])]
+        task = self.config.minigame
+        trusted = [trust.FLAG] if is_task(task) and trust.allows(task) else []  # here, so wherever it is trained
+        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else []), *trusted]
 
     def keep_program(self, program: Program) -> None:
         """Keep the text of the program beside a run that begins; raise `CommandError` if it began with another one.
