@@ -86,7 +86,7 @@ def hints_of(kind: Any) -> dict[str, Any]:
 
 
 class Checked:
-    """Settings that obey the rules and the bounds of their fields, and are among the values that a `Literal` annotation allows.
+    """Settings that obey the rules and bounds of their fields, and are values that a `Literal` annotation allows.
 
     Raises `ValueError` for the first one that does not.
     """

@@ -61,8 +61,7 @@ class CompareConfig(Checked):
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
     preset: Literal["fast", "thesis"] = setting(
-        "fast",
-        "starting point of the settings: fast, or thesis (stacked SMM, its network, Table 4.2): a day on one core",
+        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
     )
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)

@@ -40,8 +40,7 @@ class TrainFlags:
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
     preset: Literal["fast", "thesis"] = setting(
-        "fast",
-        "starting point of the settings: fast, or thesis (stacked SMM, its network, Table 4.2): a day on one core",
+        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
     )
     connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
@@ -89,8 +88,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
             last = method.env_steps >= config.total_env_steps
             if scenes is not None and scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
-            seconds = time.perf_counter() - began
-            elapsed += seconds
+            elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
             run.keep_config()  # not before its tables have taken an update: one that cannot go on stays as it was
             if run.checkpoint_due(seconds):

@@ -1,7 +1,8 @@
 """Tasks of one's own on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
 What a run trains on and is tested on are scenes here, which stand where programs stand in football. The file is
-imported, so it is code that runs: `run.trust` says whose. Read next: `run.build`, which makes environments of scenes and of programs.
+imported, so it is code that runs: `run.trust` says whose. Read next: `run.build`, which makes environments of scenes
+and of programs.
 """
 
 from __future__ import annotations
