@@ -23,6 +23,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, save_csv, write_text
 from ued.config import Checked, most_threads, setting
 
+MOST_PLAYED = 100_000_000  # episodes on random levels
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
 
@@ -55,6 +56,8 @@ def check_levels(levels: int, episodes: int) -> None:
         raise ValueError(f"levels must be 0 or at least 10, of which one is the worst tenth, got {levels}")
     if episodes < 2 or episodes % 2:
         raise ValueError(f"level_episodes must be even, one half finds the worst levels; got {episodes}")
+    if levels * episodes > MOST_PLAYED:
+        raise ValueError(f"levels x level_episodes must be at most {MOST_PLAYED:_} episodes, got {levels * episodes:_}")
 
 
 def main(argv: Sequence[str]) -> int:

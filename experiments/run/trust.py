@@ -35,7 +35,7 @@ def of_command(words: Sequence[str]) -> Iterator[list[str]]:
     """Trust what a command line names while it runs; give its words without `--trust`."""
     global _all, _named
     before = _all, _named
-    typed = {word for word in words if not Path(word).is_dir()}  # a run folder's name may look like a task's
+    typed = {word for word in words if not os.path.isdir(word)}  # a run folder's name may look like a task's
     _all, _named = _all or FLAG in words, _named | typed
     try:
         yield [word for word in words if word != FLAG]
