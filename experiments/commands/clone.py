@@ -82,6 +82,7 @@ def main(argv: Sequence[str]) -> int:
 def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Program]:
     """Return the method that holds the student, folder and program. Raises `CommandError` where they do not fit."""
     minigame = build.canonical_name(config.minigame or demos.config.minigame)
+    build.check_football(minigame)
     base = build.starting_point(config.preset, minigame)
     env = replace(demos.config.env, rewards=base.env.rewards)
     training = replace(

@@ -102,6 +102,7 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
     if typed.minigame:
         raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
     run = RunFolder.open(typed.run)
+    build.check_football(run.config.minigame)
     env = replace(run.config.env, rewards="scoring")
     part = SIDE_BY_SIDE.get(env.representation, 256)
     program = build.load_scenes(run.config)[build.TRAINING_SCENE]

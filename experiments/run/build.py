@@ -332,6 +332,12 @@ def is_football(config: Any) -> bool:
     return isinstance(config, FootballRunConfig)
 
 
+def check_football(minigame: str) -> None:
+    """Raise `UsageError` for a task of one's own, of which there are no demonstrations."""
+    if tasks.is_task(minigame):
+        raise UsageError(f"{minigame} is a task of your own: demonstrations are of football alone")
+
+
 def make_painter(program: Any, upomdp: Any = None) -> Any:
     """Make what draws the levels of a program, a mixture or a scene of one's own; None where a task has no painter.
 
