@@ -53,9 +53,9 @@ def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
     rule, least, most = about.get("rule", ""), about.get("least"), about.get("most")
     if rule == "0-1":
         return 0, 1
-    if least is None:
-        least = {">=1": 1, ">=0": 0, ">0": 0}.get(rule, -math.inf)
-    return least, math.inf if most is None else most() if callable(most) else most
+    lowest: float = {">=1": 1, ">=0": 0, ">0": 0}.get(rule, -math.inf) if least is None else least
+    highest: float = math.inf if most is None else most() if callable(most) else most
+    return lowest, highest
 
 
 def complaint(about: Mapping[str, Any], value: Any) -> str | None:

@@ -115,7 +115,7 @@ class RunConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not re.fullmatch(r"auto|cpu|cuda(:\d+)?", self.device):
+        if not re.fullmatch(r"auto|cpu|cuda(:\d{1,2})?", self.device):
             raise ValueError(f"device must be auto, cpu, cuda or cuda:N, got {self.device!r}")
 
 
@@ -171,6 +171,7 @@ class TaskTrainConfig(TaskSettings):
 
 ABOUT = "about"  # key of config.json that is no setting
 LARGEST = 10**300  # whole numbers that become real ones
+LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # threads of the largest machine
 
 # Settings that older runs know nothing of, and what they did: JSON.
@@ -222,6 +223,8 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
 
 def _json(path: Path) -> Any:
+    if path.stat().st_size > LARGEST_FILE:
+        raise ConfigError(f"{path} is no settings: it has more than {LARGEST_FILE:_} bytes")
     try:
         return json.loads(path.read_text(), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:

@@ -26,7 +26,7 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run import config as configs
 from regista.experiments.run.errors import DAMAGE, CommandError
-from regista.experiments.run.table import cannot_write, spell
+from regista.experiments.run.table import cannot_write, check_files, spell
 from ued.config import LARGEST_SEED, Checked, setting
 from ued.files import is_partial, write_whole
 
@@ -79,6 +79,7 @@ class Demonstrations:
         file = path / "demonstrations.json"
         if not file.exists():
             raise CommandError(f"{path} holds no demonstrations: it has no demonstrations.json")
+        check_files(path)
         return cls(path, configs.load(DemonstrationsConfig, file))
 
     @classmethod

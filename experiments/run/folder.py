@@ -33,7 +33,7 @@ from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
 from regista.experiments.run.signals import CHILD_GRACE_SECONDS
-from regista.experiments.run.table import Table, cannot_write, read_columns
+from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from regista.experiments.run.tasks import is_task
 from ued.files import is_partial, write_whole
 from ued.methods import METHODS
@@ -97,6 +97,7 @@ class RunFolder:
         """Open an existing run. Raises `CommandError` for a folder that holds none."""
         if not (path / "config.json").exists():
             raise CommandError(f"{path} is no run folder: it has no config.json")
+        check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
     def extend(self, config: TrainConfig) -> None:

@@ -196,3 +196,27 @@ def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
 def test_demonstrations_are_of_football_alone(run, capsys):
     assert main(["demonstrate", "--run", str(run), "--out", "demos"]) == 2
     assert "demonstrations are of football alone" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
+@pytest.mark.parametrize("what", ["pipe", "device"])
+def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
+    (run / name).unlink()
+    if what == "pipe":
+        os.mkfifo(run / name)
+    else:
+        (run / name).symlink_to("/dev/zero")
+    for words in (["gallery"], ["evaluate"], ["train", "--resume"]):
+        assert main([*words, str(run)]) == 1
+        assert f"{name} is damaged: it is no regular file" in capsys.readouterr().err
+
+
+def test_settings_that_are_too_long_are_refused(run, capsys):
+    (run / "config.json").write_text("[" * 10_000_001)
+    assert main(["evaluate", str(run)]) == 1
+    assert "has more than 10_000_000 bytes" in capsys.readouterr().err
+
+
+def test_a_device_of_an_absurd_number_is_refused(capsys):
+    assert main(["train", "--device", "cuda:99999999999999999999"]) == 2
+    assert "device must be auto, cpu, cuda or cuda:N" in capsys.readouterr().err
