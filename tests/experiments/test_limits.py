@@ -166,7 +166,7 @@ def test_processes_of_this_machine_are_bound_to_its_cores():
         LaunchConfig(processes=most_threads() + 1)
     assert LaunchConfig("ray", most_threads() + 1).processes == most_threads() + 1
     for make in (FootballConfig, EngineConfig):
-        with pytest.raises(ValueError, match="grf_workers must be .*at most"):
+        with pytest.raises(ValueError, match=r"grf_workers must be .*at most"):
             make(grf_workers=most_threads() + 1)
 
 
