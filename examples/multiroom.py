@@ -47,7 +47,9 @@ def main() -> None:
         metrics = method.update()
         print(f"{method.env_steps} env_steps, return {metrics['return/student']:.2f}")
     tested = ued.evaluate(method.student, make_new(), episodes=100, seed=0)
-    print(f"new rooms: {100 * tested.success.mean():.0f}% of 100 solved, {len(set(tested.levels['seed'].tolist()))} seeds")
+    print(
+        f"new rooms: {100 * tested.success.mean():.0f}% of 100 solved, {len(set(tested.levels['seed'].tolist()))} seeds"
+    )
 
 
 if __name__ == "__main__":

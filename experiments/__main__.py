@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from regista.experiments.run import trust
 from regista.experiments.run.errors import UsageError, nearest, run_command
 from regista.experiments.run.signals import PARENT, end_with
 
@@ -40,7 +41,8 @@ Curriculum learning for reinforcement learning, in football.
 commands:
 {commands}
 
-Every command takes --help; --version tells the version; --debug shows the whole traceback of an error.
+Every command takes --help; --version tells the version; --debug shows the whole traceback of an error; --trust runs the
+Python file of a task that only a run folder names.
 Begin with: regista compare 1v1Restricted --out demo
 """
 
@@ -68,7 +70,8 @@ def _dispatch(words: list[str]) -> int:
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")
-    return import_module(f"regista.experiments.commands.{name}").main(words[1:])
+    with trust.of_command(words) as trusted:
+        return import_module(f"regista.experiments.commands.{name}").main(trusted[1:])
 
 
 if __name__ == "__main__":

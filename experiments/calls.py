@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from regista.experiments.run import build, tasks
+from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import TaskTrainConfig
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
@@ -35,6 +35,7 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
     from regista.experiments.run.signals import StopRequest
 
     name = build.canonical_name(task if isinstance(task, str) else tasks.name_of(task))
+    trust.allow(name)
     config = build.starting_point("fast", name)
     unknown = [key for key in settings if key not in vars(config)]
     if unknown:
@@ -48,15 +49,22 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
 
 
 def evaluate(
-    runs: str | Path | Sequence[str | Path], episodes: int = 100, levels: int = 0, level_episodes: int = 10
+    runs: str | Path | Sequence[str | Path],
+    episodes: int = 100,
+    levels: int = 0,
+    level_episodes: int = 10,
+    trusted: bool = False,
 ) -> Report:
     """Play the students of runs of one task on its tests, and a random policy; return tables of what came of it.
 
     `levels` drawn at random, `level_episodes` on each, tell how they do on the worst tenth. Raises `CommandError` for
-    runs of several tasks, or without a checkpoint.
+    runs of several tasks, or without a checkpoint, and for a task that nobody but the run folder has named, unless its
+    file is `trusted`: it is run.
     """
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = [RunFolder.open(Path(path)) for path in paths]
     config: TaskTrainConfig = folders[0].config
+    if trusted:
+        trust.allow(config.minigame)
     scenes = EvalScenes(config, build.load_scenes(config), episodes)
     return Evaluator(scenes, levels, level_episodes).report(folders)

@@ -58,6 +58,7 @@ FLOORS = {
         "seeding",
         "resumable",  # states by a list of names
         "config",
+        "room",  # how much memory there is
         "statistics",
         "files",
         "checkpoint",

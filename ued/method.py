@@ -28,6 +28,7 @@ from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
 from ued.resumable import restored
+from ued.room import check_learners
 from ued.seeding import SeedStream
 from ued.upomdp import UPOMDP
 
@@ -67,8 +68,13 @@ class Method:
         raise NotImplementedError(f"{type(self).__name__} has no begin")
 
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
-        """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`."""
+        """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`.
+
+        Raises `RoomError` where the machine has no memory for it.
+        """
         index = len(self.learners)
+        if not scripted:
+            check_learners(self.ppo, upomdp.agent_observation_space, upomdp.num_envs, upomdp.num_agents, index + 1)
         upomdp.upcoming = partial(self.queue.upcoming, index)
         on_episode_end = partial(self.queue.on_episode_end, index)
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))

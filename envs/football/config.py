@@ -5,6 +5,7 @@ Light: importing it loads neither NumPy's nor Numba's machinery. Read next: `vec
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 
 from regista.envs.football.constants import CONTROL_MODES
@@ -12,6 +13,12 @@ from regista.envs.football.constants import CONTROL_MODES
 REPRESENTATIONS = ("features", "simple115", "smm", "smm_stacked", "raw")
 REWARDS = ("scoring", "scoring,checkpoints")  # Google Research Football's names
 ENGINES = ("regista", "grf")
+MOST_SPREAD = 0.99
+
+
+def most_workers() -> int:
+    """Return how many processes may hold engines on this machine."""
+    return 4 * (os.cpu_count() or 1)
 
 
 @dataclass(frozen=True)
@@ -28,17 +35,24 @@ class FootballConfig:
     )
     right_control: str = field(default="none", metadata={"help": "right players that agents move: the same words"})
     dialect: int | None = field(
-        default=None, metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
+        default=None,
+        metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
+        | {"least": 2, "most": 3},
     )
     engine_spread: float = field(
         default=0.0,
-        metadata={"help": "share by which keepers, tackles, kicks and reactions differ from episode to episode: 0.15"},
+        metadata={"help": "share by which keepers, tackles, kicks and reactions differ from episode to episode: 0.15"}
+        | {"least": 0, "most": MOST_SPREAD},
     )
     engine: str = field(
         default="regista", metadata={"help": "what plays: regista, our simulator, or grf, Google Research Football"}
     )
     grf_python: str | None = field(default=None, metadata={"help": "the Python that has gfootball; else looked for"})
-    grf_workers: int = field(default=0, metadata={"help": "processes that hold engines of grf; 0: one for each core"})
+    grf_workers: int = field(
+        default=0,
+        metadata={"help": "processes that hold engines of grf; 0: one for each core"}
+        | {"least": 0, "most": most_workers},
+    )
 
     def __post_init__(self) -> None:
         known: tuple[tuple[str, tuple], ...] = (
@@ -50,12 +64,14 @@ class FootballConfig:
                 raise ValueError(f"{name} must be one of {', '.join(map(repr, values))}, not {getattr(self, name)!r}")
         for name in ("control", "right_control"):
             check_control(getattr(self, name))
-        if not 0 <= self.engine_spread < 1:
-            raise ValueError(f"engine_spread must be 0 or more and below 1, got {self.engine_spread}")
+        if not 0 <= self.engine_spread <= MOST_SPREAD:
+            raise ValueError(f"engine_spread must be 0 or more and at most {MOST_SPREAD}, got {self.engine_spread}")
         if self.engine_spread and self.engine == "grf":
             raise ValueError("engine_spread is of our simulator; engine 'grf' is as it is")
-        if self.grf_workers < 0:
-            raise ValueError(f"grf_workers must be 0 or more, got {self.grf_workers}")
+        if not 0 <= self.grf_workers <= most_workers():
+            raise ValueError(
+                f"grf_workers must be 0 or more and at most {most_workers()} on this machine, got {self.grf_workers}"
+            )
         if self.control == self.right_control == "none":
             raise ValueError("control and right_control are both 'none': there must be an agent")
 

@@ -199,7 +199,7 @@ def _decoded(arrays: dict[str, Any]) -> Record:
     state = {name: array for name, array in arrays.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
     state["np_random"] = json.loads(random)
     # Which program on this machine plays is no business of whoever recorded the matches.
-    settings = replace(FootballConfig(**json.loads(config)), grf_python=None)
+    settings = FootballConfig(**json.loads(config) | {"grf_python": None, "grf_workers": 0})  # of this machine
     scripted = bool(np.all(arrays.get("scripted", False)))
     return Record(program, file, settings, state, actions, arrays["last"], scripted, lengths)
 

@@ -55,6 +55,7 @@ class GrfEngine:
         python = grf_python(config.grf_python)
         self._workers = shared_workers(python, config.grf_workers or len(os.sched_getaffinity(0)))
         self._played: dict[int, Episode] = {}  # by match
+        self._workers.enter()
         self.close = weakref.finalize(self, _let_go, self._workers, self._played)
 
     def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
@@ -171,6 +172,7 @@ def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
     """Tell the workers that an environment is gone."""
     workers.forget(list(played.values()))
     played.clear()
+    workers.leave()
 
 
 def draw_seeds(matches: np.ndarray, where: np.ndarray) -> np.ndarray:

@@ -12,7 +12,8 @@ Regista imports it for the messages, which both sides must write alike:
     step slots, actions [K, 22]                                             -> observed [K]
 
 Every request says in how many `seconds` it must be done: the system ends a process that takes longer, even one whose
-engine hangs after whoever asked is gone. It may name slots to `forget`. `begin` resets each slot's engine to its scene
+engine hangs. When whoever asked is gone, the process ends within a second, also where another one still holds a copy of
+its stdin. It may name slots to `forget`. `begin` resets each slot's engine to its scene
 and plays the actions that it is sent, by which an interrupted episode is repeated. What goes wrong in a request is
 answered by an "error".
 Read next: `grf.workers`, the other end.
@@ -26,6 +27,8 @@ import os
 import signal
 import struct
 import sys
+import threading
+import time
 import traceback
 import types
 from collections.abc import Callable
@@ -284,8 +287,16 @@ def read_exactly(stream: Any, count: int) -> bytes:
     return data
 
 
+def end_with(parent: int) -> None:
+    """End this process as soon as its parent is another one: the one that started it is gone."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(0)
+
+
 def main() -> None:
     """Serve until stdin ends. All that gfootball prints goes to stderr: stdout belongs to the answers."""
+    threading.Thread(target=end_with, args=(os.getppid(),), daemon=True).start()
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     requests, server = sys.stdin.buffer, Server()

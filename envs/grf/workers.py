@@ -2,7 +2,10 @@
 
 An episode is its scene, its seed and its actions: the engine repeats it from them bit for bit. So wherever the process
 that held an episode is gone, because it died, hung, answered nonsense, or was made by an environment that has been
-copied or resumed, another one repeats it before it plays on. Read next: `grf.worker`, the process.
+copied or resumed, another one repeats it before it plays on.
+
+Environments share the processes, which end with the last environment that has them. Read next: `grf.worker`, the
+process.
 """
 
 from __future__ import annotations
@@ -11,11 +14,13 @@ import atexit
 import itertools
 import os
 import select
+import signal
 import subprocess
 import tempfile
 import time
 import zlib
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -121,6 +126,8 @@ class WorkerProcess:
         self.held.clear()
         self.forgotten.clear()
         if process is not None:
+            with suppress(OSError):  # all of its session: a script may have started the Python that plays
+                os.killpg(process.pid, signal.SIGKILL)
             process.kill()
             process.wait()
             for pipe in (process.stdin, process.stdout):
@@ -153,10 +160,14 @@ class WorkerProcess:
         assert self.process.stdin is not None
         os.set_blocking(self.process.stdin.fileno(), False)  # a hung worker leaves the pipe full
         self.life = object()
-        self._send({"do": "hello"}, START_SECONDS)
-        message, _ = self.answer()
-        if message.get("protocol") != PROTOCOL:
-            raise GrfError(f"the worker speaks version {message.get('protocol')}, not {PROTOCOL}")
+        try:
+            self._send({"do": "hello"}, START_SECONDS)
+            message, _ = self.answer()
+            if message.get("protocol") != PROTOCOL:
+                raise GrfError(f"the worker speaks version {message.get('protocol')}, not {PROTOCOL}")
+        except BaseException:  # it is no worker of ours, or nobody waits for it any more
+            self.kill()
+            raise
 
     def _send(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
         assert self.process is not None and self.process.stdin is not None
@@ -193,6 +204,18 @@ class Workers:
 
     def __init__(self, python: Path, count: int) -> None:
         self.processes = [WorkerProcess(python) for _ in range(count)]
+        self._owner = os.getpid()
+        self._users = 0  # environments that have not been closed
+
+    def enter(self) -> None:
+        """Count one more environment that plays with these processes."""
+        self._users += 1
+
+    def leave(self) -> None:
+        """Count one less; with the last one the processes end."""
+        self._users -= 1
+        if self._users <= 0:
+            self.close()
 
     def begin(self, episodes: Sequence[Episode]) -> np.ndarray:
         """Start these episodes, or repeat what has been played of them; return OBSERVED `[K]`."""
@@ -214,8 +237,8 @@ class Workers:
             self._home(episode).give_up(episode)
 
     def close(self) -> None:
-        """End all processes; a later request starts them again."""
-        for process in self.processes:
+        """End all processes; a later request starts them again. In a forked process they are not ours to end."""
+        for process in self.processes if os.getpid() == self._owner else ():
             process.kill()
 
     def _home(self, episode: Episode) -> WorkerProcess:

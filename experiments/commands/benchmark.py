@@ -56,8 +56,8 @@ class BenchmarkConfig(Checked):
         "grf: likeness to Google Research Football",
     )
     minigame: str = setting("1v1Free", "what is played")
-    num_envs: int = setting(256, "environments of the simulator's batch", ">=1")
-    seconds: float = setting(1.0, "about how long each measurement takes", ">0")
+    num_envs: int = setting(256, "environments of the simulator's batch", ">=1", most=100_000)
+    seconds: float = setting(1.0, "about how long each measurement takes", ">0", most=86_400)
     json: bool = setting(False, "print JSON instead of a table")
     family: tuple[str, ...] = setting(
         (),
@@ -65,7 +65,7 @@ class BenchmarkConfig(Checked):
         "none given: differential",
     )
     figures: Path | None = setting(None, "folder for pictures: of suite scale one, of suite grf one per family")
-    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0")
+    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0", most=1_000)
     measuring: MeasureConfig = group(MeasureConfig, "both engines at once, of suite grf")
 
     def __post_init__(self) -> None:

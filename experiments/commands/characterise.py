@@ -37,9 +37,9 @@ class CharacteriseConfig(Checked):
     """What is typed after `regista characterise`."""
 
     games: tuple[str, ...] = positional("minigames, mixtures, or paths of .scenic programs", default=())
-    levels: int = setting(150, "levels drawn at random", ">=1")
-    episodes: int = setting(4, "whole episodes on each of them", ">=1")
-    tests: int = setting(4, "how often a student is tested, evenly over its training", ">=1")
+    levels: int = setting(150, "levels drawn at random", ">=1", most=1_000_000)
+    episodes: int = setting(4, "whole episodes on each of them", ">=1", most=10_000)
+    tests: int = setting(4, "how often a student is tested, evenly over its training", ">=1", most=10_000)
     csv: Path | None = setting(None, "also write the rows to this CSV file")
     train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=CHOSEN)
 

@@ -31,7 +31,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import Progress
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import Table, cannot_write, spell
-from ued.config import Checked, CloningConfig, PPOConfig, setting
+from ued.config import LARGEST_SEED, Checked, CloningConfig, PPOConfig, most_threads, setting
 from ued.files import write_whole
 
 if TYPE_CHECKING:
@@ -51,8 +51,8 @@ class CloneConfig(Checked):
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-clone-SEED)")
     minigame: str | None = setting(None, "the minigame that the clone is to play; without, the demonstrations' own")
     preset: Literal["fast", "thesis"] = setting("fast", "starting point of the student's settings: fast, or thesis")
-    seed: int = setting(0, "seed of weights, of shuffling and of which episodes are held out", ">=0")
-    threads: int = setting(1, "threads for the networks", ">=1")
+    seed: int = setting(0, "seed of weights, of shuffling and of which episodes are held out", ">=0", most=LARGEST_SEED)
+    threads: int = setting(1, "threads for the networks", ">=1", most=most_threads)
     cloning: CloningConfig = group(CloningConfig, "cloning")
     ppo: PPOConfig = group(football_ppo, "the student, and PPO if it is trained on", prefix="ppo.")
 
@@ -82,6 +82,7 @@ def main(argv: Sequence[str]) -> int:
 def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Program]:
     """Return the method that holds the student, folder and program. Raises `CommandError` where they do not fit."""
     minigame = build.canonical_name(config.minigame or demos.config.minigame)
+    build.check_football(minigame)
     base = build.starting_point(config.preset, minigame)
     env = replace(demos.config.env, rewards=base.env.rewards)
     training = replace(

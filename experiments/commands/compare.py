@@ -27,7 +27,7 @@ from regista.experiments.run.report import Report
 from regista.experiments.run.results import unique
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
-from ued.config import Checked, FineTuningConfig, setting
+from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -42,20 +42,27 @@ class CompareConfig(Checked):
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
-    seeds: int = setting(4, "runs of each method", ">=1")
+    seeds: int = setting(4, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
-        0, "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above", ">=0"
+        0,
+        "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above",
+        ">=0",
+        most=LARGEST_SEED - 10_000,
     )
     held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
-    episodes: int = setting(500, "whole episodes on each test scene after training", ">=1")
-    levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
-    level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    episodes: int = setting(500, "whole episodes on each test scene after training", ">=1", most=1_000_000)
+    levels: int = setting(
+        200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none", most=1_000_000, least=0
+    )
+    level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
     from_: Path | None = setting(
         None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
     )
     out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
-    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    preset: Literal["fast", "thesis"] = setting(
+        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
+    )
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")

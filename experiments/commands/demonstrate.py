@@ -23,7 +23,7 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.signals import StopRequest
-from ued.config import Checked, setting
+from ued.config import LARGEST_SEED, Checked, most_threads, setting
 
 if TYPE_CHECKING:
     from regista.envs.football.vector_env import FootballVectorEnv
@@ -39,20 +39,22 @@ class DemonstrateConfig(Checked):
     """What is typed after `regista demonstrate`."""
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="")
-    episodes: int = setting(1000, "episodes to keep", ">=1")
+    episodes: int = setting(1000, "episodes to keep", ">=1", most=10_000_000)
     out: Path | None = setting(None, "folder (default demos/MINIGAME)")
     run: Path | None = setting(None, "the student of this run plays, not the program")
     keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
     success_above: float | None = setting(
-        None, "an episode is successful if its return is above this; else by its game"
+        None, "an episode is successful if its return is above this; else by its game", most=1e9, least=-1e9
     )
-    max_played: int = setting(0, "give up after so many episodes; 0: after 100 for each that is to be kept", ">=0")
+    max_played: int = setting(
+        0, "give up after so many episodes; 0: after 100 for each that is to be kept", ">=0", most=10**9
+    )
     greedy: bool = setting(False, "the student takes its most likely actions")
-    seed: int = setting(0, "seed of levels and of chance", ">=0")
+    seed: int = setting(0, "seed of levels and of chance", ">=0", most=LARGEST_SEED)
     representation: Literal["features", "simple115", "smm", "smm_stacked"] = setting("features", "what is seen")
     control: str | None = setting(None, "whom agents move; without, as the minigame has it")
     right_control: str = setting("none", "right players that agents move: the same words")
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
 
 
 def main(argv: Sequence[str]) -> int:
@@ -100,6 +102,7 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
     if typed.minigame:
         raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
     run = RunFolder.open(typed.run)
+    build.check_football(run.config.minigame)
     env = replace(run.config.env, rewards="scoring")
     part = SIDE_BY_SIDE.get(env.representation, 256)
     program = build.load_scenes(run.config)[build.TRAINING_SCENE]

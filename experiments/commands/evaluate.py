@@ -21,8 +21,9 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, save_csv, write_text
-from ued.config import Checked, setting
+from ued.config import Checked, most_threads, setting
 
+MOST_PLAYED = 100_000_000  # episodes on random levels
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
 
@@ -31,12 +32,14 @@ class EvaluateConfig(Checked):
     """What is typed after `regista evaluate`."""
 
     runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
-    episodes: int = setting(500, "whole episodes on each scene", ">=1")
-    levels: int = setting(200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none")
-    level_episodes: int = setting(10, "whole episodes on each of them, an even number")
+    episodes: int = setting(500, "whole episodes on each scene", ">=1", most=1_000_000)
+    levels: int = setting(
+        200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none", most=1_000_000, least=0
+    )
+    level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
     held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
     baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")
@@ -53,6 +56,8 @@ def check_levels(levels: int, episodes: int) -> None:
         raise ValueError(f"levels must be 0 or at least 10, of which one is the worst tenth, got {levels}")
     if episodes < 2 or episodes % 2:
         raise ValueError(f"level_episodes must be even, one half finds the worst levels; got {episodes}")
+    if levels * episodes > MOST_PLAYED:
+        raise ValueError(f"levels x level_episodes must be at most {MOST_PLAYED:_} episodes, got {levels * episodes:_}")
 
 
 def main(argv: Sequence[str]) -> int:

@@ -29,8 +29,10 @@ class GalleryConfig(Checked):
 
     run: str = positional("a run folder", default="")
     out: Path | None = setting(None, "the page (default gallery.html in the run folder)")
-    levels: int = setting(3_000, "levels on the map, spread over the updates; those with replays come on top", ">=1")
-    replays: int = setting(150, "levels with replays, spread over the updates", ">=0")
+    levels: int = setting(
+        3_000, "levels on the map, spread over the updates; those with replays come on top", ">=1", most=100_000
+    )
+    replays: int = setting(150, "levels with replays, spread over the updates", ">=0", most=10_000)
 
 
 def main(argv: Sequence[str]) -> int:

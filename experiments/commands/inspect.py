@@ -24,7 +24,7 @@ from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.results import align
-from ued.config import Checked, setting
+from ued.config import LARGEST_SEED, Checked, setting
 
 if TYPE_CHECKING:
     from scenic_lite import Program
@@ -46,10 +46,12 @@ class InspectConfig(Checked):
     )
     png: Path | None = setting(None, "draw --n scenes to this picture")
     rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
-    n: int = setting(6, "scenes to draw, to record or to print", ">=1")
-    seed: int = setting(0, "seed of the scenes")
-    theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones")
-    dialect: int | None = setting(None, "version of Scenic that the program is written in, 2 or 3; else found out")
+    n: int = setting(6, "scenes to draw, to record or to print", ">=1", most=10_000)
+    seed: int = setting(0, "seed of the scenes", most=LARGEST_SEED, least=0)
+    theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones", most=1, least=-1)
+    dialect: int | None = setting(
+        None, "version of Scenic that the program is written in, 2 or 3; else found out", most=3, least=2
+    )
     engine: Literal["regista", "scenic3"] = setting("regista", "what reads it: regista, or scenic3, Scenic 3 itself")
     mode_2d: bool = setting(False, "of scenic3: in its 2D compatibility mode, as the driving domain wants it")
     reading: ProgramConfig = group(ProgramConfig, "the program")

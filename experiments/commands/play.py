@@ -23,7 +23,7 @@ from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig, ProgramConfig
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.table import cannot_write
-from ued.config import Checked, setting
+from ued.config import LARGEST_SEED, Checked, setting
 from ued.files import write_whole
 
 if TYPE_CHECKING:
@@ -40,13 +40,20 @@ class PlayConfig(Checked):
     program: str = positional("a minigame's name, or the path of a .scenic program", default="")
     player: Literal["bot", "random", "idle"] = setting("bot", "who moves the agents' players")
     control: str = setting("active", "left players that agents move: active, closest1 to closest3, all, a number, ...")
-    steps: int = setting(600, "tenths of a second at most; the match may end sooner", ">=1")
-    seed: int = setting(0, "seed of the level and of chance; with --level, of the player's chance alone", ">=0")
+    steps: int = setting(600, "tenths of a second at most; the match may end sooner", ">=1", most=1_000_000)
+    seed: int = setting(
+        0, "seed of the level and of chance; with --level, of the player's chance alone", ">=0", most=LARGEST_SEED
+    )
     level: Path | None = setting(None, "play a level of this run folder, from its levels.csv, instead of a program")
-    id: int | None = setting(None, "the number of that level: column id")
-    turn: int | None = setting(None, "which visit of it, column turn, whose luck is played again; else the first one")
+    id: int | None = setting(None, "the number of that level: column id", least=0, most=LARGEST_SEED)
+    turn: int | None = setting(
+        None,
+        "which visit of it, column turn, whose luck is played again; else the first one",
+        least=0,
+        most=LARGEST_SEED,
+    )
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
-    speed: float = setting(1.0, "of the film, times life", ">0")
+    speed: float = setting(1.0, "of the film, times life", ">0", most=1_000)
     record: Path | None = setting(None, "write a record, .npz, for regista replay")
     reading: ProgramConfig = group(ProgramConfig, "the program")
     playing: EngineConfig = group(EngineConfig, "engine")

@@ -70,9 +70,9 @@ class ProbeConfig(Checked):
         ("dr", "minimax", "paired_literal", "paired", "self_regret", "repaired", "plr", "robust_plr", "accel"),
         "methods to compare; the differences are to the first",
     )
-    seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...", ">=1")
-    longest: int = setting(15, "length of the longest path", ">=1")
-    dim: int = setting(4, "columns of theta; the more, the rarer short paths are")
+    seeds: int = setting(10, "runs of each method, with seeds 0, 1, ...", ">=1", most=10_000)
+    longest: int = setting(15, "length of the longest path", ">=1", most=1_000)
+    dim: int = setting(4, "columns of theta; the more, the rarer short paths are", most=1_000, least=2)
     out: Path = setting(Path("runs/probe"), "folder of the table, the curves and the picture")
     only: str | None = setting(None, "train one run alone, such as plr-3, and make no table")
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")

@@ -27,9 +27,9 @@ class ReplayConfig(Checked):
     """What is typed after `regista replay`."""
 
     record: str = positional("a record: a .npz file of regista play, or of regista.envs.football.replay", default="")
-    match: int = setting(0, "which of the matches of the record is shown", ">=0")
+    match: int = setting(0, "which of the matches of the record is shown", ">=0", most=10**9)
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
-    speed: float = setting(1.0, "of the film, times life", ">0")
+    speed: float = setting(1.0, "of the film, times life", ">0", most=1_000)
 
 
 def main(argv: Sequence[str]) -> int:

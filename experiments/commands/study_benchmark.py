@@ -40,8 +40,10 @@ class BenchmarkStudyConfig(StudyConfig):
     )
     out: Path = setting(Path("runs/benchmark"), "folder of the runs, the tables, the page and its pictures")
     publish: bool = setting(False, "keep tables, page and pictures in the repository: BENCHMARK.md")
-    episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1")
-    demonstrations: int = setting(1000, "successful episodes of a semi-expert program that are cloned", ">=1")
+    episodes: int = setting(400, "whole episodes of each policy on each scene", ">=1", most=1_000_000)
+    demonstrations: int = setting(
+        1000, "successful episodes of a semi-expert program that are cloned", ">=1", most=1_000_000
+    )
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method"))  # PPO on the levels as they come
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "of demonstrations: training on from a clone", prefix="")
 
@@ -223,8 +225,8 @@ def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
     if config.preset == "fast":
         return config.train
     chosen = presets()[config.preset]
-    env = replace(config.train.env, representation="smm_stacked")
-    return replace(config.train, env=env, ppo=chosen.ppo, num_envs=chosen.num_envs, total_env_steps=5_000_000)
+    names = ("env", "ppo", "paired", "num_envs", "total_env_steps")
+    return replace(config.train, **{name: getattr(chosen, name) for name in names})
 
 
 def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:

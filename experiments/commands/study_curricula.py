@@ -28,7 +28,7 @@ from regista.experiments.studies.curricula_page import curves_file, rows_file
 from regista.experiments.studies.measuring import measure_variant
 from regista.experiments.studies.rows import Point, add, load
 from regista.experiments.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
-from ued.config import setting
+from ued.config import LARGEST_SEED, setting
 
 TESTS = 10  # of a student during its training
 
@@ -38,13 +38,15 @@ class CurriculaStudyConfig(StudyConfig):
     """What is typed after `regista study curricula`, `rare`, `ablations` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
-    seeds: int = setting(10, "runs of each variant on each game", ">=1")
-    first_seed: int | None = setting(None, "seed of the first run; those of final tables are below 1000")
+    seeds: int = setting(10, "runs of each variant on each game", ">=1", most=10_000)
+    first_seed: int | None = setting(
+        None, "seed of the first run; those of final tables are below 1000", most=LARGEST_SEED - 10_000, least=0
+    )
     out: Path = setting(Path("runs/curricula"), "folder of the runs, the tables, the page and its pictures")
     publish: bool = setting(False, "keep tables, page and pictures in the repository: RESULTS.md")
-    episodes: int = setting(200, "whole episodes of each student on each scene", ">=1")
+    episodes: int = setting(200, "whole episodes of each student on each scene", ">=1", most=1_000_000)
     levels: int = setting(
-        300, "held-out levels, where thirds count, of which each student plays each four times", ">=1"
+        300, "held-out levels, where thirds count, of which each student plays each four times", ">=1", most=1_000_000
     )
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
 

@@ -41,8 +41,8 @@ class TransferStudyConfig(StudyConfig):
     )
     representations: tuple[str, ...] = setting(("simple115", "features"), "what agents see, one after the other")
     out: Path = setting(Path("runs/transfer"), "folder of the study")
-    episodes: int = setting(200, "whole episodes of each run in our simulator", ">=1")
-    grf_episodes: int = setting(50, "whole episodes of each run in the other engine", ">=1")
+    episodes: int = setting(200, "whole episodes of each run in our simulator", ">=1", most=1_000_000)
+    grf_episodes: int = setting(50, "whole episodes of each run in the other engine", ">=1", most=1_000_000)
     policies: tuple[str, ...] = setting(("sampled",), "how actions are chosen: sampled, greedy")
     train: TrainConfig = group(lambda: training("scoring,checkpoints"), "each run", without=CHOSEN)
 

@@ -39,7 +39,9 @@ class TrainFlags:
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
-    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    preset: Literal["fast", "thesis"] = setting(
+        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
+    )
     connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
@@ -86,10 +88,10 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
             last = method.env_steps >= config.total_env_steps
             if scenes is not None and scenes.due(before, method.env_steps, last):
                 metrics |= scenes.metrics(method.student)
-            elapsed += time.perf_counter() - began
+            elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
             run.keep_config()  # not before its tables have taken an update: one that cannot go on stays as it was
-            if run.checkpoint_due():
+            if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
         if method.updates > run.saved_update:

@@ -24,7 +24,7 @@ from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import as_markdown, save_rows, write_text
 from regista.experiments.run.table import cannot_write
-from ued.config import Checked, setting
+from ued.config import Checked, most_threads, setting
 
 if TYPE_CHECKING:
     from regista.experiments.grf.transfer import Result
@@ -38,17 +38,17 @@ class TransferConfig(Checked):
     """What is typed after `regista transfer`."""
 
     runs: tuple[Path, ...] = positional("run folders", default=())
-    episodes: int = setting(500, "whole episodes of each policy in our simulator", ">=1")
-    grf_episodes: int = setting(200, "whole episodes of each policy in the other engine", ">=1")
+    episodes: int = setting(500, "whole episodes of each policy in our simulator", ">=1", most=1_000_000)
+    grf_episodes: int = setting(200, "whole episodes of each policy in the other engine", ">=1", most=1_000_000)
     policies: tuple[str, ...] = setting(("sampled", "greedy"), "how actions are chosen: sampled, greedy")
     kept: bool = setting(False, "where the same was asked of a run before, take what became of it")
     details: bool = setting(True, "tell of each run where keys, features and goals differ")
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write a row for each run, policy and engine to this CSV file")
     markdown: Path | None = setting(None, "also write the table of games to this Markdown file")
     json: bool = setting(False, "print JSON instead of tables")
     traces: Path | None = setting(None, "play our keys in both, and record it side by side: rerun TRACES.rrd")
-    trace_episodes: int = setting(3, "episodes of each run in that recording", ">=1")
+    trace_episodes: int = setting(3, "episodes of each run in that recording", ">=1", most=1_000)
     playing: EngineConfig = group(EngineConfig, "the other engine; without, grf")
 
     def __post_init__(self) -> None:

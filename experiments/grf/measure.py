@@ -22,7 +22,7 @@ from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import Progress
 from regista.experiments.run.results import align
-from ued.config import Checked, setting
+from ued.config import LARGEST_SEED, Checked, setting
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class MeasureConfig(Checked):
     """What is typed after `regista benchmark --suite grf --measure`."""
 
     measure: bool = setting(False, "measure in both engines instead; the real one must be there")
-    seed: int = setting(0, "of the drawn scenes", ">=0")
+    seed: int = setting(0, "of the drawn scenes", ">=0", most=LARGEST_SEED)
     scenes: tuple[str, ...] = setting((), "drawn scenes by name, such as 0:17; none given: 200 of the seed")
     runs: tuple[Path, ...] = setting((), "run folders, of family goals")
     playing: EngineConfig = group(EngineConfig, "engine beside ours for --measure; without, grf")

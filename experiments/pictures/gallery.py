@@ -68,7 +68,7 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
         "replays": replays,
         "seconds": stage.step_seconds,
     }
-    text = PAGE.read_text().replace(PLACE, json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
+    text = PAGE.read_text().replace(PLACE, json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"))
     try:
         write_whole(path, text)
     except OSError as error:

@@ -12,12 +12,13 @@ import argparse
 import dataclasses
 import shutil
 import typing
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, NoReturn, TypeVar
 
 from regista.experiments.run.errors import UsageError, nearest
+from ued.config import complaint
 
 Config = TypeVar("Config")
 
@@ -126,7 +127,7 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
         else:
             help_text += "" if value is None else f" (default {_spell(value)})"
             names = [flag_name(item.name, place.prefix), *filter(None, [about.get("short")])]
-            options = _options(hints[item.name], about.get("repeated", False))
+            options = _options(hints[item.name], about)
             options |= {"metavar": about["metavar"]} if about.get("metavar") else {}
             added = container.add_argument(
                 *names, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options
@@ -148,8 +149,8 @@ def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: st
     )
 
 
-def _options(hint: Any, repeated: bool) -> dict[str, Any]:
-    """Return argparse's options for a field of this type."""
+def _options(hint: Any, about: Mapping[str, Any]) -> dict[str, Any]:
+    """Return argparse's options for a field of this type and metadata."""
     hint = _without_none(hint)
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}
@@ -158,12 +159,25 @@ def _options(hint: Any, repeated: bool) -> dict[str, Any]:
     if typing.get_origin(hint) is tuple:
         part = typing.get_args(hint)[0]
         convert, name = _converter(part)
-        several = {"action": _Append} if repeated else {"nargs": "+", "action": _Collect}
+        several = {"action": _Append} if about.get("repeated") else {"nargs": "+", "action": _Collect}
         if typing.get_origin(part) is Literal:
             return {"choices": typing.get_args(part), **several}
-        return {"type": convert, "metavar": name, **several}
+        return {"type": _bounded(convert, about), "metavar": name, **several}
     convert, name = _converter(hint)
-    return {"type": convert, "metavar": name}
+    return {"type": _bounded(convert, about), "metavar": name}
+
+
+def _bounded(convert: Callable[[str], Any], about: Mapping[str, Any]) -> Callable[[str], Any]:
+    """Return what reads a value and refuses one that the field does not allow; argparse names the flag."""
+
+    def read(text: str) -> Any:
+        value = convert(text)
+        wrong = complaint(about, value)
+        if wrong:
+            raise argparse.ArgumentTypeError(wrong)
+        return value
+
+    return read
 
 
 class _Collect(argparse.Action):

@@ -9,7 +9,8 @@ import ast
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from regista.experiments.run import tasks
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.tasks import TaskScene
 from ued.methods import METHODS
+from ued.room import RoomError, check_environments, space_bytes
 
 if TYPE_CHECKING:
     import torch
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
     from scenic_lite import Domain, Program
 
 COMPILE_SECONDS = 20  # of all kernels, on a slow core
+MANY = 1_024  # environments, above which one is made first, to see whether they fit
+STATE_COPIES = 3  # of a match, while it is stepped
+ENGINE_BYTES = 55_000_000  # of one engine of Google Research Football
 
 TRAINING_SCENE = "training distribution"  # uniform θ of the training program: tested beside the test scenes
 
@@ -91,14 +96,16 @@ def canonical_name(name: str) -> str:
 def starting_point(preset: str, minigame: str) -> Any:
     """Return the settings of a preset for a minigame, whose agents move whom they move there, and are paid for that.
 
-    Of a mixture, those of its first minigame; of a task of one's own, those of `TaskTrainConfig`.
+    The thesis pays for goals alone. Of a mixture, those of its first minigame; of a task of one's own, those of
+    `TaskTrainConfig`.
     """
     from regista.experiments.run.config import presets, task_presets
 
     if tasks.is_task(minigame):
         return task_presets()[preset]
     config, game = presets()[preset], find_minigame(parts_of(minigame)[0])
-    return replace(config, env=replace(config.env, control=game.control, rewards=game.rewards))
+    rewards = config.env.rewards if preset == "thesis" else game.rewards
+    return replace(config, env=replace(config.env, control=game.control, rewards=rewards))
 
 
 def settings_for(argv: Sequence[str]) -> Any:
@@ -220,6 +227,9 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
     `config` and `threads`, which step them, are football's. Raises `UsageError` for programs that do not go together.
     """
     if isinstance(program, TaskScene):
+        if num_envs > MANY:
+            with room_for("environments"):
+                check_environments(num_envs, _bytes_of_one(tasks.make_upomdp(program, 1, seed), seed))
         return tasks.make_upomdp(program, num_envs, seed)
     assert config is not None
     import numba
@@ -233,11 +243,35 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
+        if num_envs > MANY:
+            with room_for("environments"):
+                check_environments(num_envs, _bytes_of_one(_environments(program, 1, config), seed))
         upomdp = _environments(program, num_envs, config)
     for warning in caught:
         warn(f"warning: {warning.message}")
     upomdp.reset(seed=seed)
     return upomdp
+
+
+@contextmanager
+def room_for(what: str) -> Iterator[None]:
+    """Raise settings for which there is no memory as a `UsageError` that names their flags."""
+    try:
+        yield
+    except RoomError as error:
+        flags = " and ".join(f"--{name.replace('_', '-')}" for name in error.settings)
+        raise UsageError(f"{flags}: too much for the {what}: {error}") from error
+
+
+def _bytes_of_one(upomdp: Any, seed: int) -> int:
+    """Return the bytes that one environment needs at least: its state and what is seen of it; closes it."""
+    if getattr(getattr(upomdp, "config", None), "engine", None) == "grf":
+        return ENGINE_BYTES
+    upomdp.reset(seed=seed)
+    held = upomdp.get_state().values() if upomdp.gives_state else ()
+    upomdp.close()
+    kept = sum(getattr(value, "nbytes", 0) for value in held)
+    return STATE_COPIES * kept + 2 * space_bytes(upomdp.agent_observation_space) * upomdp.num_agents
 
 
 def _environments(program: Program | MixedProgram, num_envs: int, config: FootballConfig) -> Any:
@@ -265,7 +299,8 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     method, device = METHODS[find_method(config.method)], find_device(config.device)
     torch.set_num_threads(config.threads)
     try:
-        made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
+        with room_for("students"):
+            made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
     if device.type != "cpu":
@@ -295,6 +330,12 @@ def is_football(config: Any) -> bool:
     from regista.experiments.run.config import FootballRunConfig
 
     return isinstance(config, FootballRunConfig)
+
+
+def check_football(minigame: str) -> None:
+    """Raise `UsageError` for a task of one's own, of which there are no demonstrations."""
+    if tasks.is_task(minigame):
+        raise UsageError(f"{minigame} is a task of your own: demonstrations are of football alone")
 
 
 def make_painter(program: Any, upomdp: Any = None) -> Any:

@@ -20,7 +20,7 @@ from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, nearest
 from regista.experiments.run.tasks import is_task
-from ued.config import Checked, PairedConfig, PPOConfig, hints_of, setting
+from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
 from ued.files import write_whole
 from ued.methods import METHODS
 
@@ -60,12 +60,14 @@ class ProgramConfig:
 
 
 @dataclass(frozen=True)
-class EngineConfig:
+class EngineConfig(Checked):
     """What a command plays on, where it is not what it would play on by itself."""
 
     engine: Literal["regista", "grf"] | None = setting(None, "what plays: regista, or grf, Google Research Football")
     grf_python: str | None = setting(None, "the Python that has gfootball; else looked for")
-    grf_workers: int = setting(0, "processes that hold engines of grf; 0: one for each core")
+    grf_workers: int = setting(
+        0, "processes that hold engines of grf; 0: one for each core", most=most_threads, least=0
+    )
 
     def instead_of(self, env: FootballConfig) -> FootballConfig:
         """Return the settings of an environment, on this engine if one is named."""
@@ -87,21 +89,25 @@ class RunConfig(Checked):
         "a minigame's name, a .scenic program, or a task of yours: file.py:name", default="1v1Restricted"
     )
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
-    seed: int = setting(0, "seed of every random stream of the run", ">=0")
+    seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
     total_env_steps: int = setting(
-        3_000_000, "stop when training has simulated this many steps, the antagonist's too", ">=1"
+        3_000_000, "stop when training has simulated this many steps, the antagonist's too", ">=1", most=10**12
     )
-    num_envs: int = setting(128, "environments that each student plays at a time", ">=1")
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
+    num_envs: int = setting(128, "environments that each student plays at a time", ">=1", most=100_000)
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
-    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0")
-    eval_episodes: int = setting(
-        64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1"
+    eval_every: int = setting(
+        250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0", most=10**12
     )
-    checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0")
+    eval_episodes: int = setting(
+        64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1", most=1_000_000
+    )
+    checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
-    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")
-    record_limit: int = setting(2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1")
+    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0", most=10**9)
+    record_limit: int = setting(
+        2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1", most=1_000_000
+    )
     report: tuple[Literal["tensorboard", "wandb"], ...] = setting(
         (), "who else is told of every update: tensorboard, wandb"
     )
@@ -109,7 +115,7 @@ class RunConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not re.fullmatch(r"auto|cpu|cuda(:\d+)?", self.device):
+        if not re.fullmatch(r"auto|cpu|cuda(:\d{1,2})?", self.device):
             raise ValueError(f"device must be auto, cpu, cuda or cuda:N, got {self.device!r}")
 
 
@@ -164,6 +170,9 @@ class TaskTrainConfig(TaskSettings):
 # ---------------------------------------------------------------- JSON
 
 ABOUT = "about"  # key of config.json that is no setting
+LARGEST = 10**300  # whole numbers that become real ones
+LARGEST_FILE = 10_000_000  # bytes of a config.json
+OF_MACHINES = 1_024  # threads of the largest machine
 
 # Settings that older runs know nothing of, and what they did: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
@@ -214,6 +223,8 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
 
 def _json(path: Path) -> Any:
+    if path.stat().st_size > LARGEST_FILE:
+        raise ConfigError(f"{path} is no settings: it has more than {LARGEST_FILE:_} bytes")
     try:
         return json.loads(path.read_text(), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
@@ -257,12 +268,23 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
         values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
+    for item in fields(kind):
+        values[item.name] = _as_here(item, values[item.name])
     if kind is FootballConfig:
         values["grf_python"] = None  # a program that would be run: no file chooses it, but whoever types the command
     try:
         return kind(**values)
     except ValueError as error:
         raise ConfigError(f"{where}: {error}") from error
+
+
+def _as_here(item: Any, value: Any) -> Any:
+    """Return a setting that depends on the machine, such as `threads`, as this one has it; numbers are the same.
+
+    A run of a larger machine can be read on a smaller one. What no machine has stays, and is refused.
+    """
+    most = item.metadata.get("most")
+    return min(value, most()) if callable(most) and value <= OF_MACHINES else value
 
 
 def _value(hint: Any, value: Any, where: str, path: str) -> Any:
@@ -278,7 +300,7 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
         return tuple(_value(parts[0], item, where, path) for item in value)
     if hint is Path and isinstance(value, str):
         return Path(value)
-    if hint is float and type(value) is int:
+    if hint is float and type(value) is int and abs(value) < LARGEST:
         return float(value)
     if type(value) is hint:
         return value
@@ -299,11 +321,17 @@ def task_presets() -> dict[str, TaskTrainConfig]:
 def presets() -> dict[str, TrainConfig]:
     """Return the named starting points of `--preset`.
 
-    `fast` is the default: features for a small network, minutes on two cores. `thesis` is Table 4.2 of the thesis:
-    its coefficients and 5M steps, on our observations and network.
+    `fast` is the default: features for a small network, minutes on two cores. `thesis` is what the thesis describes:
+    stacked SMM images, goals alone as reward, the network of Fig. 4.10, the coefficients of Table 4.2, 16 environments
+    and 5M steps.
     """
     fast = TrainConfig()
     thesis = dataclasses.replace(
-        fast, total_env_steps=5_000_000, num_envs=16, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis()
+        fast,
+        total_env_steps=5_000_000,
+        num_envs=16,
+        ppo=PPOConfig.thesis(),
+        env=FootballConfig(representation="smm_stacked", rewards="scoring"),
+        paired=PairedConfig.thesis(),
     )
     return {"fast": fast, "thesis": thesis}

@@ -26,8 +26,8 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run import config as configs
 from regista.experiments.run.errors import DAMAGE, CommandError
-from regista.experiments.run.table import cannot_write, spell
-from ued.config import Checked, setting
+from regista.experiments.run.table import cannot_write, check_files, spell
+from ued.config import LARGEST_SEED, Checked, setting
 from ued.files import is_partial, write_whole
 
 if TYPE_CHECKING:
@@ -48,11 +48,11 @@ class DemonstrationsConfig(Checked):
     source: str = setting("program", "who played: program, or the path of a run")
     keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
     success_above: float | None = setting(
-        None, "an episode is successful if its return is above this; else by its game"
+        None, "an episode is successful if its return is above this; else by its game", most=1e9, least=-1e9
     )
     greedy: bool = setting(False, "a student takes its most likely actions")
-    seed: int = setting(0, "seed of levels and of chance", ">=0")
-    part: int = setting(256, "episodes that are played side by side", ">=1")
+    seed: int = setting(0, "seed of levels and of chance", ">=0", most=LARGEST_SEED)
+    part: int = setting(256, "episodes that are played side by side", ">=1", most=100_000)
     env: FootballConfig = field(default_factory=FootballConfig)
 
 
@@ -79,6 +79,7 @@ class Demonstrations:
         file = path / "demonstrations.json"
         if not file.exists():
             raise CommandError(f"{path} holds no demonstrations: it has no demonstrations.json")
+        check_files(path)
         return cls(path, configs.load(DemonstrationsConfig, file))
 
     @classmethod

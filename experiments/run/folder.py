@@ -28,11 +28,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import config as configs
-from regista.experiments.run import provenance
+from regista.experiments.run import provenance, trust
 from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
-from regista.experiments.run.table import Table, cannot_write, read_columns
+from regista.experiments.run.signals import CHILD_GRACE_SECONDS
+from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from regista.experiments.run.tasks import is_task
 from ued.files import is_partial, write_whole
 from ued.methods import METHODS
@@ -96,6 +97,7 @@ class RunFolder:
         """Open an existing run. Raises `CommandError` for a folder that holds none."""
         if not (path / "config.json").exists():
             raise CommandError(f"{path} is no run folder: it has no config.json")
+        check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
     def extend(self, config: TrainConfig) -> None:
@@ -131,7 +133,9 @@ class RunFolder:
     def words(self) -> list[str]:
         """What is typed behind `regista` to train it on, wherever that is."""
         engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
-        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else [])]
+        task = self.config.minigame
+        trusted = [trust.FLAG] if is_task(task) and trust.allows(task) else []  # here, so wherever it is trained
+        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else []), *trusted]
 
     def keep_program(self, program: Program) -> None:
         """Keep the text of the program beside a run that begins; raise `CommandError` if it began with another one.
@@ -198,9 +202,13 @@ class RunFolder:
             return "clone"
         return f"{self.config.method} fine-tuned" if (self.path / "origin.pt").exists() else self.config.method
 
-    def checkpoint_due(self) -> bool:
-        """Return whether the last checkpoint is older than `checkpoint_seconds`."""
-        return time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
+    def checkpoint_due(self, update_seconds: float = 0.0) -> bool:
+        """Return whether the last checkpoint is older than `checkpoint_seconds`, or updates take so long.
+
+        A signal may not wait for the end of a long one: then there is what the one before left.
+        """
+        old = time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
+        return old or update_seconds > CHILD_GRACE_SECONDS / 2
 
     def finished(self) -> bool:
         """Return whether the checkpoint is at the end of the budget, and the picture is drawn, which comes last."""

@@ -2,6 +2,8 @@
 
 A command that does not say otherwise ends where it is (`interruptible`); one that has something to save takes the
 signal as a request (`StopRequest`). Either way it is one line and 128 + the signal's number, and nobody is left behind.
+Whatever the main thread does meanwhile, `Watchdog` ends the process some seconds after the signal: files are replaced
+in one step, so what was finished is whole, and a resumed run goes on from its last checkpoint.
 Read next: `run.errors`, which ends every command; `commands.train`.
 """
 
@@ -10,9 +12,12 @@ from __future__ import annotations
 import ctypes
 import errno
 import os
+import select
 import signal
 import sys
 import termios
+import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
@@ -20,9 +25,14 @@ from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-GRACE_SECONDS = 10.0  # in which what was interrupted tidies up; then the process ends anyway
+# After a signal, what is being done may end well; then the process ends anyway. A run that somebody else started, who
+# was sent the signal and passed it on, ends before that one does.
+GRACE_SECONDS, CHILD_GRACE_SECONDS = 8.0, 6.0
 DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl
 PARENT = "REGISTA_PARENT"  # in the environment of a run: the process with which it is to end
+
+
+_is_child = False  # of another command of ours
 
 
 class Stopped(KeyboardInterrupt):
@@ -33,6 +43,77 @@ class Stopped(KeyboardInterrupt):
         self.number = number
 
 
+class Watchdog:
+    """While entered, a signal ends the process after a grace period, unless we are left before.
+
+    A handler of Python's waits until the main thread is out of whatever call it is in. So the number is also written
+    into a pipe, by the handler that the system calls, and read by a thread.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds = seconds
+        self._old = -1
+        self._pipe: tuple[int, int] | None = None
+
+    def __enter__(self) -> Watchdog:
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+        try:
+            self._old = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+        except ValueError:  # not in the main thread, which alone hears signals
+            os.close(reading)
+            os.close(writing)
+            return self
+        self._pipe = reading, writing
+        self._thread = threading.Thread(target=self._watch, args=(reading,), daemon=True)
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._pipe is None:
+            return
+        reading, writing = self._pipe
+        signal.set_wakeup_fd(self._old)
+        os.close(writing)  # the thread reads the end of the pipe
+        self._thread.join()
+        os.close(reading)
+
+    def _watch(self, reading: int) -> None:
+        asked = None
+        while asked is None:
+            said = os.read(reading, 1)
+            if not said:
+                return
+            asked = said[0] if said[0] in SIGNALS else None
+        until = time.monotonic() + self.seconds
+        while (left := until - time.monotonic()) > 0:
+            if select.select([reading], [], [], left)[0] and not os.read(reading, 1):
+                return
+        _say(WORDS[asked])
+        _leave(asked)
+
+
+def _forget_pipe() -> None:
+    """Let a forked process write its signals to nobody: they are not ours."""
+    with suppress(ValueError):
+        signal.set_wakeup_fd(-1)
+
+
+os.register_at_fork(after_in_child=_forget_pipe)
+
+
+def _say(word: str) -> None:
+    """Write a last line, unless whoever reads it is in the way."""
+    with suppress(OSError):
+        if select.select([], [2], [], 0)[1]:
+            os.write(2, f"regista: {word}\n".encode())
+
+
+def watchdog() -> Watchdog:
+    """Return the watchdog of a command: it has less time where another command has started it."""
+    return Watchdog(CHILD_GRACE_SECONDS if _is_child else GRACE_SECONDS)
+
+
 @contextmanager
 def interruptible(for_good: bool = False) -> Iterator[list[int]]:
     """Have a signal raise `Stopped` inside, and a second one end the process; `for_good`: it does so ever after.
@@ -40,6 +121,7 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
     Gives the signals that have come: what `Stopped` meets on its way out may have made another error of it.
     """
     heard: list[int] = []
+    watching = watchdog()
     hook = sys.unraisablehook
     sys.unraisablehook = lambda broken: _lost(broken.exc_value) if heard else hook(broken)
 
@@ -47,22 +129,22 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
         heard.append(number)
         _stop(number, frame)
 
+    watching.__enter__()
     try:
         with _handled(stop):
             yield heard
     finally:
         sys.unraisablehook = hook
-        with suppress(ValueError):  # in another thread there was nothing to handle
-            signal.setitimer(signal.ITIMER_REAL, 0)
-            if for_good:
+        if for_good:  # whatever is tidied up at the end of the process is watched, too
+            with suppress(ValueError):  # in another thread there was nothing to handle
                 _listen(_leave)
+        else:
+            watching.__exit__()
 
 
 def _stop(number: int, _: FrameType | None) -> None:
-    """Raise `Stopped`; what is tidied up on its way out has some seconds for it."""
+    """Raise `Stopped`; what is tidied up on its way out has some seconds for it, see `Watchdog`."""
     _listen(_leave)
-    signal.signal(signal.SIGALRM, _leave)
-    signal.setitimer(signal.ITIMER_REAL, GRACE_SECONDS)
     if number == signal.SIGHUP:
         forget_terminal()
     raise Stopped(number)
@@ -71,7 +153,7 @@ def _stop(number: int, _: FrameType | None) -> None:
 def _lost(error: BaseException | None) -> None:
     """End the process where `Stopped` came to a place that lets no error through: it would go on as before."""
     if isinstance(error, Stopped):
-        os.write(2, f"regista: {WORDS[error.number]}\n".encode())
+        _say(WORDS[error.number])
         _leave(error.number)
 
 
@@ -134,6 +216,8 @@ def hung_up() -> bool:
 
 def end_with(parent: int) -> None:
     """Have the kernel send us SIGTERM when the process ends that started us, however it ends. Linux alone can."""
+    global _is_child
+    _is_child = True
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).prctl(DEATH_SIGNAL, signal.SIGTERM)
         if os.getppid() != parent:  # it has ended in the meantime

@@ -130,6 +130,13 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
         raise CommandError(f"{path} is damaged: {error}") from error
 
 
+def check_files(folder: Path) -> None:
+    """Raise `CommandError` where a folder holds what would be read without end: a pipe, a device, a link to one."""
+    for entry in folder.iterdir() if folder.is_dir() else ():
+        if entry.exists() and not entry.is_file() and not entry.is_dir():
+            raise CommandError(f"{entry} is damaged: it is no regular file")
+
+
 def cannot_write(path: Path, error: Exception) -> CommandError:
     """Return the error of a file that cannot be written."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error).partition("\n")[0]

@@ -1,7 +1,8 @@
 """Tasks of one's own on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
 What a run trains on and is tested on are scenes here, which stand where programs stand in football. The file is
-imported, so it is code that runs. Read next: `run.build`, which makes environments of scenes and of programs.
+imported, so it is code that runs: `run.trust` says whose. Read next: `run.build`, which makes environments of scenes
+and of programs.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from regista.experiments.run import trust
 from regista.experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
 
 if TYPE_CHECKING:
@@ -99,10 +101,15 @@ def name_of(task: Any) -> str:
 
 
 def load_task(name: str) -> tuple[Task, str]:
-    """Return the task of a name, and the text of its file. Raises `UsageError` where there is none."""
+    """Return the task of a name, and the text of its file.
+
+    Raises `UsageError` where there is none, `TrustError` for one that only a run folder names.
+    """
     from ued.task import Task
 
     place, _, attribute = name.rpartition(":")
+    if not place.endswith(".py") or Path(place).expanduser().is_file():
+        trust.check(name)
     with _yours(f"{place} cannot be imported"):
         module = _import(place)
     if not hasattr(module, attribute):
@@ -110,6 +117,7 @@ def load_task(name: str) -> tuple[Task, str]:
     task = getattr(module, attribute)
     if not isinstance(task, Task) and not callable(task):
         raise UsageError(f"{name} must be a ued.Task or a function make(num_envs), got {task!r}")
+    trust.remember(name)
     file = getattr(module, "__file__", None)
     return task if isinstance(task, Task) else Task(task), Path(file).read_text() if file else ""
 

@@ -25,7 +25,7 @@ from typing import Any, Literal, Protocol, TextIO
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.progress import Progress
 from regista.experiments.run.signals import PARENT, StopRequest, end_with
-from ued.config import Checked, setting
+from ued.config import Checked, most_threads, setting
 
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
@@ -65,7 +65,15 @@ class LaunchConfig(Checked):
     launcher: Literal["local", "ray", "commands"] = setting(
         "local", "who trains: local, this machine; ray, a Ray cluster; commands, you: print a line for each run"
     )
-    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0")
+    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0", most=100_000)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.launcher == "local" and self.processes > most_threads():
+            raise ValueError(
+                f"processes must be at most {most_threads()} on this machine, whose cores share them, got "
+                f"{self.processes}"
+            )
 
     def at_a_time(self, threads: int, runs: int) -> int:
         """Return how many of these runs are trained at a time: as many as asked for, or as cores have room for."""

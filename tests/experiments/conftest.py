@@ -9,6 +9,9 @@ from regista.experiments.run import build, workers
 from regista.experiments.run.folder import RunFolder
 from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
+from tests.leftovers import nobody_left
+
+__all__ = ["nobody_left"]
 
 
 @pytest.fixture(autouse=True)

@@ -3,11 +3,20 @@
 import dataclasses
 import json
 
+import numpy as np
 import pytest
+from gymnasium.spaces import Box, Discrete
 
+from regista.experiments.commands.compare import _read
+from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, starting_point
+from regista.experiments.commands.train import _begin
+from regista.experiments.run import build
 from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, TrainConfig, presets
 from regista.experiments.run.folder import RunFolder
+from ued.config import PPOConfig
+from ued.learning.student import Student
+from ued.seeding import torch_generator
 
 
 @pytest.mark.parametrize("name", ["fast", "thesis"])
@@ -23,7 +32,30 @@ def test_thesis_is_table_4_2():
     assert (ppo.learning_rate, ppo.clip_coef, ppo.gamma, ppo.gae_lambda) == (8e-5, 0.27, 0.993, 0.95)
     assert (ppo.num_steps, ppo.num_minibatches, ppo.update_epochs, ppo.ent_coef, ppo.vf_coef) == (128, 8, 4, 0.01, 0.5)
     assert (config.paired.adversary.ent_coef, config.paired.adversary.update_epochs) == (0.01, 5)
-    assert config.total_env_steps == 5_000_000
+    assert config.total_env_steps == 5_000_000 and config.num_envs == 16
+    assert (config.paired.roles, config.paired.dr_fraction, config.paired.adversary.hidden_size) == ("fixed", 0.0, 512)
+
+
+def test_thesis_is_the_network_of_figure_4_10():
+    start = build.starting_point("thesis", "1v1Restricted")
+    assert (start.env.representation, start.env.rewards) == ("smm_stacked", "scoring")
+    image, keys = Box(0, 255, (72, 96, 16), np.uint8), Discrete(19)
+    student = Student(image, keys, start.ppo, torch_generator(0))
+    assert sum(weight.numel() for weight in student.parameters()) == 750_228
+
+
+@pytest.mark.parametrize("game", ["1v1Restricted", "academy/run_to_score", "1v1Free+Gauntlet"])
+def test_thesis_is_the_same_in_every_command(game, tmp_path):
+    """Also where a game is best paid otherwise: the thesis pays for goals."""
+    start = build.starting_point("thesis", game)
+    run = _begin({"preset": "thesis", "config.minigame": game, "out": tmp_path / "run"})
+    compared = _read([game, "--preset", "thesis"])
+    assert run.config.ppo == compared.train.ppo == start.ppo == PPOConfig.thesis()
+    assert run.config.env == compared.train.env == start.env and start.env.rewards == "scoring"
+    study = starting_point(BenchmarkStudyConfig(preset="thesis"))
+    for name in ("ppo", "paired", "num_envs", "total_env_steps"):
+        assert getattr(study, name) == getattr(start, name) == getattr(run.config, name)
+    assert study.env.representation == start.env.representation
 
 
 def changed(**changes):

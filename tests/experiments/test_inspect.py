@@ -129,11 +129,11 @@ def test_an_impossible_program_is_reported_not_drawn(tmp_path, capsys):
     ("flags", "code", "message"),
     [
         (["--theta", "0", "0"], 2, "--theta takes 5 numbers in [-1, 1]"),
-        (["--theta", "0", "0", "0", "0", "1.5"], 2, "--theta takes 5 numbers in [-1, 1]"),
+        (["--theta", "0", "0", "0", "0", "1.5"], 2, "--theta: must be at most 1, got 1.5"),
         (["--theta", "0", "0", "0", "0", "nan"], 2, "'nan' is not a finite number"),
         (["--png", "/nowhere/scenes.png"], 1, "cannot write /nowhere/scenes.png: No such file or directory"),
         (["--rrd", "/nowhere/scenes.rrd"], 1, "cannot write /nowhere/scenes.rrd: No such file or directory"),
-        (["--n", "0"], 2, "n must be at least 1"),
+        (["--n", "0"], 2, "--n: must be at least 1"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(street, capsys, flags, code, message):

@@ -35,13 +35,13 @@ ROOT = Path(__file__).parents[2]
             "regista: unknown method 'pared' (did you mean 'paired'?); known are dr, minimax, paired, ",
         ),
         (["train", "--resume", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
-        (["train", "--num-envs", "0"], 2, "regista: num_envs must be at least 1, got 0"),
-        (["train", "--clip-coef", "-1"], 2, "regista: clip_coef must be positive, got -1"),
+        (["train", "--num-envs", "0"], 2, "regista: --num-envs: must be at least 1, got 0"),
+        (["train", "--clip-coef", "-1"], 2, "regista: --clip-coef: must be positive, got -1"),
         (["train", "--representation", "raw"], 2, "regista: training needs observations that are arrays; 'raw' is for"),
         (["train", "--out", "/dev/null/run"], 1, "regista: cannot write /dev/null/run: Not a directory"),
         (["evaluate"], 2, "regista: evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0"),
         (["evaluate", "nowhere"], 1, "regista: nowhere is no run folder: it has no config.json"),
-        (["compare", "--seeds", "0"], 2, "regista: seeds must be at least 1, got 0"),
+        (["compare", "--seeds", "0"], 2, "regista: --seeds: must be at least 1, got 0"),
         (["compare", "--methods", "dr", "dr"], 2, "regista: methods must be one or more, each named once, got dr dr"),
         (
             ["compare", "--methods", "dr", "plt"],
@@ -52,7 +52,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["inspect", "1v1Free", "--theta", "0", "2"],
             2,
-            "regista: --theta takes 6 numbers in [-1, 1] for free.scenic, got 0 2",
+            "regista: --theta: must be at most 1, got 2.0",
         ),
         (["study"], 2, "regista: no study ''; there are single, generalisation, multi, "),
         (["study", "transfer", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
@@ -62,7 +62,7 @@ ROOT = Path(__file__).parents[2]
             2,
             "regista: --family: no 'keeper', only d",
         ),
-        (["benchmark", "--seconds", "0"], 2, "regista: seconds must be positive, got 0.0"),
+        (["benchmark", "--seconds", "0"], 2, "regista: --seconds: must be positive, got 0.0"),
     ],
 )
 def test_errors_are_one_sentence(argv, code, sentence, capsys, tmp_path, monkeypatch):

@@ -129,7 +129,7 @@ def test_entropy_is_measured_in_the_space_of_theta():
 @pytest.mark.parametrize(("columns", "program_dims"), [(6, ()), (np.array([0, 3, 0, 5]), ()), (4, (0, 3, 1))])
 def test_gradients_are_those_of_the_loss(distribution, columns, program_dims):
     """Against autograd, for a policy that has moved, so that ratios are clipped, and whose deviations are."""
-    config = AdversaryConfig(distribution=distribution, update_epochs=1, max_grad_norm=math.inf, ent_coef=0.3)
+    config = AdversaryConfig(distribution=distribution, update_epochs=1, max_grad_norm=1e12, ent_coef=0.3)
     adversary = Adversary(columns, config, torch_generator(0), program_dims=program_dims)
     proposals = adversary.propose(64)
     for weight in adversary.network.parameters():

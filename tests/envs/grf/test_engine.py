@@ -251,3 +251,30 @@ def test_a_kick_asked_for_is_remembered_until_the_ball_flies(python):
     match["ball"]["vx"] = 25.0
     follow_kicks(match)
     assert match["players"]["kick"][owner] == 0
+
+
+def test_processes_end_with_the_last_environment_that_has_them(python):
+    env = make(python)
+    env.reset(seed=0)
+    workers = env._engine._workers
+    process = workers.processes[0].process
+    twin, smaller = env.copy(), env.resized(1)
+    env.close()
+    env.close()
+    twin.close()
+    assert process.poll() is None  # one of them may still play
+    smaller.reset(seed=0)
+    del smaller  # nobody has closed it
+    assert process.poll() is not None and workers.processes[0].process is None
+
+
+def test_an_environment_that_cannot_be_made_leaves_no_process(python):
+    env = make(python)
+    env.reset(seed=0)
+    process = env._engine._workers.processes[0].process
+    with pytest.raises(ValueError):
+        env.resized(-1)
+    with pytest.raises(ValueError):
+        env.set_state({})
+    env.close()
+    assert process.poll() is not None

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -119,7 +120,7 @@ def test_closing_ends_the_processes(tmp_path):
 
 
 PLAY = """
-import sys, time
+import os, sys, time
 import numpy as np
 from regista.envs.grf import workers
 from tests.envs.grf.fixtures import SCENE
@@ -132,6 +133,10 @@ print(pool.processes[0].process.pid, flush=True)
 if then == "play":
     pool.play([episode], np.zeros((1, 22), int))
 elif then == "wait":
+    time.sleep(100)
+elif then == "fork":
+    if not os.fork():
+        time.sleep(30)  # with a copy of the pipe by which the worker is asked
     time.sleep(100)
 """
 
@@ -167,9 +172,56 @@ def test_not_even_a_hung_worker_outlives_us(tmp_path):
     assert ends(pid)
 
 
-def ends(pid: int) -> bool:
+def test_a_worker_does_not_outlive_us_where_another_process_has_a_copy_of_its_pipe(tmp_path):
+    parent, pid = start_parent(fake_python(tmp_path), "fork")
+    time.sleep(0.5)
+    forked = [each for each in children_of(parent.pid) if each != pid]
+    parent.kill()
+    parent.wait()
+    assert len(forked) == 1 and ends(pid, 5.0) and is_running(forked[0])
+    os.kill(forked[0], signal.SIGKILL)
+
+
+def children_of(parent: int) -> list[int]:
+    """Return the processes that a process has started."""
+    found = []
+    for file in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has ended meanwhile
+            if int(file.read_text().rpartition(")")[2].split()[1]) == parent:
+                found.append(int(file.parent.name))
+    return found
+
+
+def test_a_script_that_starts_the_engine_ends_with_it(tmp_path):
+    inner = fake_python(tmp_path)
+    script = tmp_path / "outer"
+    script.write_text(f'#!/bin/sh\n{inner} "$@"\nexit 0\n')  # no exec: the engine is its child
+    script.chmod(0o755)
+    pool = Workers(script, 1)
+    pool.begin([Episode(SCENE, 0)])
+    outer = pool.processes[0].process.pid
+    inside = children_of(outer)
+    pool.close()
+    assert inside and all(ends(pid, 3.0) for pid in inside)
+
+
+def test_a_forked_process_does_not_end_the_workers_of_its_parent(tmp_path):
+    pool = Workers(fake_python(tmp_path), 1)
+    pool.enter()
+    pool.begin([Episode(SCENE, 0)])
+    forked = os.fork()
+    if not forked:
+        pool.leave()
+        os._exit(0)
+    os.waitpid(forked, 0)
+    assert pool.processes[0].process.poll() is None
+    pool.leave()
+    assert pool.processes[0].process is None
+
+
+def ends(pid: int, seconds: float = 20.0) -> bool:
     """Return whether a process ends within some seconds."""
-    until = time.monotonic() + 20
+    until = time.monotonic() + seconds
     while is_running(pid) and time.monotonic() < until:
         time.sleep(0.05)
     return not is_running(pid)

@@ -1,0 +1,196 @@
+"""A signal ends every command within ten seconds, wherever it is, and what was finished before is whole."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from regista.experiments.run.signals import Watchdog
+from regista.experiments.run.table import read_rows
+from tests.torture.interrupts import children, started
+
+pytestmark = pytest.mark.slow
+
+TASK = f"{Path(__file__).parent / 'slow_task.py'}:walk"
+LIMIT = 10.0  # s from the signal to the end of all processes
+TRAIN = ["--method", "plr", "--num-envs", "4", "--num-steps", "16", "--total-env-steps", "2_000", "--no-record"]
+TRAIN += ["--eval-every", "0", "--checkpoint-seconds", "0"]
+COMPARE = ["compare", TASK, *TRAIN[2:], "--seeds", "1", "--methods", "dr"]
+
+
+class Command:
+    """A command that is running, and the folder by which it is told where to block."""
+
+    def __init__(self, folder: Path, words: list[str]) -> None:
+        self.folder, self.tag = folder, f"stopping-{os.getpid()}-{time.monotonic_ns()}"
+        folder.mkdir(exist_ok=True)
+        told = {"REGISTA_TEST_STUCK": str(folder), "REGISTA_TORTURE": self.tag, "OMP_NUM_THREADS": "1"}
+        self.process = started(words, env=os.environ | told)
+
+    def wait_for(self, file: Path, seconds: float = 120.0) -> None:
+        """Wait until a file is there."""
+        until = time.monotonic() + seconds
+        while not file.exists():
+            assert self.process.poll() is None and time.monotonic() < until, self.process.communicate()[0]
+            time.sleep(0.02)
+
+    def stop(self, number: int = signal.SIGTERM) -> str:
+        """Send a signal to the command alone; return what it said. All of its processes must end in time."""
+        began = time.monotonic()
+        self.process.send_signal(number)
+        try:
+            said = self.process.communicate(timeout=60)[0].decode()
+            while children(self.tag) and time.monotonic() < began + LIMIT:
+                time.sleep(0.05)
+            spent, left = time.monotonic() - began, children(self.tag)
+        finally:
+            for pid in children(self.tag):
+                os.kill(pid, signal.SIGKILL)
+        assert not left and spent < LIMIT, f"{len(left)} processes are left after {spent:.1f} s: {said}"
+        assert self.process.returncode == 128 + number and "Traceback" not in said, said
+        return said
+
+
+def rows_of(run: Path) -> list[dict[str, str]]:
+    """Return the rows of a run's table but for wall-clock time."""
+    rows = read_rows(run / "metrics.csv")
+    return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in rows]
+
+
+def train(out: Path) -> list[str]:
+    return ["train", TASK, *TRAIN, "--out", str(out)]
+
+
+def finish(words: list[str]) -> None:
+    process = started(words)
+    said = process.communicate(timeout=120)[0].decode()
+    assert process.returncode == 0, said
+
+
+@pytest.fixture(name="alone", scope="module")
+def _alone(tmp_path_factory):
+    """Return a run that nobody stopped."""
+    run = tmp_path_factory.mktemp("alone") / "run"
+    finish(train(run))
+    return run
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_run_that_blocks_ends_and_is_resumed_to_the_same_numbers(tmp_path, alone, number):
+    run = tmp_path / "run"
+    command = Command(tmp_path / "told", train(run))
+    command.wait_for(run / "checkpoint.pt")
+    (tmp_path / "told" / "step").touch()
+    command.wait_for(tmp_path / "told" / "stuck")
+    word = {signal.SIGTERM: "terminated", signal.SIGINT: "interrupted"}[number]
+    assert f"regista: {word}" in command.stop(number)
+    assert 0 < len(rows_of(run)) < len(rows_of(alone))
+    finish(["train", "--resume", str(run)])
+    assert rows_of(run) == rows_of(alone)
+
+
+def test_learning_with_very_many_minibatches_ends_and_is_resumed_to_the_same_numbers(tmp_path):
+    long = ["train", TASK, "--method", "dr", "--num-envs", "16", "--num-steps", "64", "--total-env-steps", "1"]
+    long += ["--num-minibatches", "1024", "--no-record", "--eval-every", "0"]
+    run = tmp_path / "run"
+    command = Command(tmp_path / "told", [*long, "--update-epochs", "1000", "--out", str(run)])
+    command.wait_for(run / "owner.json")
+    time.sleep(6.0)  # it has played 64 steps, and learns for minutes
+    command.stop()
+    assert not (run / "metrics.csv").exists() and (run / "config.json").exists()
+    alone = tmp_path / "alone"
+    finish([*long, "--update-epochs", "1", "--out", str(alone)])
+    finish([*long, "--update-epochs", "1", "--out", str(run)])  # nothing was finished: the name is free
+    assert rows_of(run) == rows_of(alone)
+
+
+@pytest.mark.parametrize("place", ["make", "step"])
+def test_an_evaluation_that_blocks_ends(tmp_path, alone, place):
+    command = Command(tmp_path, ["evaluate", str(alone), "--episodes", "10", "--levels", "0"])
+    (tmp_path / place).touch()
+    command.wait_for(tmp_path / "stuck")
+    command.stop()
+
+
+def test_an_evaluation_within_training_ends(tmp_path):
+    run = tmp_path / "run"
+    words = ["train", TASK, *TRAIN, "--eval-every", "100", "--eval-episodes", "1000000", "--out", str(run)]
+    command = Command(tmp_path / "told", words)
+    command.wait_for(run / "owner.json")
+    time.sleep(6.0)
+    command.stop()
+
+
+def test_a_comparison_ends_with_its_processes(tmp_path):
+    command = Command(tmp_path, [*COMPARE, "plr", "--out", str(tmp_path / "all")])
+    command.wait_for(tmp_path / "all" / "dr-0" / "checkpoint.pt")
+    (tmp_path / "step").touch()
+    command.wait_for(tmp_path / "stuck")
+    command.stop()
+
+
+def test_a_comparison_whose_runs_are_not_heard_ends(tmp_path):
+    (tmp_path / "make").touch()
+    command = Command(tmp_path, [*COMPARE, "--out", str(tmp_path / "all")])
+    command.wait_for(tmp_path / "stuck")
+    command.stop()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["inspect", "{scene}", "--n", "10000", "--show", "scenes"],  # one of a million draws is valid
+        ["inspect", "1v1Free", "--png", "{out}.png", "--n", "3000"],
+        ["probe", "--methods", "dr", "plr", "--seeds", "2", "--total-env-steps", "1e9", "--out", "{out}"],
+        ["characterise", "1v1Free", "--levels", "100000"],
+        ["demonstrate", "3v2FourBehaviors", "--episodes", "100000", "--out", "{out}"],
+        ["benchmark", "--seconds", "1000"],
+    ],
+    ids=lambda words: " ".join(words[:1]),
+)
+def test_long_work_ends(tmp_path, words):
+    scene = tmp_path / "rare.scenic"
+    scene.write_text("x = Range(0, 1)\nego = Object at x @ 0\nrequire x < 0.000001\n")
+    words = [word.format(scene=scene, out=tmp_path / "out") for word in words]
+    command = Command(tmp_path / "told", words)
+    time.sleep(6.0)
+    if command.process.poll() is None:  # a program that cannot be drawn may be refused by then
+        command.stop()
+
+
+def test_the_compilation_of_kernels_ends(tmp_path):
+    told = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path)}
+    process = started(["play", "1v1Free"], env=told)
+    time.sleep(6.0)
+    began = time.monotonic()
+    process.send_signal(signal.SIGTERM)
+    said = process.communicate(timeout=60)[0].decode()
+    assert time.monotonic() - began < LIMIT and process.returncode == 143 and "Traceback" not in said
+
+
+def test_a_process_that_is_forked_meanwhile_does_not_wake_the_watchdog():
+    with Watchdog(0.5):
+        before = signal.signal(signal.SIGTERM, lambda *_: None)
+        pid = os.fork()
+        if not pid:
+            time.sleep(5)
+            os._exit(0)
+        os.kill(pid, signal.SIGTERM)  # its handler is a copy of ours
+        time.sleep(1.0)
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_a_command_that_is_left_in_time_goes_on():
+    before = signal.signal(signal.SIGTERM, lambda *_: None)
+    with Watchdog(0.2):
+        os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(0.4)
+    signal.signal(signal.SIGTERM, before)
+    assert subprocess.run(["true"]).returncode == 0

@@ -1,0 +1,222 @@
+"""A stranger's run folder runs none of its Python; a user's own runs need no word of it."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import regista
+from regista.experiments.__main__ import main
+from regista.experiments.run import tasks, trust
+from regista.experiments.run.folder import RunFolder
+from ued import checkpoint
+
+ROOT = Path(__file__).parents[2]
+TINY = ["--num-envs", "2", "--num-steps", "8", "--total-env-steps", "16", "--eval-episodes", "1"]
+SOURCE = """
+import pathlib
+import ued
+from ued.probes import Frontier
+
+pathlib.Path({marker!r}).touch()
+
+def make(num_envs):
+    return Frontier(num_envs, longest=3)
+"""
+READ = {
+    "evaluate": ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
+    "gallery": ["gallery", "{run}"],
+    "resume": ["train", "--resume", "{run}", "--total-env-steps", "32"],
+    "from": ["train", "--from", "{run}", *TINY, "--method", "dr", "--out", "{run}-next"],
+    "compare from": ["compare", "--from", "{run}", "--seeds", "1", "{run}"],
+    "demonstrate": ["demonstrate", "--run", "{run}", "--out", "{run}-demos"],
+    "transfer": ["transfer", "{run}"],
+}
+
+
+@pytest.fixture(autouse=True)
+def _nobody_named_anything(monkeypatch, tmp_path):
+    """Begin as another user: nothing is remembered."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr(trust, "_named", set())
+    monkeypatch.chdir(tmp_path)
+
+
+def write(path: Path) -> Path:
+    """Write a task; return the file that tells that it was run."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    marker = path.with_suffix(".ran")
+    path.write_text(SOURCE.format(marker=str(marker)))
+    sys.modules.pop(path.stem, None)
+    return marker
+
+
+@pytest.fixture(name="run")
+def _run(tmp_path):
+    """Return a run of an honest task."""
+    write(tmp_path / "honest_task.py")
+    assert main(["train", "honest_task.py:make", *TINY, "--out", "runs/run"]) == 0
+    return tmp_path / "runs" / "run"
+
+
+def forged(run: Path, minigame: str) -> Path:
+    """Return a copy of a run that names another task, in its settings and in its checkpoint."""
+    copy = run.with_name("stranger")
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(run, copy)
+    data = json.loads((copy / "config.json").read_text()) | {"minigame": minigame}
+    (copy / "config.json").write_text(json.dumps(data))
+    state = checkpoint.load(copy / "checkpoint.pt")
+    state["config"]["minigame"] = minigame
+    checkpoint.save(copy / "checkpoint.pt", state)
+    return copy
+
+
+@pytest.mark.parametrize("command", READ)
+def test_no_command_runs_what_only_a_folder_names(run, command, capsys):
+    evil = run.with_name("stranger") / "evil_task.py"
+    folder = forged(run, f"{evil}:make")
+    marker = write(evil)
+    assert main([word.format(run=folder) for word in READ[command]]) in (1, 2)
+    said = capsys.readouterr().err
+    assert not marker.exists() and "Traceback" not in said
+    if command in ("evaluate", "gallery", "resume", "from"):
+        assert f"a file names the task {evil}:make, which is Python code" in said and "add --trust" in said
+
+
+@pytest.mark.parametrize("place", ["inside", "beside", "relative", "dots", "link", "module", "package", "other name"])
+def test_however_it_is_named(run, place, tmp_path, capsys):
+    downloads = tmp_path / "downloads"
+    marker = write(downloads / "evil_task.py")
+    write(tmp_path / "runs" / "evil_task.py")
+    (tmp_path / "link.py").symlink_to(downloads / "evil_task.py")
+    (tmp_path / "evil_package").mkdir()
+    shutil.copy(downloads / "evil_task.py", tmp_path / "evil_package" / "__init__.py")
+    shutil.copy(downloads / "evil_task.py", tmp_path / "evil_package" / "inner.py")
+    names = {
+        "inside": f"{tmp_path}/runs/stranger/task.py:make",
+        "beside": f"{downloads}/evil_task.py:make",
+        "relative": "downloads/evil_task.py:make",
+        "dots": f"{tmp_path}/runs/../downloads/../downloads/evil_task.py:make",
+        "link": f"{tmp_path}/link.py:make",
+        "module": "downloads.evil_task:make",
+        "package": "evil_package.inner:make",
+        "other name": f"{tmp_path}/honest_task.py:pathlib",  # of a file that is trusted
+    }
+    folder = forged(run, names[place])
+    shutil.copy(downloads / "evil_task.py", folder / "task.py")
+    assert main(["evaluate", str(folder), "--episodes", "2", "--levels", "0"]) == 1
+    assert "add --trust if it is to be run" in capsys.readouterr().err and not marker.exists()
+
+
+def test_a_folder_called_as_its_task_is_not_a_task_that_was_named(run, tmp_path):
+    marker = write(tmp_path / "evil_task.py")
+    folder = tmp_path / "evil_task.py:make"
+    forged(run, "evil_task.py:make").rename(folder)
+    assert main(["evaluate", folder.name, "--episodes", "2", "--levels", "0"]) == 1
+    assert not marker.exists()
+
+
+def test_trust_is_typed_and_not_remembered(run, capsys):
+    evil = run.with_name("stranger") / "evil_task.py"
+    folder, marker = forged(run, f"{evil}:make"), write(evil)
+    words = ["evaluate", str(folder), "--episodes", "2", "--levels", "0"]
+    assert main([*words, "--trust"]) == 0 and marker.exists()
+    assert main(words) == 1
+
+
+def test_ones_own_runs_need_no_word(run, tmp_path):
+    """In another process, too, and from another folder."""
+    (tmp_path / "elsewhere").mkdir()
+    words = [sys.executable, "-m", "regista", "evaluate", str(run), "--episodes", "2", "--levels", "0"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(words, cwd=tmp_path / "elsewhere", env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_note_that_others_may_write_is_none(run, tmp_path):
+    notes = tmp_path / "state" / "regista" / "tasks"
+    assert trust.allows(f"{tmp_path}/honest_task.py:make")
+    notes.chmod(0o777)
+    assert not trust.allows(f"{tmp_path}/honest_task.py:make")
+
+
+def test_a_link_that_leads_elsewhere_by_now_is_another_task(tmp_path):
+    write(tmp_path / "first_task.py")
+    marker = write(tmp_path / "second_task.py")
+    link = tmp_path / "current_task.py"
+    link.symlink_to("first_task.py")
+    assert main(["train", "current_task.py:make", *TINY, "--out", "run"]) == 0
+    link.unlink()
+    link.symlink_to("second_task.py")
+    assert not trust.allows(f"{link}:make") and not marker.exists()
+    assert trust.allows(f"{tmp_path}/first_task.py:make")
+
+
+def test_nothing_is_imported_to_find_out(tmp_path):
+    marker = write(tmp_path / "evil_package" / "__init__.py")
+    (tmp_path / "evil_package" / "inner.py").write_text("")
+    assert trust.file_of("evil_package.inner:make") == tmp_path / "evil_package" / "inner.py"
+    assert not marker.exists()
+
+
+def test_whoever_trains_for_us_is_told(run):
+    words = RunFolder.open(run).words
+    assert words[-1] == "--trust"
+    shutil.rmtree(os.environ["XDG_STATE_HOME"])
+    assert RunFolder.open(run).words[-1] != "--trust"
+
+
+def test_a_program_of_ours_names_its_task(run, tmp_path):
+    out = regista.train(f"{tmp_path}/honest_task.py:make", total_env_steps=16, num_envs=2, eval_every=0, out="other")
+    assert (out / "checkpoint.pt").exists()
+    evil = run.with_name("stranger") / "evil_task.py"
+    folder, marker = forged(run, f"{evil}:make"), write(evil)
+    with pytest.raises(trust.TrustError):
+        regista.evaluate(folder, episodes=2)
+    assert not marker.exists()
+    regista.evaluate(folder, episodes=2, trusted=True)
+    assert marker.exists()
+
+
+def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "file"))
+    write(tmp_path / "honest_task.py")
+    assert main(["train", "honest_task.py:make", *TINY, "--out", "run"]) == 0
+    assert not trust.allows(tasks.canonical("honest_task.py:make"))
+
+
+def test_demonstrations_are_of_football_alone(run, capsys):
+    assert main(["demonstrate", "--run", str(run), "--out", "demos"]) == 2
+    assert "demonstrations are of football alone" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
+@pytest.mark.parametrize("what", ["pipe", "device"])
+def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
+    (run / name).unlink()
+    if what == "pipe":
+        os.mkfifo(run / name)
+    else:
+        (run / name).symlink_to("/dev/zero")
+    for words in (["gallery"], ["evaluate"], ["train", "--resume"]):
+        assert main([*words, str(run)]) == 1
+        assert f"{name} is damaged: it is no regular file" in capsys.readouterr().err
+
+
+def test_settings_that_are_too_long_are_refused(run, capsys):
+    (run / "config.json").write_text("[" * 10_000_001)
+    assert main(["evaluate", str(run)]) == 1
+    assert "has more than 10_000_000 bytes" in capsys.readouterr().err
+
+
+def test_a_device_of_an_absurd_number_is_refused(capsys):
+    assert main(["train", "--device", "cuda:99999999999999999999"]) == 2
+    assert "device must be auto, cpu, cuda or cuda:N" in capsys.readouterr().err
