@@ -246,15 +246,23 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
     """Name a draw or object by the first variable that holds it; `inside` a container only draws that no one owns."""
     if isinstance(value, RandomChoice):
         value = value.index
+    elif isinstance(value, Vector) and isinstance(value.x, RandomExpr) and is_choice(value.x.inputs[:1]):
+        value = value.x.inputs[0]  # of `Uniform(1 @ 2, 3 @ 4)`
     if isinstance(value, RandomExpr):
-        for column in [node for node in (value, *near_inputs(value)) if isinstance(node, ThetaColumn)]:
-            if column.shown is value and not (inside and column.owner):  # of `Range(0, 1)`, `Uniform(1, 2)` ...
-                column.name = column.name or name
+        column = value.drawn  # of `Range(0, 1)`, `Uniform(1, 2)` ...
+        if column is not None and column.shown is value and not (inside and column.owner):
+            column.name = column.name or name
     elif isinstance(value, Instance):
         value.name = value.name or ("" if inside else name)
     elif not inside or isinstance(value, Vector):  # a container may hold itself
         for part, element in parts_by_name(name, value):
             name_draws(part, element, inside=True)
+
+
+def is_choice(inputs: tuple) -> bool:
+    """Return whether the first input of a coordinate is the index of a draw among vectors."""
+    column = inputs[0].drawn if inputs and isinstance(inputs[0], RandomExpr) else None
+    return column is not None and bool(column.options)
 
 
 def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
@@ -268,16 +276,6 @@ def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
         if isinstance(value, list | tuple)
         else []
     )
-
-
-def near_inputs(value: RandomExpr) -> list[RandomExpr]:
-    """Return the inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
-    inputs: list[RandomExpr] = []
-    level = [value]
-    for _ in range(4):
-        level = [operand for node in level for operand in node.inputs if isinstance(operand, RandomExpr)][:16]
-        inputs += level
-    return inputs
 
 
 def no_condition(scope: Scope, node: ast.AST) -> ScenicError:

@@ -8,12 +8,12 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable
-from functools import lru_cache, partial, reduce
+from functools import lru_cache, partial
 from inspect import Parameter, Signature
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import COMPILE, LOAD, Mode, Requirement
+from scenic_lite.core.state import COMPILE, LOAD, Mode
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -24,17 +24,18 @@ from scenic_lite.core.types import (
     LazyValue,
     RandomChoice,
     ScenicClass,
+    Undecided,
     broadcasts_over_choices,
     describe_kind,
     for_each_option,
     near,
 )
 from scenic_lite.errors import ScenicError
+from scenic_lite.language.distributions import draw_present
 from scenic_lite.language.specifier_rules import SPECIFIERS
 from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, apply, is_number, kind_of
-from scenic_lite.values.operations import EQUAL, NOT, OR
+from scenic_lite.values.graph import Value, is_number, kind_of
 
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
@@ -53,50 +54,37 @@ class Return(Exception):
         self.value = value
 
 
-def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: RandomChoice) -> Value:
-    """Return a draw from whichever list it is; scenes in which that is empty are rejected."""
-
-    def drawn(values: Value) -> Value:
-        several = isinstance(values, RandomChoice)
-        return value_of_each(scope, function, node, values) if several else function.function(scope, node, *values)
-
-    empty = [i for i, option in enumerate(lists.options) if not isinstance(option, RandomChoice) and not len(option)]
-    if scope.mode.phase == LOAD and 0 < len(empty) < len(lists.options):
-        chosen = reduce(lambda a, b: apply(OR, a, b), [apply(EQUAL, lists.index, i) for i in empty])
-        scope.state.requirements.append(Requirement("a choice among no values", scope.place(node), apply(NOT, chosen)))
-        full = next(option for option in lists.options if len(option))
-    else:
-        empty, full = [], ()
-    options = [full if i in empty else option for i, option in enumerate(lists.options)]
-    return lists.map_options(list(map(drawn, options)))
-
-
 def call_node(scope: Scope, node: ast.Call) -> Value:
     function = scope.value(node.func)
-    return scope.call(function, *arguments_of(scope, function, node), node)
-
-
-def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
-    """Return what a call gives by place and by name."""
-    arguments: list[Value] = []
-    for argument in node.args:
-        if isinstance(argument, ast.Starred):
-            arguments += starred(scope, function, argument)
-        else:
-            arguments.append(scope.value(argument))
+    values = [scope.value(each.value if isinstance(each, ast.Starred) else each) for each in node.args]
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
         assert keyword.arg is not None, "the parser refuses `**`"
         keywords[keyword.arg] = scope.value(keyword.value)
-    return arguments, keywords
+    return spread_call(scope, node, function, values, keywords)
 
 
-def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]:
-    """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
-    value = scope.value(argument.value)
-    if isinstance(value, RandomChoice) and isinstance(function, Builtin) and function.name == "Uniform":
-        return [value_of_each(scope, function, argument, value)]
-    return scope.elements(value, argument)
+def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, keywords: dict[str, Value]) -> Value:
+    """Call a function whose arguments may be starred, `f(*items)`.
+
+    Of a random list the call is made for whichever list it is; `Uniform(*items)` draws once, from the elements there.
+    """
+    stars = [isinstance(written, ast.Starred) for written in node.args]
+    at = next((i for i, value in enumerate(values) if stars[i] and isinstance(value, Undecided)), None)
+    if at is None:
+        arguments: list[Value] = []
+        for star, value, written in zip(stars, values, node.args, strict=True):
+            arguments += scope.elements(value, written) if star else (value,)
+        return scope.call(function, arguments, keywords, node)
+    if isinstance(function, Builtin) and function.name == "Uniform" and scope.mode.phase == LOAD:
+        return draw_present(
+            scope, node, [value if star else [value] for star, value in zip(stars, values, strict=True)]
+        )
+
+    def anew(_: Scope, items: Value) -> Value:
+        return spread_call(scope, node, function, [*values[:at], items, *values[at + 1 :]], keywords)
+
+    return scope.handlers.undecided(anew, 1, (scope, values[at]), {})
 
 
 @broadcasts_over_choices(1)

@@ -43,6 +43,10 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
     if not computed:
         raise failed[0]
     for i, failure in failed.items():
+        if failure.kind == "rejection":
+            with c.code.when(register_of(c.code, apply(EQUAL, choice.index, i))):
+                c.reject(failure.message)
+            continue
         differs = apply(NOT_EQUAL, choice.index, i)
         c.code.fault_unless(register_of(c.code, differs), failure.message)
     some = next(iter(computed.values()))

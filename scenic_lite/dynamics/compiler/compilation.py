@@ -357,7 +357,9 @@ class Compilation:
         return self.shown.clock
 
     def stop_with(self, error: ScenicError) -> None:
-        """Write a row that stops a match which comes to it."""
+        """Write a row that stops a match which comes to it, or rejects it if it has nothing to draw from."""
+        if error.kind == "rejection":
+            return self.reject(error.message)
         message = f"{error.message} ({error.hint})" if error.hint else error.message
         self.code.row(op.FAULT, note=message, place=error.place)
 

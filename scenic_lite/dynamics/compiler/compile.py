@@ -214,7 +214,10 @@ def walk(c: Compilation) -> list[Thread]:
     ends: list[Thread] = []
     every(c, ends, "terminate simulation when", partial(ends_of_match, c, main), needed=True)
     every(c, ends, "at the end", partial(end_all, c, main), needed=True)
+    last = [each for each in c.output.records if each.when == "final"]
+    c.output.records = [each for each in c.output.records if each.when != "final"]
     write_routines(c, main)
+    c.output.records += last  # of one name with those of scenarios inside, the program's own counts
     c.output.counts = (len(scenarios), len(behaviors), len(records), len(monitors))
     return [*scenarios, *behaviors, *records, *monitors, *ends]
 

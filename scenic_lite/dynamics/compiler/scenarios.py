@@ -31,7 +31,7 @@ from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.registers import Variable, store_in_register
 from scenic_lite.dynamics.compiler.statements import assigned_names
-from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, unsatisfied
+from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, take_records, unsatisfied
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -123,6 +123,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
             for monitor in part.monitors:
                 with code.statement():
                     launch(c, monitor)
+            take_records(c, part, "initial")
         show_names(part)
     if parent.ego is None:
         c.state.ego = part.ego
@@ -207,10 +208,14 @@ def names_in(*trees: ast.AST) -> frozenset[str]:
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
-    """Stop what runs inside, give back what was overridden, reject the match if a requirement does not hold."""
+    """Record what is last, stop what runs inside, give back what was overridden, reject the match if a requirement
+    does not hold.
+    """
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
+    if part.parent is not None:
+        take_records(c, part, "final")
     for sub in part.parts:
         sub.call_stop(code)
     for key, (flag, before) in part.overridden.items():

@@ -137,7 +137,7 @@ def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]
     by_name: dict[str, np.ndarray] = {}
     for record in compiled.records:
         time, at = registers[:, compiled.code.clock], registers[:, record.taken]
-        taken = at == time if record.when == "each" else (at >= 0) & ((record.when == "final") | (time <= 1))
+        taken = (at == time) | ((record.when != "each") & (at == 0) & (time <= 1))
         values = values_of(compiled, record, registers, taken)
         before = by_name.get(record.name)
         if before is None:

@@ -159,6 +159,7 @@ class Scenario:
         sub = Scenario(self.episode, self.agents, call, self)
         sub.set_up()
         sub.start()
+        self.episode.records.update(sub.own_records("initial"))
         self.subs.append(sub)
         return sub
 
@@ -270,6 +271,8 @@ class Scenario:
         self.running = False
         if self.episode.program.dialect == 3:
             self._monitors = []  # those of Scenic 2 have their say in the step in which it ends
+        if self.parent is not None:
+            self.episode.records.update(self.own_records("final"))
         for sub in self._running():
             sub.stop()
         if self.compose is not None:
@@ -296,15 +299,19 @@ class Scenario:
         if values.get("behavior") is not None:
             self.agents.assign(instance)
 
-    def records(self, when: str) -> Iterator[tuple[str, Value]]:
-        """Return the values of the `record` statements of one kind, here and in scenarios inside."""
+    def own_records(self, when: str) -> Iterator[tuple[str, Value]]:
+        """Yield the names and values of this scenario's `record` statements of one kind."""
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
                     value = self._scope_of(watched).value(watched.tree.value)
                     yield watched.label, sampled(value, self.episode.row)
+
+    def records(self) -> Iterator[tuple[str, Value]]:
+        """Yield what `record` takes in every step, here and in scenarios inside."""
+        yield from self.own_records("each")
         for sub in self._running():
-            yield from sub.records(when)
+            yield from sub.records()
 
     def _running(self) -> list[Scenario]:
         return [sub for sub in self.subs if sub.running]
