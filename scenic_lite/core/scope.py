@@ -207,8 +207,20 @@ class Scope(Environment):
             return self.handlers.builtins[name]
         domain = self.state.domain
         home = domain.home_of(name) if domain is not None else None
-        hint = f"it lives in {home}: from {home} import {name}" if home else near(name, self.visible_names())
+        hint = f"it lives in {home}: from {home} import {name}" if home else self._where(name)
         raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
+
+    def _where(self, name: str) -> str:
+        """Return a hint for a name that has no value here: whose it is, or the nearest spelling."""
+        if name in ("wait", "terminate", "abort"):
+            return f"write `{name}` without brackets"
+        owner = next((scenario for scenario in self.state.scenarios if name in scenario.assigned), None)
+        if owner is None:
+            return near(name, self.visible_names())
+        own = f"it belongs to the scenario {owner.name}: "
+        if self.state.main is not None and owner is self.state.main.behavior:
+            return f"{own}give it to what needs it as an argument, or set it before all scenarios"
+        return f"{own}keep that, part = {owner.name}(), and read part.{name} after do part"
 
     def visible_names(self) -> list[str]:
         return [*self.handlers.builtins, "ego", "workspace", *(name for at in self.outwards() for name in at.locals)]

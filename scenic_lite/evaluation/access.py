@@ -272,7 +272,9 @@ def spread(scope: Scope, target: ast.Tuple | ast.List, items: list[Value]) -> li
 
 def set_ego(scope: Scope, node: ast.AST, value: Value) -> None:
     if not is_object(value):
-        raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node)
+        several = isinstance(value, tuple) and any(map(is_object, value))
+        hint = "no specifier follows the comma, which makes a tuple: write with property value" if several else ""
+        raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node, hint)
     scope.state.ego = value
 
 

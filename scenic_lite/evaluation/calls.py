@@ -13,12 +13,13 @@ from inspect import Parameter, Signature
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import COMPILE, LOAD, Mode
+from scenic_lite.core.state import COMPILE, LOAD, LoadState, Mode
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
     Builtin,
+    Definition,
     Function,
     Instance,
     LazyValue,
@@ -30,13 +31,14 @@ from scenic_lite.core.types import (
     for_each_option,
     near,
 )
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.distributions import draw_present
 from scenic_lite.language.specifier_rules import SPECIFIERS
 from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number, kind_of
 
+LONGEST_CHAIN = 8  # calls that an error tells
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
 NAMING = (ast.FunctionDef, ast.ClassDef)
@@ -156,18 +158,27 @@ def call_function(
     except Return as result:
         return result.value
     except ScenicError as error:
-        raise seen_from(scope, function, node, error) from None
+        raise seen_from(scope.state, function, scope.place(node), error) from None
     finally:
         budget.leave()
     return None
 
 
-def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
-    """Return an error of a library function, moved to the call in the user's program."""
-    if not function.scope.source.library or scope.source.library or error.place is None:
+def seen_from(state: LoadState, thing: Definition, place: SourceSpan, error: ScenicError) -> ScenicError:
+    """Return an error inside what was called at a place: of a library moved there, of the program with a note of it."""
+    if error.place is None or place.file not in state.sources or error.place.file not in state.sources:
         return error
-    where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
-    return scope.error(error.kind, error.message, node, error.hint, [where, *error.notes])
+    caller, line = state.sources[place.file], state.sources[place.file].line(place.line)
+    if state.sources[error.place.file].library and not caller.library:
+        names, inner = ", ".join(thing.signature.parameters), f"{error.place.file}:{error.place.line}"
+        where = f"    in {thing.name}({names}), {inner}: {error.source_line.strip()}"
+        notes = [where, *error.notes]
+        return ScenicError(error.kind, error.message, place, hint=error.hint, source_line=line, notes=notes)
+    note = f"    in {thing.name}, called in {place.file}:{place.line}: {line.strip()}"
+    same = (place.file, place.line) == (error.place.file, error.place.line)
+    if not (same or caller.library or note in error.notes or len(error.notes) >= LONGEST_CHAIN):
+        error.notes = (*error.notes, note)
+    return error
 
 
 def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
@@ -221,6 +232,8 @@ def new(scope: Scope, node: nodes.New) -> Value:
             return cls if node.operator is None else scope.value(node.operator)
         classes = [name for name, value in scope.module_names.items() if isinstance(value, ScenicClass)]
         hint = near(node.cls.id, classes) if isinstance(node.cls, ast.Name) else ""
+        if isinstance(cls, Behavior | Function):
+            hint = f"write {cls.name}(...), without new"
         raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
     if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
@@ -271,11 +284,34 @@ def called(scope: Scope, kind: str, value: Value, place: ast.expr) -> Value:
         return RandomChoice(value.index, tuple(called(scope, kind, option, place) for option in value.options))
     if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
         return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
-    what = (
-        f"the {value.behavior.kind} {value.behavior.name}" if isinstance(value, BehaviorCall) else describe_kind(value)
-    )
-    raise scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
+    if isinstance(value, Behavior | BehaviorCall):
+        own = value if isinstance(value, Behavior) else value.behavior
+        hint = f"write {own.name}()" if own.kind == kind else INSTEAD_OF_DO[own.kind].format(own.name)
+        what = f"the {own.kind} {own.name}" if own is not value else describe_kind(value)
+        raise scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
+    made = scope.value(place.func) if isinstance(place, ast.Call) else value
+    hint = ""
+    if isinstance(made, Function | Builtin):
+        action = isinstance(made, Function) and made.scope.source.library
+        hint = (
+            f"an action is taken: take {made.name}()" if action else f"a function is called without do: {made.name}()"
+        )
+    raise scope.error("type", f"`do` needs a {kind}, not {describe_kind(value)}", place, hint)
+
+
+INSTEAD_OF_DO = {
+    "behavior": "an object does it: override ego with behavior {}()",
+    "monitor": "write require monitor {}() outside of behaviors",
+    "scenario": "scenarios are run in a compose block",
+}
+
+
+def refuse_as_action(value: Value) -> None:
+    """Raise ScenicError for what is done, not taken."""
+    if isinstance(value, Behavior | BehaviorCall):
+        own = value if isinstance(value, Behavior) else value.behavior
+        hint = INSTEAD_OF_DO[own.kind].format(own.name) if own.kind != "behavior" else f"write do {own.name}()"
+        raise ScenicError("type", f"`take` needs an action, not the {own.kind} {own.name}", hint=hint)
 
 
 CALLS: dict[type, Callable[[Scope, Any], Value]] = {

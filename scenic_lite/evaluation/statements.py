@@ -245,7 +245,10 @@ def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
 def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
     value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+        hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == "monitor" else ""
+        if isinstance(value, BehaviorCall):
+            hint = f"{value.behavior.name} is a {value.behavior.kind}; a monitor is written monitor Name():"
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call, hint)
     scope.state.monitors.append(value)
 
 

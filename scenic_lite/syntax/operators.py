@@ -364,7 +364,9 @@ def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
         # After a comma outside of brackets another instance makes a tuple.
         tuple_of_instances = c.token.kind == "name" and (c.token.text == "new" or c.token.text[0].isupper())
         if next_line or (not c.brackets and not tuple_of_instances):
-            c.missing("a specifier after the comma", 'a place is written "3 @ 4"' if c.token.kind == "number" else "")
+            hint = f'write "with {c.token.text} value"' if c.peek().text == "=" else ""
+            hint = 'a place is written "3 @ 4"' if c.token.kind == "number" else hint
+            c.missing("a specifier after the comma", hint)
         c.go_to(index)
         return specifiers
 

@@ -37,7 +37,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.calls import named_by_do
+from scenic_lite.evaluation.calls import named_by_do, refuse_as_action
 from scenic_lite.language.requirements import is_temporal, probability_of, source_text
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
@@ -76,6 +76,7 @@ def checked(c: Compilation, action: Value) -> Value:
     if isinstance(action, RandomChoice):
         return over_options(c, action, partial(checked, c))
     assert c.site.agent is not None, "the checker lets only behaviors take actions"
+    refuse_as_action(action)
     action = c.world.command(action, c.site.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
@@ -164,7 +165,7 @@ def renew(c: Compilation, agents: list[Instance]) -> None:
 
 def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
     """Write a behavior in place: its guards, then its body."""
-    with c.entered(call.behavior, node):
+    with c.entered(call.behavior, node, call.place):
         scope = frame_of(c, call)
         if guards:
             check_guards(c, scope)
@@ -239,7 +240,7 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
     if not isinstance(call, BehaviorCall):
         raise ScenicError("unsupported", "`do choose` and `do shuffle` of a random behavior")
     fails = Label()
-    with c.round(node, -1 - number), c.entered(call.behavior, node):
+    with c.round(node, -1 - number), c.entered(call.behavior, node, call.place):
         scope = frame_of(c, call)
         for condition in [*call.behavior.node.preconditions, *call.behavior.node.invariants]:
             jump_on(c, scope, condition, fails, when=False)

@@ -159,7 +159,7 @@ def with_location(
     def handle(scope: CompiledScope, node: ast.stmt) -> None:
         code = compilation.code
         before, code.place = code.place, scope.place(node)
-        start, known = len(code.rows), len(compilation.output.diagnostics)
+        start, known, begun = len(code.rows), len(compilation.output.diagnostics), compilation.scenarios_begun()
         try:
             with code.statement():
                 handler(compilation, scope, node)
@@ -167,12 +167,14 @@ def with_location(
             error = scope.placed(as_error(fault), node)
             if error.kind in REFUSALS:
                 raise
+            error = compilation.seen_from_calls(error)
             inner = [error for error in compilation.output.diagnostics[known:] if error.kind != "warning"]
             if inner and not code.reachable:  # a function has failed before, and so this is not come to
                 error = inner[0]
             else:
                 compilation.output.diagnostics.append(error)
             del code.rows[start:]
+            compilation.forget_scenarios(begun)
             code.reachable = True
             compilation.stop_with(error)
         finally:

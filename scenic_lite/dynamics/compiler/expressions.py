@@ -33,7 +33,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import item_of
 from scenic_lite.evaluation.builtins import text_of
-from scenic_lite.evaluation.calls import Return, call, check_signature, seen_from
+from scenic_lite.evaluation.calls import Return, call, check_signature
 from scenic_lite.evaluation.expressions import apply_sign, membership, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
@@ -232,16 +232,12 @@ def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Write the rows of a function of the program in place."""
-    bound, before = function.bind(arguments, keywords), (c.code.place, c.code.called)
-    if function.scope.source.library and not scope.source.library:
-        c.code.called = scope.place(node)
+    bound, before = function.bind(arguments, keywords), c.code.place
     try:
-        with c.entered(function, node):
+        with c.entered(function, node, scope.place(node)):
             return value_of_call(c, function, {name: materialize(c.code, value) for name, value in bound.items()})
-    except ScenicError as error:
-        raise seen_from(scope, function, node, error) from None
     finally:
-        c.code.place, c.code.called = before
+        c.code.place = before
         c.code.known.clear()
 
 

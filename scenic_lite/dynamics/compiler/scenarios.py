@@ -102,7 +102,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
     """Write rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
     code, parent = c.code, c.site.part
     assert parent is not None
-    with c.round(node, len(parent.parts)), c.entered(call.behavior, node):
+    with c.round(node, len(parent.parts)), c.entered(call.behavior, node, call.place):
         part = ScenarioInstance(code, parent, call)
         for family in (parent.parts, parts):
             family.append(part)
@@ -286,7 +286,8 @@ def check_first(c: Compilation, thread: Thread) -> None:
     assert thread.call is not None
     node = thread.call.behavior.node
     if node.preconditions or node.invariants:
-        with c.at(agent=thread.agent), c.round(node, len(c.output.rejections)), c.entered(thread.call.behavior, node):
+        started = c.entered(thread.call.behavior, node, thread.call.place)
+        with c.at(agent=thread.agent), c.round(node, len(c.output.rejections)), started:
             check_guards(c, frame_of(c, thread.call))
 
 

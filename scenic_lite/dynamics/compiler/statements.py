@@ -13,7 +13,7 @@ from copy import copy
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
+from scenic_lite.core.types import BehaviorCall, Function, Instance, RandomChoice, describe_kind, near
 from scenic_lite.core.world import NOT_FINITE, checked_reward
 from scenic_lite.dynamics.compiler.choices import branch, jump_on
 from scenic_lite.dynamics.compiler.code import Label
@@ -29,6 +29,7 @@ from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import combine
 from scenic_lite.language.classes import checked
+from scenic_lite.language.requirements import source_text
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import suspends, walk_own
 from scenic_lite.values.graph import RandomExpr, Value
@@ -40,8 +41,17 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
     value = materialize(c.code, scope.value(node.value))
     if isinstance(value, BehaviorCall):
         name = value.behavior.name
-        message = f'the behavior "{name}" is named here, but not run'
+        message = f'the {value.behavior.kind} "{name}" is named here, but not run'
         c.output.diagnostics.append(scope.error("warning", message, node, f"write do {name}(...)"))
+    elif isinstance(value, int) and not scope.source.library and is_library_call(scope, node.value):
+        text = source_text(scope, node)
+        c.output.diagnostics.append(scope.error("warning", "this value is not used", node, f"write take {text}"))
+
+
+def is_library_call(scope: CompiledScope, node: ast.expr) -> bool:
+    """Return whether an expression calls a function of a library by its name."""
+    called = scope.value(node.func) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
+    return isinstance(called, Function) and called.scope.source.library
 
 
 # ------------------------------------------------------------ assignments

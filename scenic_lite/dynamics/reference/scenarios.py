@@ -30,6 +30,7 @@ from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, sampled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
+from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import scenario_frame
 from scenic_lite.language.requirements import FALSE, Check, formula_of
 from scenic_lite.syntax import nodes
@@ -61,6 +62,9 @@ class ComposeThread(Thread):
         while True:
             yield ()
             self.check_invariants()
+
+    def seen_from_call(self, error: ScenicError) -> ScenicError:
+        return error if self.scenario.parent is None else super().seen_from_call(error)
 
     def close(self) -> None:
         """Give the block up."""
@@ -126,8 +130,11 @@ class Scenario:
         state.forget_watched()
         before = len(state.objects)
         with self.current():
-            self.compose.check_guards()
-            self.compose.scope.run(self.compose.call.behavior.scenario.setup)
+            try:
+                self.compose.check_guards()
+                self.compose.scope.run(self.compose.call.behavior.scenario.setup)
+            except ScenicError as error:
+                raise self.compose.seen_from_call(error) from None
         self.kept = {name: vars(state)[name] for name in KEPT}
         self.objects = state.objects[before:]
         for instance in self.objects:
@@ -235,8 +242,11 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             concerned = isinstance(tree, nodes.TerminateWhen) and tree.scope == extent
-            if concerned and self._scope_of(watched).truth(tree.condition):
-                return watched.label
+            try:
+                if concerned and self._scope_of(watched).truth(tree.condition):
+                    return watched.label
+            except ScenicError as error:
+                raise (error if self.compose is None else self.compose.seen_from_call(error)) from None
         return None
 
     def run_monitors(self) -> End | None:

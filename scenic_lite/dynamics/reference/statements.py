@@ -23,6 +23,7 @@ from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, 
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
+from scenic_lite.evaluation.calls import refuse_as_action
 from scenic_lite.language.classes import is_object
 from scenic_lite.language.requirements import is_temporal, probability_of, source_text
 from scenic_lite.language.specifiers import overridden_properties
@@ -47,6 +48,8 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     assert thread.agent is not None, "the checker lets only behaviors take actions"
+    for action in actions:
+        refuse_as_action(action)
     yield tuple(thread.episode.world.command(action, thread.agent) for action in actions)
 
 

@@ -254,3 +254,14 @@ def test_an_object_behaves_by_a_behavior_alone(kind, body):
     text = f"{kind} Other():\n{body}ego = new Object with behavior Other()\n"
     with pytest.raises(ScenicError, match=f"must be a behavior, not the {kind} Other"):
         load(text, dialect=3)
+
+
+def test_a_fault_in_a_scenario_inside_tells_who_has_called_it():
+    part = "scenario Inner():\n    setup:\n        x = mate.x\nscenario Outer():\n    compose:\n        do Inner()\n"
+    text = composed("mate = 1\ndo Outer()", part)
+    with pytest.raises(ScenicError) as caught:
+        played(text)
+    said = str(caught.value)
+    assert said.startswith("<program>:3:13: name 'mate' is not defined (it belongs to the scenario Main: give it to")
+    assert [line.split(", ")[0] for line in said.splitlines()[-2:]] == ["    in Inner", "    in Outer"]
+    assert [error.line for error in differences(text, range(1))[1].diagnostics] == [3]
