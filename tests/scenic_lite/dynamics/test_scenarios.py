@@ -262,6 +262,6 @@ def test_a_fault_in_a_scenario_inside_tells_who_has_called_it():
     with pytest.raises(ScenicError) as caught:
         played(text)
     said = str(caught.value)
-    assert said.startswith("<program>:3:13: name 'mate' is not defined (it belongs to the scenario Main: give it to")
+    assert said.startswith("<program>:11:13: name 'mate' is not defined (it belongs to the scenario Main: give it to")
     assert [line.split(", ")[0] for line in said.splitlines()[-2:]] == ["    in Inner", "    in Outer"]
-    assert [error.line for error in differences(text, range(1))[1].diagnostics] == [3]
+    assert [error.line for error in compile_program(load(text), toy_world()).diagnostics] == [11]
