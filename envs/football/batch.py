@@ -61,7 +61,6 @@ class BatchSettings(NamedTuple):
 
     checkpoints: bool  # checkpoints count
     defending: bool  # an episode succeeds where no goal is conceded
-    deterministic: bool  # every episode repeats the same stream of random numbers
     restart: bool  # an ended match starts again at once; if not, the caller sees to it
     observation: int  # what agents see: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; one without costs nothing
@@ -191,7 +190,7 @@ def restart(batch, settings, index):
     """Start the next episode on the same level; its random stream goes on where the last one stopped."""
     stream = batch.matches[index].random
     put_at_start(batch, index)
-    if not settings.deterministic:
+    if not batch.matches[index].deterministic:
         batch.matches[index].random = stream
     begin_episode(batch, index, settings)
 

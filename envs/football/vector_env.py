@@ -84,7 +84,6 @@ class FootballVectorEnv(UPOMDP):
         self._settings = BatchSettings(
             config.rewards == "scoring,checkpoints",
             self.defending,
-            bool(self.lineup.config.deterministic),
             self._engine.restarts and self._observer.kind != RAW and not self.behaviors.has_records,
             self._observer.kind,
             self.behaviors.is_live,
