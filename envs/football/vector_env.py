@@ -53,7 +53,8 @@ class FootballVectorEnv(UPOMDP):
 
     Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
-    played their step. A UserWarning names each line that would fail so whenever a match came to it.
+    played their step. A UserWarning names each line that looks like a slip (`Program.warnings`), or would fail so whenever
+    a match came to it.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class FootballVectorEnv(UPOMDP):
         self.config = config
         self.lineup = Lineup(self.program, str(config.control), str(config.right_control), config.engine_spread)
         self.behaviors = CompiledBehaviors(self.program)
-        for warning in self.behaviors.compiled.warnings:
+        for warning in dict.fromkeys((*map(str, self.program.warnings), *self.behaviors.compiled.warnings)):
             warnings.warn(warning, stacklevel=2)
         self._set_up(num_envs)
 

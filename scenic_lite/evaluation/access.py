@@ -55,6 +55,9 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
         return value if name == "yaw" else 0.0
     if isinstance(value, BehaviorCall) and name in value.names:
         return value.names[name]
+    if isinstance(value, BehaviorCall) and name in value.behavior.assigned and value.behavior.kind == "scenario":
+        message = f"the scenario {value.behavior.name} has not begun, and so has no '{name}' yet"
+        raise ScenicError("name", message, hint="read it after `do`")
     if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ScenicClass):
         return value.name
     if kind_of(value) == "text" or (isinstance(value, Builtin) and str in value.types):
@@ -70,7 +73,8 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
             return fields[name](value)
         known, member = fields | methods, Bound(methods[name], value) if name in methods else None
     if member is None:
-        raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=near(name, known))
+        hint = near(name, known) or INSTEAD.get(name, "")
+        raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=hint)
     return member
 
 
@@ -100,7 +104,23 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     if position is not None and name in VECTOR_METHODS:
         return Bound(VECTOR_METHODS[name], position)
     known = [*instance.properties, *VECTOR_METHODS, "x", "y"]
-    raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=near(name, known))
+    hint = INSTEAD.get(name, "") or near(name, known)
+    raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=hint)
+
+
+INSTEAD = {  # of attributes that are left out
+    "polygons": "there are no objects of Shapely here: write .points, or .boundary",
+    "polygon": "there are no objects of Shapely here: write .points, or .boundary",
+    "convexHull": "write PolygonalRegion(points)",
+    "canSee": "write a can see b",
+    "intersects": "write a intersects b",
+    "containsPoint": "write a region of its size",
+    "visibleRegion": "write visible region",
+    "corners": "write (front left of x).position",
+    "occupiedSpace": "write RectangularRegion(x.position, x.heading, x.width, x.length)",
+    "fromEuler": "there are two dimensions here: write facing H",
+    "height": "there are two dimensions here",
+}
 
 
 def dot(self: Vector, other: Value) -> Value:

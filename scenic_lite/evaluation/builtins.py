@@ -213,6 +213,15 @@ def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Valu
     return any(is_of(value, cls) for cls in (types if isinstance(types, tuple) else (types,)))
 
 
+def is_subclass(scope: Scope, node: ast.AST, cls: Value, bases: Value) -> bool:
+    """`issubclass(cls, bases)`, of classes of the program."""
+    several = bases if isinstance(bases, tuple) else (bases,)
+    other = next((each for each in (cls, *several) if not isinstance(each, ScenicClass)), None)
+    if other is not None:
+        raise ScenicError("type", f"issubclass takes classes of Scenic, not {describe_kind(other)}")
+    return any(cls.derives_from(base) for base in several)
+
+
 def is_of(value: Value, cls: Value) -> bool:
     if isinstance(cls, ScenicClass):
         return isinstance(value, Instance) and value.cls.derives_from(cls)
@@ -268,6 +277,7 @@ TYPES: tuple[Builtin, ...] = (
     typed(list, lambda scope, node, values=(): scope.elements(values, node), over_choices=True),
     typed(tuple, lambda scope, node, values=(): tuple(scope.elements(values, node)), over_choices=True),
 )
+SOLID = "BoxRegion SpheroidRegion MeshVolumeRegion MeshSurfaceRegion PathRegion VoxelRegion BoxShape MeshShape"
 PYTHON: dict[str, Value] = {
     **{kind.name: kind for kind in TYPES},
     "len": Builtin("len", length, needs_context=True),
@@ -281,7 +291,9 @@ PYTHON: dict[str, Value] = {
         map=mapped,
         filter=filtered,
         print=printed,
+        verbosePrint=printed,
         isinstance=is_instance,
+        issubclass=is_subclass,
     ),
     **left_out(
         {
@@ -291,7 +303,10 @@ PYTHON: dict[str, Value] = {
             "write items[0]": "next",
             "call the function of the base by a name of its own": "super",
             "write a property with a default": "property",
-            "write isinstance(x, ...)": "type issubclass callable",
+            "write isinstance(x, ...)": "type callable",
+            "a program opens no files": "localPath",
+            "there are two dimensions here: write facing H": "Orientation",
+            "there are two dimensions here: write RectangularRegion, CircularRegion ...": SOLID,
             "write x.name": "getattr",
             "write x.name = value": "setattr",
             "give the property a default in the class": "hasattr",

@@ -168,8 +168,8 @@ def visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
     return common_part(region_of(region, "visible"), view_of(viewer_of(scope, viewer)), scope.state.dialect)
 
 
-def not_visible(scope: Scope, region: Value) -> Region:
-    return remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
+def not_visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
+    return remainder(region_of(region, "not visible"), view_of(viewer_of(scope, viewer)))
 
 
 def side(name: str) -> Callable[[Scope, Value], Value]:
@@ -212,5 +212,6 @@ OPERATORS: dict[str, Callable[..., Value]] = {
     "visible": visible,
     "not visible": not_visible,
     "visible from": visible,
+    "not visible from": not_visible,
 }
 OPERATORS |= {side_words(name): side(name) for name in SIDES}

@@ -253,7 +253,8 @@ def test_a_kick_asked_for_is_remembered_until_the_ball_flies(python):
     assert match["players"]["kick"][owner] == 0
 
 
-DRAWN = """param game_duration = DiscreteRange(5, 9), second_half = DiscreteRange(3, 4), deterministic = Uniform(True, False)
+DRAWN = """param game_duration = DiscreteRange(5, 9), second_half = DiscreteRange(3, 4)
+param deterministic = Uniform(True, False)
 param left_team_difficulty = Range(0.2, 0.4), right_team_difficulty = Range(0, 1), offsides = Uniform(False, True)
 """
 
