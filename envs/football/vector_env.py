@@ -53,8 +53,8 @@ class FootballVectorEnv(UPOMDP):
 
     Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match is put back to its start, and the others have
-    played their step. A UserWarning names each line that looks like a slip (`Program.warnings`), or would fail so whenever
-    a match came to it.
+    played their step. A UserWarning names each line that looks like a slip (`Program.warnings`), or that would fail so
+    whenever a match came to it.
     """
 
     def __init__(

@@ -21,9 +21,8 @@ from scenic_lite.values.geometry import Located, Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, kind_of, select
 from scenic_lite.values.regions import Region, VectorField
 
+
 # ------------------------------------------------------------ names
-
-
 @dataclass(frozen=True)
 class Source:
     """One file of program text."""
@@ -87,8 +86,6 @@ def near(name: str, names: Iterable[str]) -> str:
 
 
 # ------------------------------------------------------------ values
-
-
 @dataclass(frozen=True, eq=False)
 class Default:
     """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it.

@@ -39,9 +39,8 @@ from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, kind_
 from scenic_lite.values.operations import ABSOLUTE, MAXIMUM, SUBTRACT
 from scenic_lite.values.regions import Region, VectorField
 
+
 # ------------------------------------------------------------ attributes
-
-
 @broadcasts_over_choices(1)
 def attribute(scope: Scope, value: Value, name: str) -> Value:
     """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
@@ -109,8 +108,7 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
 
 
 INSTEAD = {  # of attributes that are left out
-    "polygons": "there are no objects of Shapely here: write .points, or .boundary",
-    "polygon": "there are no objects of Shapely here: write .points, or .boundary",
+    **dict.fromkeys(("polygons", "polygon"), "there are no objects of Shapely here: write .points, or .boundary"),
     "convexHull": "write PolygonalRegion(points)",
     "canSee": "write a can see b",
     "intersects": "write a intersects b",
@@ -118,8 +116,7 @@ INSTEAD = {  # of attributes that are left out
     "visibleRegion": "write visible region",
     "corners": "write (front left of x).position",
     "occupiedSpace": "write RectangularRegion(x.position, x.heading, x.width, x.length)",
-    "fromEuler": "there are two dimensions here: write facing H",
-    "height": "there are two dimensions here",
+    **dict.fromkeys(("fromEuler", "height"), "there are two dimensions here"),
 }
 
 
@@ -163,9 +160,8 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
     (dict, DICTIONARIES),
 )
 
+
 # ------------------------------------------------------------ elements
-
-
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
     """`container[index]`."""
     if isinstance(container, RandomChoice):
@@ -204,8 +200,6 @@ def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
 
 
 # ------------------------------------------------------------ what is assigned to
-
-
 def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
     """Return what a target belongs to and what it is called there, evaluated once; names belong to nothing."""
     if isinstance(target, ast.Subscript):
@@ -288,8 +282,6 @@ def spread(scope: Scope, target: ast.Tuple | ast.List, items: list[Value]) -> li
 
 
 # ------------------------------------------------------------ names that the language tracks
-
-
 def set_ego(scope: Scope, node: ast.AST, value: Value) -> None:
     if not is_object(value):
         several = isinstance(value, tuple) and any(map(is_object, value))

@@ -38,9 +38,8 @@ from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH
 MOST_PRINTED = 1000  # lines that are kept
 MOST_SUBLISTS = 256  # of a list that is filtered by random tests
 
+
 # ------------------------------------------------------------ truth
-
-
 def folded(operation: Operation, start: bool) -> Callable[..., Value]:
     """Return `all` or `any`, which outside a requirement must not depend on random values."""
 
@@ -61,8 +60,6 @@ def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
 
 
 # ------------------------------------------------------------ containers
-
-
 def length(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`len(value)`."""
     return len(value) if isinstance(value, str | dict | range | list | tuple) else len(scope.elements(value, node))
@@ -140,8 +137,6 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
 
 
 # ------------------------------------------------------------ texts
-
-
 def written(dialect: int, value: Value) -> str:
     """Return how a value that is not random is written inside a collection."""
     if isinstance(value, list | tuple):
@@ -203,8 +198,6 @@ def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: 
 
 
 # ------------------------------------------------------------ types
-
-
 def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
     """`isinstance(value, types)`; of a random choice, if all its options agree or in a requirement."""
     if isinstance(value, RandomChoice):
@@ -231,8 +224,6 @@ def is_of(value: Value, cls: Value) -> bool:
 
 
 # ------------------------------------------------------------ the tables
-
-
 def plain(of: type, *names: str) -> dict[str, Builtin]:
     """Return methods of a Python container that cannot grow it and run no code of the program's.
 

@@ -79,9 +79,8 @@ def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, key
             arguments += scope.elements(value, written) if star else (value,)
         return scope.call(function, arguments, keywords, node)
     if isinstance(function, Builtin) and function.name == "Uniform" and scope.mode.phase == LOAD:
-        return draw_present(
-            scope, node, [value if star else [value] for star, value in zip(stars, values, strict=True)]
-        )
+        pieces = [value if star else [value] for star, value in zip(stars, values, strict=True)]
+        return draw_present(scope, node, pieces)
 
     def anew(_: Scope, items: Value) -> Value:
         return spread_call(scope, node, function, [*values[:at], items, *values[at + 1 :]], keywords)
@@ -293,9 +292,7 @@ def called(scope: Scope, kind: str, value: Value, place: ast.expr) -> Value:
     hint = ""
     if isinstance(made, Function | Builtin):
         action = isinstance(made, Function) and made.scope.source.library
-        hint = (
-            f"an action is taken: take {made.name}()" if action else f"a function is called without do: {made.name}()"
-        )
+        hint = f"an action is taken: take {made.name}()" if action else f"a function is called: {made.name}()"
     raise scope.error("type", f"`do` needs a {kind}, not {describe_kind(value)}", place, hint)
 
 

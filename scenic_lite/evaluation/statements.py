@@ -48,8 +48,6 @@ def expression(scope: Scope, node: ast.Expr) -> None:
 
 
 # ------------------------------------------------------------ assignment
-
-
 def assign(scope: Scope, node: ast.Assign) -> None:
     value = scope.value(node.value)
     for target in node.targets:
@@ -71,8 +69,6 @@ def augmented(scope: Scope, node: ast.AugAssign) -> None:
 
 
 # ------------------------------------------------------------ control flow
-
-
 def branch(scope: Scope, node: ast.If) -> None:
     scope.run(node.body if scope.truth(node.test) else node.orelse)
 
@@ -139,8 +135,6 @@ def check_assertion(scope: Scope, node: ast.Assert) -> None:
 
 
 # ------------------------------------------------------------ definitions
-
-
 def define_function(scope: Scope, node: ast.FunctionDef) -> None:
     scope.assign(node.name, function_of(scope, node.name, node.args, node.body))
 
@@ -213,8 +207,6 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 
 # ------------------------------------------------------------ the scenario
-
-
 def set_params(scope: Scope, node: nodes.Param) -> None:
     """Set params: later ones win, except that a library's never replace the program's own."""
     state = scope.state

@@ -27,7 +27,7 @@ from scenic_lite.language.classes import (
     view_of,
 )
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifier_rules import at_position, ego_of, moved_along, or_ego, viewer_of
+from scenic_lite.language.specifier_rules import at_position, moved_along, or_ego, viewer_of
 from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET

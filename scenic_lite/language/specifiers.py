@@ -213,8 +213,6 @@ def split_heading(
 
 
 # ------------------------------------------------------------ `with`
-
-
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
     if name == "behavior" and isinstance(value, Behavior):

@@ -24,8 +24,6 @@ STATEMENT_WORDS = frozenset(_STATEMENTS.split())
 
 
 # ---------------------------------------------------------------- forms
-
-
 class Level:
     """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
 

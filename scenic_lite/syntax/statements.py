@@ -224,8 +224,6 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 
 
 # ---------------------------------------------------------------- blocks
-
-
 def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_class: bool = False) -> list[ast.stmt]:
     """Read `: statements`, on the same line or indented below; `owner` says whose, for messages.
 

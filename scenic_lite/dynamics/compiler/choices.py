@@ -90,8 +90,6 @@ def whole_choice(value: Value, c: Compilation) -> Value:
 
 
 # ------------------------------------------------------------ conditions
-
-
 def truth(value: Value) -> Value:
     """Return the truth of a value, fixed or live."""
     if isinstance(value, RandomChoice):
@@ -196,8 +194,6 @@ def either(c: Compilation, test: Value, yes: Computed, no: Computed) -> Value:
 
 
 # ------------------------------------------------------------ comparisons of two values
-
-
 def same_thing(left: Value, right: Value) -> Value:
     """Return whether `left is right`."""
     if isinstance(left, RandomChoice) and isinstance(right, RandomChoice):

@@ -187,8 +187,6 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 
 
 # ------------------------------------------------------------ the threads of a match
-
-
 def walk(c: Compilation) -> list[Thread]:
     """Compile everything once; return the threads."""
     code = c.code
@@ -304,8 +302,6 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ what a match shows
-
-
 def show_world(c: Compilation) -> None:
     """Give the objects their live properties and `simulation()` its meaning."""
     world, program, code = c.world, c.program, c.code
@@ -337,8 +333,6 @@ def show_world(c: Compilation) -> None:
 
 
 # ------------------------------------------------------------ one thread
-
-
 def every(
     c: Compilation,
     threads: list[Thread],

@@ -122,8 +122,6 @@ def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
 
 
 # ------------------------------------------------------------ moving
-
-
 def store(code: Assembler, moves: list[Move]) -> None:
     """Put all values into their registers, as if at once."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
@@ -142,8 +140,6 @@ def store(code: Assembler, moves: list[Move]) -> None:
 
 
 # ------------------------------------------------------------ places for values
-
-
 class Place:
     """Registers that hold a value of a type."""
 
@@ -194,8 +190,6 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
 
 
 # ------------------------------------------------------------ variables
-
-
 @dataclass
 class TypeTable:
     """The types of all variables by their keys, as the walks over a program have found them so far."""

@@ -73,8 +73,6 @@ def main_part(c: Compilation) -> ScenarioInstance:
 
 
 # ------------------------------------------------------------ `do` of scenarios
-
-
 def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     """Begin all that are named, one after the other, then let each take a step at each time until all have ended."""
     code = c.code
@@ -137,8 +135,6 @@ def show_names(part: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ a step, and the end
-
-
 def step(c: Compilation, part: ScenarioInstance) -> None:
     """Write one step of a scenario: its requirements, its time limit, its compose block, its conditions."""
     code, done = c.code, Label()
@@ -208,9 +204,7 @@ def names_in(*trees: ast.AST) -> frozenset[str]:
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
-    """Record what is last, stop what runs inside, give back what was overridden, reject the match if a requirement
-    does not hold.
-    """
+    """Record what is last, stop what runs inside, give back what was overridden, reject for what does not hold."""
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
@@ -229,8 +223,6 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ what a setup makes
-
-
 def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
     """Return the scenario that keeps what a statement makes. Raises ScenicError if that may be made never or twice."""
     where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
@@ -292,8 +284,6 @@ def check_first(c: Compilation, thread: Thread) -> None:
 
 
 # ------------------------------------------------------------ override
-
-
 def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
     """Compile `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
@@ -347,8 +337,6 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 
 
 # ------------------------------------------------------------ temporal requirements
-
-
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """Make a temporal requirement during the match: its scenario watches it from the next step on."""
     part, own = own_part(c, scope), with_present_names(c, scope, node)

@@ -55,8 +55,6 @@ def is_library_call(scope: CompiledScope, node: ast.expr) -> bool:
 
 
 # ------------------------------------------------------------ assignments
-
-
 def assign(c: Compilation, scope: CompiledScope, node: ast.Assign) -> None:
     value = scope.value(node.value)
     for target in node.targets:
@@ -117,8 +115,6 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
 
 
 # ------------------------------------------------------------ attributes
-
-
 def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
     """Compile `owner.name = value`: all behaviors of the match see it."""
     name = target.attr
@@ -141,8 +137,6 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
 
 
 # ------------------------------------------------------------ branches and loops
-
-
 def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
     no, end = Label(), Label()
     with c.code.captured() as rows:
@@ -271,8 +265,6 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
 
 
 # ------------------------------------------------------------ others
-
-
 def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
     """Stop the match with a fault if a condition does not hold."""
     with branch(c, scope, node.test, when=False):
@@ -284,8 +276,6 @@ def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
 
 
 # ------------------------------------------------------------ what statements change
-
-
 @lru_cache(maxsize=4096)
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
     """Return the variables that some statements change, loop targets aside: a loop looks after its own."""

@@ -52,8 +52,6 @@ def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
 
 
 # ------------------------------------------------------------ ends
-
-
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
     limits = [item.watched for item in part.terminations if isinstance(item.watched.tree, nodes.TerminateAfter)]
@@ -88,8 +86,6 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ records
-
-
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
     """Take the `record` statements of one kind: of every step those of all scenarios, else those of the program."""
     for part in main.family() if when == "each" else [main]:
@@ -129,8 +125,6 @@ def in_registers(c: Compilation, value: Value) -> Value:
 
 
 # ------------------------------------------------------------ temporal requirements
-
-
 class Automaton:
     """The states of a temporal requirement, in the order in which they were found."""
 

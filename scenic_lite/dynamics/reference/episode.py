@@ -205,8 +205,6 @@ def sampled(value: Value, row: dict[RandomExpr, Value]) -> Value:
 
 
 # ------------------------------------------------------------ what an episode may change
-
-
 def fill(container: Any, contents: Any) -> None:
     container.clear()
     if isinstance(container, list):

@@ -30,9 +30,8 @@ from scenic_lite.language.specifiers import overridden_properties
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
+
 # ------------------------------------------------------------ in which time may pass
-
-
 def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
     return thread.block(node.body if thread.scope.truth(node.test) else node.orelse)
 
@@ -73,8 +72,6 @@ SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
 
 
 # ------------------------------------------------------------ of an instant
-
-
 def instant_statements(episode: Episode) -> dict[type, Callable[[Scope, Any], None]]:
     """Return the handlers for one episode."""
     return {
