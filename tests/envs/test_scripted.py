@@ -412,23 +412,6 @@ def test_slips_of_behaviors_are_warned_of(line: str, warning: str) -> None:
     assert re.search(warning, str(found[0].message))
 
 
-@pytest.mark.parametrize("make", [lambda text: FootballVectorEnv(text, 2), FootballEnv], ids=["vector", "one"])
-def test_slips_that_loading_finds_are_warned_of_once_each(make) -> None:
-    text = "param game_durration = 30\nego = LeftCM at 0 @ 0, with behaviour HoldPosition()\nLeftGK\nRightGK\n"
-    text += "behavior Slip():\n    HoldPosition()\n    take Shoot()\n"
-    text += "RightCB at 30 @ 0, with behavior Slip\nball = Ball ahead of ego by 1\n"
-    with pytest.warns(UserWarning) as found:
-        make(text)
-    heads = [str(each.message).split(" (")[0] for each in found]
-    assert heads == [
-        "<program>:1:7: nothing reads the parameter 'game_durration'",
-        "<program>:2:24: LeftCM has no property 'behaviour'",
-        "<program>:8:20: the behavior Slip stands without brackets",
-        '<program>:6:5: the behavior "HoldPosition" is named here, but not run',
-    ]
-    assert {each.category for each in found} == {UserWarning}
-
-
 def test_a_misspelt_reward_is_refused_with_the_right_name() -> None:
     text = program("behavior Slip():\n    simulation().scenic_rewards = 1\n    take Shoot()\n", "Slip()")
     with pytest.raises(ScenicError, match=r":8:5: .* 'scenic_rewards' .*\(did you mean 'scenic_reward'"):
