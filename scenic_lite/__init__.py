@@ -19,7 +19,8 @@ from scenic_lite.core.world import Domain
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.loader import load
 from scenic_lite.scene.constraints import Constraint, RejectionReport
-from scenic_lite.scene.program import Draw, Program
+from scenic_lite.scene.naming import Draw
+from scenic_lite.scene.program import Program
 from scenic_lite.scene.scenes import ObjectInfo, Scenes
 
 __all__ = [

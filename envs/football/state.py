@@ -164,11 +164,12 @@ MATCH_FIELDS: Table = (
     ("ball_start_x", REAL, (), "m", "where the ball was at kick-off"),
     ("ball_start_y", REAL, (), "m", ""),
     # Written once, by `kick_off`: settings of the episode
-    ("game_duration", COUNT, (), "steps", ""),
+    ("game_duration", Whole(1, 10**9), (), "steps", ""),
     ("end_episode_on_score", "?", (), "", ""),
     ("end_episode_on_out_of_play", "?", (), "", ""),
     ("end_episode_on_possession_change", "?", (), "", ""),
     ("offsides", "?", (), "", ""),
+    ("deterministic", "?", (), "", "every episode repeats the same stream of random numbers"),
     ("use_magnet", "?", (), "", "a free ball pulls the best placed player whatever his agent's direction"),
     ("agents_only", "?", (), "", "in a team with agents behaviors move their players, and nobody else"),
     ("second_half", COUNT, (), "steps", "played when the second half begins; beyond the duration there is none"),

@@ -54,7 +54,8 @@ class FootballVectorEnv(UPOMDP):
 
     Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
     raises ScenicError where the program fails at run time: that match begins its next episode, and the others have
-    played their step. A UserWarning names each line that would fail so whenever a match came to it.
+    played their step. A UserWarning names each line that looks like a slip (`Program.warnings`), or that would fail so
+    whenever a match came to it.
     """
 
     seed_is_luck = True  # θ fixes the scene; what is drawn in a match, by the program too, is luck
@@ -70,7 +71,7 @@ class FootballVectorEnv(UPOMDP):
         self.config = config
         self.lineup = Lineup(self.program, str(config.control), str(config.right_control), config.engine_spread)
         self.behaviors = CompiledBehaviors(self.program)
-        for warning in self.behaviors.compiled.warnings:
+        for warning in dict.fromkeys((*map(str, self.program.warnings), *self.behaviors.compiled.warnings)):
             warnings.warn(warning, stacklevel=2)
         self._set_up(num_envs)
 
@@ -144,8 +145,9 @@ class FootballVectorEnv(UPOMDP):
 
     def _begin(self, where: np.ndarray) -> None:
         """Begin episodes in the environments `where` `[k]`, whose starts are in the batch, with the luck of each."""
-        if not self.lineup.config.deterministic:
-            self._batch.starts["random"][where] = streams(self.luck_seeds(where))
+        starts = self._batch.starts
+        same = starts["deterministic"][where]  # every episode repeats the stream of the start
+        starts["random"][where] = np.where(same, starts["random"][where], streams(self.luck_seeds(where)))
         self._engine.begin(self._batch, where, self._settings)
         self._started = True
 

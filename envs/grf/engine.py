@@ -25,7 +25,8 @@ from regista.envs.football.kick_off import MatchConfig
 from regista.envs.football.observation.observe import View
 from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
-from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
+from regista.envs.football.scenic.lineup import Lineup, NotAMatchError, refusal
+from regista.envs.football.state import MATCH
 from regista.envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
 from regista.envs.grf.worker import ROWS, TEAM
 from regista.envs.grf.workers import Episode, Workers, grf_python, shared_workers
@@ -50,6 +51,7 @@ class GrfEngine:
         self._rows = TEAM * teams + shirts
         self._sizes = [int(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)]
         check_keepers(lineup)
+        check_settings(lineup)
         self._commanded = commanded_teams(lineup, behaviors)
         self._controllers = np.zeros((count, 2), np.int64)  # agents of the engine's per team, of each match
         python = grf_python(config.grf_python)
@@ -123,7 +125,7 @@ class GrfEngine:
             side = 1.0 if player["team"] == LEFT else -1.0  # a scenario has the right team in its own frame
             place = [side * float(player["x"]) / PLAYER_X, side * float(player["y"]) / PLAYER_Y]
             teams[player["team"]].append([*place, int(player["role"]), False, True])
-        settings = scenario_settings(self.lineup.config)
+        settings = scenario_settings(self.lineup, start)
         return {"settings": settings, "ball": ball, "left": teams[0], "right": teams[1], "agents": agents}
 
     def _agents_of(self, team: int, control: int) -> int:
@@ -133,17 +135,25 @@ class GrfEngine:
         return int(control == ACTIVE)
 
 
-def scenario_settings(config: MatchConfig) -> dict[str, Any]:
-    """Return the settings of an episode as a scenario's.
+def scenario_settings(lineup: Lineup, start: np.ndarray) -> dict[str, Any]:
+    """Return the settings of an episode that begins as this record MATCH, as a scenario's.
 
     The engine plays one step more than it is told (its first action is lost), and ours as many as the program says.
     """
-    settings = {name: np.asarray(getattr(config, name)).item() for name in SETTINGS}
-    return (
-        settings
-        | {name: int(settings[name]) for name in ("second_half",)}
-        | {"game_duration": int(settings["game_duration"]) - 1}
-    )
+    settings = {name: np.asarray(getattr(lineup.config, name)).item() for name in SETTINGS}
+    for name in set(SETTINGS).intersection(lineup.random_settings):
+        settings[name] = start[name].item() if name in MATCH.names else difficulty_of(name, start)  # type: ignore
+    return settings | {
+        "second_half": int(settings["second_half"]),
+        "game_duration": int(settings["game_duration"]) - 1,
+    }
+
+
+def difficulty_of(name: str, start: np.ndarray) -> float:
+    """Return the difficulty of the left or of the right team, whose players have their skill by it."""
+    players = start["players"][: int(start["num_players"])]
+    skills = players["skill"][players["team"] == (LEFT if name.startswith("left") else RIGHT)]
+    return round((float(skills[0]) - 0.3) / 0.7, 12) if len(skills) else float(getattr(MatchConfig(), name))
 
 
 def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
@@ -155,6 +165,13 @@ def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
     if lineup.config.agents_only:
         teams -= {team for team in teams if lineup.num_agents[team] > 0}
     return [team in teams for team in (LEFT, RIGHT)]
+
+
+def check_settings(lineup: Lineup) -> None:
+    """Raise NotAMatchError for a random setting that decides who gets an agent of the engine's."""
+    if "agents_only" in lineup.random_settings:
+        message = "param agents_only must be fixed for Google Research Football, not a random value"
+        raise refusal(lineup.program, message, lineup.program.param_places["agents_only"])
 
 
 def check_keepers(lineup: Lineup) -> None:

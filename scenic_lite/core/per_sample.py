@@ -90,8 +90,6 @@ class PerSampleCondition(FallibleOperation):
 
 
 # ------------------------------------------------------------ names, as they were at a statement
-
-
 class Bindings:
     """All names in sight of `scope`, also for the functions of its module that a condition may call.
 
@@ -131,8 +129,6 @@ def put_back(kept: list[tuple[Names, Names]]) -> None:
 
 
 # ------------------------------------------------------------ what a condition depends on
-
-
 def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
     """Return the values that an expression may read: of its names, of what its functions name, and of the ego."""
     values = [scope.state.ego] if scope.state.ego is not None else []

@@ -207,8 +207,20 @@ class Scope(Environment):
             return self.handlers.builtins[name]
         domain = self.state.domain
         home = domain.home_of(name) if domain is not None else None
-        hint = f"it lives in {home}: from {home} import {name}" if home else near(name, self.visible_names())
+        hint = f"it lives in {home}: from {home} import {name}" if home else self._where(name)
         raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
+
+    def _where(self, name: str) -> str:
+        """Return a hint for a name that has no value here: whose it is, or the nearest spelling."""
+        if name in ("wait", "terminate", "abort"):
+            return f"write `{name}` without brackets"
+        owner = next((scenario for scenario in self.state.scenarios if name in scenario.assigned), None)
+        if owner is None:
+            return near(name, self.visible_names())
+        own = f"it belongs to the scenario {owner.name}: "
+        if self.state.main is not None and owner is self.state.main.behavior:
+            return f"{own}give it to what needs it as an argument, or set it before all scenarios"
+        return f"{own}keep that, part = {owner.name}(), and read part.{name} after do part"
 
     def visible_names(self) -> list[str]:
         return [*self.handlers.builtins, "ego", "workspace", *(name for at in self.outwards() for name in at.locals)]
@@ -246,15 +258,23 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
     """Name a draw or object by the first variable that holds it; `inside` a container only draws that no one owns."""
     if isinstance(value, RandomChoice):
         value = value.index
+    elif isinstance(value, Vector) and isinstance(value.x, RandomExpr) and is_choice(value.x.inputs[:1]):
+        value = value.x.inputs[0]  # of `Uniform(1 @ 2, 3 @ 4)`
     if isinstance(value, RandomExpr):
-        for column in [node for node in (value, *near_inputs(value)) if isinstance(node, ThetaColumn)]:
-            if column.shown is value and not (inside and column.owner):  # of `Range(0, 1)`, `Uniform(1, 2)` ...
-                column.name = column.name or name
+        column = value.drawn  # of `Range(0, 1)`, `Uniform(1, 2)` ...
+        if column is not None and column.shown is value and not (inside and column.owner):
+            column.name = column.name or name
     elif isinstance(value, Instance):
         value.name = value.name or ("" if inside else name)
     elif not inside or isinstance(value, Vector):  # a container may hold itself
         for part, element in parts_by_name(name, value):
             name_draws(part, element, inside=True)
+
+
+def is_choice(inputs: tuple) -> bool:
+    """Return whether the first input of a coordinate is the index of a draw among vectors."""
+    column = inputs[0].drawn if inputs and isinstance(inputs[0], RandomExpr) else None
+    return column is not None and bool(column.options)
 
 
 def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
@@ -268,16 +288,6 @@ def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
         if isinstance(value, list | tuple)
         else []
     )
-
-
-def near_inputs(value: RandomExpr) -> list[RandomExpr]:
-    """Return the inputs of a value, theirs and so on: a draw is never far from the value that it shows."""
-    inputs: list[RandomExpr] = []
-    level = [value]
-    for _ in range(4):
-        level = [operand for node in level for operand in node.inputs if isinstance(operand, RandomExpr)][:16]
-        inputs += level
-    return inputs
 
 
 def no_condition(scope: Scope, node: ast.AST) -> ScenicError:

@@ -21,9 +21,8 @@ from scenic_lite.values.geometry import Located, Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, kind_of, select
 from scenic_lite.values.regions import Region, VectorField
 
+
 # ------------------------------------------------------------ names
-
-
 @dataclass(frozen=True)
 class Source:
     """One file of program text."""
@@ -87,8 +86,6 @@ def near(name: str, names: Iterable[str]) -> str:
 
 
 # ------------------------------------------------------------ values
-
-
 @dataclass(frozen=True, eq=False)
 class Default:
     """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it.
@@ -271,8 +268,11 @@ class Definition:
         names = [p.name for p in self.signature.parameters.values() if p.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
+        has = f"it has {', '.join(names)}" if names else "it has none"
         if unknown and len(arguments) <= len(names):
-            return ScenicError("type", f"{self.name}() has no argument '{unknown[0]}'", hint=near(unknown[0], names))
+            return ScenicError(
+                "type", f"{self.name}() has no argument '{unknown[0]}'", hint=near(unknown[0], names) or has
+            )
         said = f"'{missing[0]}' is missing" if missing else f"{len(arguments) + len(keywords)} arguments were given"
         return ScenicError("type", f"{self.name}({', '.join(names)}): {said}")
 
@@ -400,7 +400,7 @@ def describe_kind(value: Value) -> str:
     if isinstance(value, RandomExpr):
         return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
     if isinstance(value, Instance):
-        return f"a {value.cls.name}"
+        return f"{'an' if value.cls.name[0] in 'AEIOU' else 'a'} {value.cls.name}"
     for types, words in KINDS:
         if isinstance(value, types):
             return words

@@ -39,9 +39,8 @@ from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, kind_
 from scenic_lite.values.operations import ABSOLUTE, MAXIMUM, SUBTRACT
 from scenic_lite.values.regions import Region, VectorField
 
+
 # ------------------------------------------------------------ attributes
-
-
 @broadcasts_over_choices(1)
 def attribute(scope: Scope, value: Value, name: str) -> Value:
     """`value.name`. Raises ScenicError of kind `name` with the nearest spelling."""
@@ -55,6 +54,9 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
         return value if name == "yaw" else 0.0
     if isinstance(value, BehaviorCall) and name in value.names:
         return value.names[name]
+    if isinstance(value, BehaviorCall) and name in value.behavior.assigned and value.behavior.kind == "scenario":
+        message = f"the scenario {value.behavior.name} has not begun, and so has no '{name}' yet"
+        raise ScenicError("name", message, hint="read it after `do`")
     if name == "__name__" and isinstance(value, Function | Builtin | Behavior | ScenicClass):
         return value.name
     if kind_of(value) == "text" or (isinstance(value, Builtin) and str in value.types):
@@ -70,7 +72,8 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
             return fields[name](value)
         known, member = fields | methods, Bound(methods[name], value) if name in methods else None
     if member is None:
-        raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=near(name, known))
+        hint = near(name, known) or INSTEAD.get(name, "")
+        raise ScenicError("name", f"{describe_kind(value)} has no attribute '{name}'", hint=hint)
     return member
 
 
@@ -100,7 +103,21 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     if position is not None and name in VECTOR_METHODS:
         return Bound(VECTOR_METHODS[name], position)
     known = [*instance.properties, *VECTOR_METHODS, "x", "y"]
-    raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=near(name, known))
+    hint = INSTEAD.get(name, "") or near(name, known)
+    raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=hint)
+
+
+INSTEAD = {  # of attributes that are left out
+    **dict.fromkeys(("polygons", "polygon"), "there are no objects of Shapely here: write .points, or .boundary"),
+    "convexHull": "write PolygonalRegion(points)",
+    "canSee": "write a can see b",
+    "intersects": "write a intersects b",
+    "containsPoint": "write a region of its size",
+    "visibleRegion": "write visible region",
+    "corners": "write (front left of x).position",
+    "occupiedSpace": "write RectangularRegion(x.position, x.heading, x.width, x.length)",
+    **dict.fromkeys(("fromEuler", "height"), "there are two dimensions here"),
+}
 
 
 def dot(self: Vector, other: Value) -> Value:
@@ -143,9 +160,8 @@ METHODS: tuple[tuple[Any, dict[str, Builtin]], ...] = (
     (dict, DICTIONARIES),
 )
 
+
 # ------------------------------------------------------------ elements
-
-
 def item_of(scope: Scope, container: Value, index: Value) -> Value:
     """`container[index]`."""
     if isinstance(container, RandomChoice):
@@ -184,8 +200,6 @@ def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
 
 
 # ------------------------------------------------------------ what is assigned to
-
-
 def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
     """Return what a target belongs to and what it is called there, evaluated once; names belong to nothing."""
     if isinstance(target, ast.Subscript):
@@ -268,11 +282,11 @@ def spread(scope: Scope, target: ast.Tuple | ast.List, items: list[Value]) -> li
 
 
 # ------------------------------------------------------------ names that the language tracks
-
-
 def set_ego(scope: Scope, node: ast.AST, value: Value) -> None:
     if not is_object(value):
-        raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node)
+        several = isinstance(value, tuple) and any(map(is_object, value))
+        hint = "no specifier follows the comma, which makes a tuple: write with property value" if several else ""
+        raise scope.error("type", f"ego must be an object, not {describe_kind(value)}", node, hint)
     scope.state.ego = value
 
 

@@ -38,9 +38,8 @@ from scenic_lite.values.operations import ADD, AND, INTEGER, MULTIPLY, OR, TRUTH
 MOST_PRINTED = 1000  # lines that are kept
 MOST_SUBLISTS = 256  # of a list that is filtered by random tests
 
+
 # ------------------------------------------------------------ truth
-
-
 def folded(operation: Operation, start: bool) -> Callable[..., Value]:
     """Return `all` or `any`, which outside a requirement must not depend on random values."""
 
@@ -61,8 +60,6 @@ def truth(scope: Scope, node: ast.AST, value: Value = False) -> Value:
 
 
 # ------------------------------------------------------------ containers
-
-
 def length(scope: Scope, node: ast.AST, value: Value) -> Value:
     """`len(value)`."""
     return len(value) if isinstance(value, str | dict | range | list | tuple) else len(scope.elements(value, node))
@@ -140,8 +137,6 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
 
 
 # ------------------------------------------------------------ texts
-
-
 def written(dialect: int, value: Value) -> str:
     """Return how a value that is not random is written inside a collection."""
     if isinstance(value, list | tuple):
@@ -203,14 +198,21 @@ def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: 
 
 
 # ------------------------------------------------------------ types
-
-
 def is_instance(scope: Scope, node: ast.AST, value: Value, types: Value) -> Value:
     """`isinstance(value, types)`; of a random choice, if all its options agree or in a requirement."""
     if isinstance(value, RandomChoice):
         answers = [is_instance(scope, node, option, types) for option in value.options]
         return answers[0] if len(set(answers)) == 1 else value.map_options(answers)
     return any(is_of(value, cls) for cls in (types if isinstance(types, tuple) else (types,)))
+
+
+def is_subclass(scope: Scope, node: ast.AST, cls: Value, bases: Value) -> bool:
+    """`issubclass(cls, bases)`, of classes of the program."""
+    several = bases if isinstance(bases, tuple) else (bases,)
+    other = next((each for each in (cls, *several) if not isinstance(each, ScenicClass)), None)
+    if other is not None:
+        raise ScenicError("type", f"issubclass takes classes of Scenic, not {describe_kind(other)}")
+    return any(cls.derives_from(base) for base in several)
 
 
 def is_of(value: Value, cls: Value) -> bool:
@@ -222,8 +224,6 @@ def is_of(value: Value, cls: Value) -> bool:
 
 
 # ------------------------------------------------------------ the tables
-
-
 def plain(of: type, *names: str) -> dict[str, Builtin]:
     """Return methods of a Python container that cannot grow it and run no code of the program's.
 
@@ -268,6 +268,7 @@ TYPES: tuple[Builtin, ...] = (
     typed(list, lambda scope, node, values=(): scope.elements(values, node), over_choices=True),
     typed(tuple, lambda scope, node, values=(): tuple(scope.elements(values, node)), over_choices=True),
 )
+SOLID = "BoxRegion SpheroidRegion MeshVolumeRegion MeshSurfaceRegion PathRegion VoxelRegion BoxShape MeshShape"
 PYTHON: dict[str, Value] = {
     **{kind.name: kind for kind in TYPES},
     "len": Builtin("len", length, needs_context=True),
@@ -281,7 +282,9 @@ PYTHON: dict[str, Value] = {
         map=mapped,
         filter=filtered,
         print=printed,
+        verbosePrint=printed,
         isinstance=is_instance,
+        issubclass=is_subclass,
     ),
     **left_out(
         {
@@ -291,7 +294,10 @@ PYTHON: dict[str, Value] = {
             "write items[0]": "next",
             "call the function of the base by a name of its own": "super",
             "write a property with a default": "property",
-            "write isinstance(x, ...)": "type issubclass callable",
+            "write isinstance(x, ...)": "type callable",
+            "a program opens no files": "localPath",
+            "there are two dimensions here: write facing H": "Orientation",
+            "there are two dimensions here: write RectangularRegion, CircularRegion ...": SOLID,
             "write x.name": "getattr",
             "write x.name = value": "setattr",
             "give the property a default in the class": "hasattr",

@@ -8,34 +8,37 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable
-from functools import lru_cache, partial, reduce
+from functools import lru_cache, partial
 from inspect import Parameter, Signature
 from typing import Any
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import COMPILE, LOAD, Mode, Requirement
+from scenic_lite.core.state import COMPILE, LOAD, LoadState, Mode
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
     Bound,
     Builtin,
+    Definition,
     Function,
     Instance,
     LazyValue,
     RandomChoice,
     ScenicClass,
+    Undecided,
     broadcasts_over_choices,
     describe_kind,
     for_each_option,
     near,
 )
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.language.distributions import draw_present
 from scenic_lite.language.specifier_rules import SPECIFIERS
 from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unknown, with_property
 from scenic_lite.syntax import nodes
-from scenic_lite.values.graph import Value, apply, is_number, kind_of
-from scenic_lite.values.operations import EQUAL, NOT, OR
+from scenic_lite.values.graph import Value, is_number, kind_of
 
+LONGEST_CHAIN = 8  # calls that an error tells
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
 TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
 NAMING = (ast.FunctionDef, ast.ClassDef)
@@ -53,50 +56,36 @@ class Return(Exception):
         self.value = value
 
 
-def value_of_each(scope: Scope, function: Builtin, node: ast.Starred, lists: RandomChoice) -> Value:
-    """Return a draw from whichever list it is; scenes in which that is empty are rejected."""
-
-    def drawn(values: Value) -> Value:
-        several = isinstance(values, RandomChoice)
-        return value_of_each(scope, function, node, values) if several else function.function(scope, node, *values)
-
-    empty = [i for i, option in enumerate(lists.options) if not isinstance(option, RandomChoice) and not len(option)]
-    if scope.mode.phase == LOAD and 0 < len(empty) < len(lists.options):
-        chosen = reduce(lambda a, b: apply(OR, a, b), [apply(EQUAL, lists.index, i) for i in empty])
-        scope.state.requirements.append(Requirement("a choice among no values", scope.place(node), apply(NOT, chosen)))
-        full = next(option for option in lists.options if len(option))
-    else:
-        empty, full = [], ()
-    options = [full if i in empty else option for i, option in enumerate(lists.options)]
-    return lists.map_options(list(map(drawn, options)))
-
-
 def call_node(scope: Scope, node: ast.Call) -> Value:
     function = scope.value(node.func)
-    return scope.call(function, *arguments_of(scope, function, node), node)
-
-
-def arguments_of(scope: Scope, function: Value, node: ast.Call) -> tuple[list[Value], dict[str, Value]]:
-    """Return what a call gives by place and by name."""
-    arguments: list[Value] = []
-    for argument in node.args:
-        if isinstance(argument, ast.Starred):
-            arguments += starred(scope, function, argument)
-        else:
-            arguments.append(scope.value(argument))
+    values = [scope.value(each.value if isinstance(each, ast.Starred) else each) for each in node.args]
     keywords: dict[str, Value] = {}
     for keyword in node.keywords:
         assert keyword.arg is not None, "the parser refuses `**`"
         keywords[keyword.arg] = scope.value(keyword.value)
-    return arguments, keywords
+    return spread_call(scope, node, function, values, keywords)
 
 
-def starred(scope: Scope, function: Value, argument: ast.Starred) -> list[Value]:
-    """`*items`; of a random list only in `Uniform(*items)`, which then draws from whichever list it is."""
-    value = scope.value(argument.value)
-    if isinstance(value, RandomChoice) and isinstance(function, Builtin) and function.name == "Uniform":
-        return [value_of_each(scope, function, argument, value)]
-    return scope.elements(value, argument)
+def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, keywords: dict[str, Value]) -> Value:
+    """Call a function whose arguments may be starred, `f(*items)`.
+
+    Of a random list the call is made for whichever list it is; `Uniform(*items)` draws once, from the elements there.
+    """
+    stars = [isinstance(written, ast.Starred) for written in node.args]
+    at = next((i for i, value in enumerate(values) if stars[i] and isinstance(value, Undecided)), None)
+    if at is None:
+        arguments: list[Value] = []
+        for star, value, written in zip(stars, values, node.args, strict=True):
+            arguments += scope.elements(value, written) if star else (value,)
+        return scope.call(function, arguments, keywords, node)
+    if isinstance(function, Builtin) and function.name == "Uniform" and scope.mode.phase == LOAD:
+        pieces = [value if star else [value] for star, value in zip(stars, values, strict=True)]
+        return draw_present(scope, node, pieces)
+
+    def anew(_: Scope, items: Value) -> Value:
+        return spread_call(scope, node, function, [*values[:at], items, *values[at + 1 :]], keywords)
+
+    return scope.handlers.undecided(anew, 1, (scope, values[at]), {})
 
 
 @broadcasts_over_choices(1)
@@ -168,18 +157,27 @@ def call_function(
     except Return as result:
         return result.value
     except ScenicError as error:
-        raise seen_from(scope, function, node, error) from None
+        raise seen_from(scope.state, function, scope.place(node), error) from None
     finally:
         budget.leave()
     return None
 
 
-def seen_from(scope: Scope, function: Function, node: ast.AST, error: ScenicError) -> ScenicError:
-    """Return an error of a library function, moved to the call in the user's program."""
-    if not function.scope.source.library or scope.source.library or error.place is None:
+def seen_from(state: LoadState, thing: Definition, place: SourceSpan, error: ScenicError) -> ScenicError:
+    """Return an error inside what was called at a place: of a library moved there, of the program with a note of it."""
+    if error.place is None or place.file not in state.sources or error.place.file not in state.sources:
         return error
-    where = f"    in {function.name}(), {error.place.file}:{error.place.line}: {error.source_line.strip()}"
-    return scope.error(error.kind, error.message, node, error.hint, [where, *error.notes])
+    caller, line = state.sources[place.file], state.sources[place.file].line(place.line)
+    if state.sources[error.place.file].library and not caller.library:
+        names, inner = ", ".join(thing.signature.parameters), f"{error.place.file}:{error.place.line}"
+        where = f"    in {thing.name}({names}), {inner}: {error.source_line.strip()}"
+        notes = [where, *error.notes]
+        return ScenicError(error.kind, error.message, place, hint=error.hint, source_line=line, notes=notes)
+    note = f"    in {thing.name}, called in {place.file}:{place.line}: {line.strip()}"
+    same = (place.file, place.line) == (error.place.file, error.place.line)
+    if not (same or caller.library or note in error.notes or len(error.notes) >= LONGEST_CHAIN):
+        error.notes = (*error.notes, note)
+    return error
 
 
 def scenario_frame(mode: Mode, call: BehaviorCall) -> Scope:
@@ -233,6 +231,8 @@ def new(scope: Scope, node: nodes.New) -> Value:
             return cls if node.operator is None else scope.value(node.operator)
         classes = [name for name, value in scope.module_names.items() if isinstance(value, ScenicClass)]
         hint = near(node.cls.id, classes) if isinstance(node.cls, ast.Name) else ""
+        if isinstance(cls, Behavior | Function):
+            hint = f"write {cls.name}(...), without new"
         raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
     if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
@@ -283,11 +283,32 @@ def called(scope: Scope, kind: str, value: Value, place: ast.expr) -> Value:
         return RandomChoice(value.index, tuple(called(scope, kind, option, place) for option in value.options))
     if isinstance(value, BehaviorCall) and value.behavior.kind == kind:
         return value
-    hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == kind else ""
-    what = (
-        f"the {value.behavior.kind} {value.behavior.name}" if isinstance(value, BehaviorCall) else describe_kind(value)
-    )
-    raise scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
+    if isinstance(value, Behavior | BehaviorCall):
+        own = value if isinstance(value, Behavior) else value.behavior
+        hint = f"write {own.name}()" if own.kind == kind else INSTEAD_OF_DO[own.kind].format(own.name)
+        what = f"the {own.kind} {own.name}" if own is not value else describe_kind(value)
+        raise scope.error("type", f"`do` needs a {kind}, not {what}", place, hint)
+    made = scope.value(place.func) if isinstance(place, ast.Call) else value
+    hint = ""
+    if isinstance(made, Function | Builtin):
+        action = isinstance(made, Function) and made.scope.source.library
+        hint = f"an action is taken: take {made.name}()" if action else f"a function is called: {made.name}()"
+    raise scope.error("type", f"`do` needs a {kind}, not {describe_kind(value)}", place, hint)
+
+
+INSTEAD_OF_DO = {
+    "behavior": "an object does it: override ego with behavior {}()",
+    "monitor": "write require monitor {}() outside of behaviors",
+    "scenario": "scenarios are run in a compose block",
+}
+
+
+def refuse_as_action(value: Value) -> None:
+    """Raise ScenicError for what is done, not taken."""
+    if isinstance(value, Behavior | BehaviorCall):
+        own = value if isinstance(value, Behavior) else value.behavior
+        hint = INSTEAD_OF_DO[own.kind].format(own.name) if own.kind != "behavior" else f"write do {own.name}()"
+        raise ScenicError("type", f"`take` needs an action, not the {own.kind} {own.name}", hint=hint)
 
 
 CALLS: dict[type, Callable[[Scope, Any], Value]] = {

@@ -18,25 +18,13 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import attribute, item_of
 from scenic_lite.evaluation.builtins import text_of
 from scenic_lite.language.classes import is_object, outline
-from scenic_lite.language.scenic_operators import OPERATORS, ego_of
+from scenic_lite.language.scenic_operators import OPERATORS
+from scenic_lite.language.specifier_rules import ego_of
 from scenic_lite.syntax import nodes
+from scenic_lite.values import operations
 from scenic_lite.values.geometry import Vector, as_vector
 from scenic_lite.values.graph import RandomExpr, Value, apply, is_number, kind_of
 from scenic_lite.values.lines import PolylineRegion
-from scenic_lite.values.operations import (
-    AND,
-    EQUAL,
-    GREATER,
-    GREATER_EQUAL,
-    LESS,
-    LESS_EQUAL,
-    NOT,
-    NOT_EQUAL,
-    OR,
-    WHERE,
-    Operation,
-    real_power,
-)
 from scenic_lite.values.regions import Region
 
 BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
@@ -46,17 +34,17 @@ BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
     ast.Div: ("/", operator.truediv),
     ast.FloorDiv: ("//", operator.floordiv),
     ast.Mod: ("%", operator.mod),
-    ast.Pow: ("**", real_power),
+    ast.Pow: ("**", operations.real_power),
 }
 OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
 PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # what a list may hold that Python's own `==` does not compare
-COMPARISONS: dict[type, Operation] = {
-    ast.Lt: LESS,
-    ast.LtE: LESS_EQUAL,
-    ast.Gt: GREATER,
-    ast.GtE: GREATER_EQUAL,
-    ast.Eq: EQUAL,
-    ast.NotEq: NOT_EQUAL,
+COMPARISONS: dict[type, operations.Operation] = {
+    ast.Lt: operations.LESS,
+    ast.LtE: operations.LESS_EQUAL,
+    ast.Gt: operations.GREATER,
+    ast.GtE: operations.GREATER_EQUAL,
+    ast.Eq: operations.EQUAL,
+    ast.NotEq: operations.NOT_EQUAL,
 }
 
 
@@ -144,7 +132,7 @@ def unary(scope: Scope, node: ast.UnaryOp) -> Value:
     if not isinstance(node.op, ast.Not):
         return apply_sign(scope, node.op, value)
     if isinstance(value, RandomExpr) and scope.mode.symbolic:
-        return apply(NOT, value)
+        return apply(operations.NOT, value)
     return not scope.certain_truth(value, node.operand)
 
 
@@ -164,7 +152,7 @@ def boolean(scope: Scope, node: ast.BoolOp) -> Value:
         with scope.state.watching.under(*(() if pending is None else ((pending, is_and),))):
             value = scope.value(operand)
         if isinstance(value, RandomExpr) and scope.mode.symbolic:
-            pending = value if pending is None else apply(AND if is_and else OR, pending, value)
+            pending = value if pending is None else apply(operations.AND if is_and else operations.OR, pending, value)
             value = pending
         elif scope.certain_truth(value, operand) != is_and:
             return value
@@ -189,12 +177,10 @@ def either(test: RandomExpr, yes: Value, no: Value) -> Value:
         return Vector(either(test, yes.x, no.x), either(test, yes.y, no.y))
     if kind_of(yes) == "other" or kind_of(no) == "other":
         return choose(RandomExpr(lambda truth: 1 - truth.astype(int), (test,)), [yes, no])
-    return RandomExpr(WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
+    return RandomExpr(operations.WHERE.array, (test, yes, no), kind_of(yes) if kind_of(yes) == kind_of(no) else "any")
 
 
 # ------------------------------------------------------------ comparisons
-
-
 def comparison(scope: Scope, node: ast.Compare) -> Value:
     """Return a chain of comparisons; random ones are allowed in requirements only."""
     left = scope.value(node.left)
@@ -204,7 +190,7 @@ def comparison(scope: Scope, node: ast.Compare) -> Value:
             right = scope.value(operand)
         link = compared(scope, node, sign, left, right)
         if isinstance(link, RandomExpr) or isinstance(result, RandomExpr):
-            result = apply(AND, result, link) if result is not True else link
+            result = apply(operations.AND, result, link) if result is not True else link
         else:
             result = bool(link)
         if result is False:
@@ -219,7 +205,7 @@ def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: V
         return identity(scope, left, right, isinstance(sign, ast.Is))
     if isinstance(sign, ast.In | ast.NotIn):
         inside = membership(scope, node, left, right)
-        return inside if isinstance(sign, ast.In) else apply(NOT, inside)
+        return inside if isinstance(sign, ast.In) else apply(operations.NOT, inside)
     scope.mode.budget.whole(left)
     scope.mode.budget.whole(right)
     scope.refuse_comparison(node, left, right)
@@ -254,8 +240,8 @@ def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
         message = "collections of random values, vectors or collections are not compared"
         raise ScenicError("unsupported", message, hint="compare their elements one by one")
     if isinstance(left, Vector) and isinstance(right, Vector):
-        same = apply(AND, apply(EQUAL, left.x, right.x), apply(EQUAL, left.y, right.y))
-        return same if isinstance(sign, ast.Eq) else apply(NOT, same)
+        same = apply(operations.AND, apply(operations.EQUAL, left.x, right.x), apply(operations.EQUAL, left.y, right.y))
+        return same if isinstance(sign, ast.Eq) else apply(operations.NOT, same)
     if isinstance(left, RandomExpr) or isinstance(right, RandomExpr):
         kinds = {kind_of(left), kind_of(right)}
         if len(kinds) > 1 and "any" not in kinds and not kinds <= {"truth", "number"}:
@@ -281,7 +267,7 @@ def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Va
     result: Value = False
     for element in elements:
         same = element is item or compared(scope, node, ast.Eq(), item, element)
-        result = same if result is False else apply(OR, result, same)
+        result = same if result is False else apply(operations.OR, result, same)
     return result
 
 
@@ -296,8 +282,6 @@ def in_region(scope: Scope, region: Region, item: Value) -> Value:
 
 
 # ------------------------------------------------------------ containers and texts
-
-
 def attribute_of(scope: Scope, node: ast.Attribute) -> Value:
     return attribute(scope, scope.value(node.value), node.attr)
 

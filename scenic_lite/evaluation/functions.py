@@ -27,27 +27,14 @@ from scenic_lite.evaluation.builtins import PYTHON, left_out
 from scenic_lite.language import distributions as draw
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, POINT, number_of
 from scenic_lite.language.regions import REGIONS
+from scenic_lite.values import operations
 from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Value, apply, as_number, is_number, kind_of
-from scenic_lite.values.operations import (
-    ABSOLUTE,
-    FLOAT,
-    HYPOTENUSE,
-    INTEGER,
-    LOGARITHM,
-    MAXIMUM,
-    MINIMUM,
-    NORMALISE,
-    OPERATIONS,
-    ROUND,
-    Operation,
-)
+
 
 # ------------------------------------------------------------ numbers
-
-
-def numeric(operation: Operation, *operands: Value) -> Value:
+def numeric(operation: operations.Operation, *operands: Value) -> Value:
     """Return an operation on numbers, random or not. Raises ScenicError for anything else."""
     for operand in operands:
         if kind_of(operand) not in ("number", "truth", "any"):
@@ -55,7 +42,7 @@ def numeric(operation: Operation, *operands: Value) -> Value:
     return apply(operation, *(as_number(operand) for operand in operands))
 
 
-def of_table(operation: Operation, name: str = "", *types: type) -> Builtin:
+def of_table(operation: operations.Operation, name: str = "", *types: type) -> Builtin:
     """Return the function that a row of the table of operations is."""
     if operation.arity == 1:
         return Builtin(name or operation.name, lambda x: numeric(operation, x), types=types)
@@ -64,10 +51,10 @@ def of_table(operation: Operation, name: str = "", *types: type) -> Builtin:
 
 def rounded(number: Value, ndigits: Value = None) -> Value:
     if ndigits is None:
-        return numeric(ROUND, number)
+        return numeric(operations.ROUND, number)
     if not isinstance(ndigits, int) or abs(ndigits) > 300:
         raise ScenicError("type", f"the number of digits must be a fixed integer, not {describe_kind(ndigits)}")
-    return numeric(Operation(lambda x: round(x, ndigits), lambda x: np.round(x, ndigits)), number)
+    return numeric(operations.Operation(lambda x: round(x, ndigits), lambda x: np.round(x, ndigits)), number)
 
 
 @broadcasts_over_choices(2)
@@ -83,22 +70,20 @@ def total(scope: Scope, node: ast.AST, values: Value, start: Value = 0) -> Value
 
 def hypotenuse(scope: Scope, node: ast.AST, *sides: Value) -> Value:
     if len(sides) == 1:
-        return numeric(ABSOLUTE, *sides)
-    return reduce(lambda a, b: numeric(HYPOTENUSE, a, b), sides, 0.0)
+        return numeric(operations.ABSOLUTE, *sides)
+    return reduce(lambda a, b: numeric(operations.HYPOTENUSE, a, b), sides, 0.0)
 
 
 def logarithm(x: Value, base: Value = None) -> Value:
-    own = numeric(LOGARITHM, x)
-    return own if base is None else own / numeric(LOGARITHM, base)
+    own = numeric(operations.LOGARITHM, x)
+    return own if base is None else own / numeric(operations.LOGARITHM, base)
 
 
 # ------------------------------------------------------------ the least, the greatest
-
-
 class Extreme:
     """`min` or `max`: of several values or of a collection, with `key` and `default`."""
 
-    def __init__(self, operation: Operation) -> None:
+    def __init__(self, operation: operations.Operation) -> None:
         self.operation = operation
 
     def __call__(self, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...) -> Value:
@@ -128,13 +113,11 @@ class Extreme:
 
     def _best_of(self, *keys: Any) -> Any:
         """Return the index of the least or greatest of several arrays [N]."""
-        best = np.argmin if self.operation is MINIMUM else np.argmax
+        best = np.argmin if self.operation is operations.MINIMUM else np.argmax
         return best(np.stack(np.broadcast_arrays(*keys)), axis=0)
 
 
 # ------------------------------------------------------------ of the language
-
-
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
     """Refuse what football's libraries import and programs have no use for: they have no objects of Shapely."""
     raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
@@ -155,16 +138,16 @@ def vector_of(x: Value, y: Value, z: Value = 0) -> Vector:
 
 
 NUMBERS: dict[str, Value] = {
-    "abs": of_table(ABSOLUTE),
+    "abs": of_table(operations.ABSOLUTE),
     "round": Builtin("round", rounded),
-    "int": of_table(INTEGER, "int", int),
-    "float": of_table(FLOAT, "float", float),
+    "int": of_table(operations.INTEGER, "int", int),
+    "float": of_table(operations.FLOAT, "float", float),
     **left_out({"write a ** b": "pow"}),
-    **needs_context(min=Extreme(MINIMUM), max=Extreme(MAXIMUM), sum=total),
+    **needs_context(min=Extreme(operations.MINIMUM), max=Extreme(operations.MAXIMUM), sum=total),
 }
 MATH: dict[str, Value] = {
-    **{row.name: of_table(row) for row in OPERATIONS if vars(math).get(row.name) is row.scalar},
-    "trunc": of_table(INTEGER, "trunc"),
+    **{row.name: of_table(row) for row in operations.OPERATIONS if vars(math).get(row.name) is row.scalar},
+    "trunc": of_table(operations.INTEGER, "trunc"),
     "log": Builtin("log", logarithm),
     "hypot": Builtin("hypot", hypotenuse, needs_context=True),
     "pi": math.pi,
@@ -201,7 +184,7 @@ RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: eac
         uniform=draw.draw_range,
         random=lambda scope, node: draw.draw_range(scope, node, 0, 1),
         randint=draw.draw_integers,
-        choice=lambda scope, node, seq: draw.draw_uniform(scope, node, *scope.elements(seq, node)),
+        choice=draw.draw_element,
         gauss=draw.draw_normal,
         normalvariate=draw.draw_normal,
         seed=lambda scope, node, *seed: None,  # whoever draws θ decides that
@@ -221,7 +204,7 @@ SCENIC: dict[str, Value] = {
     "Object": OBJECT,
     "Vector": Builtin("Vector", vector_of, types=(Vector,)),
     **{name: MATH[name] for name in ("sin", "cos", "hypot", "sqrt", "atan2")},
-    "normalizeAngle": of_table(NORMALISE, "normalizeAngle"),
+    "normalizeAngle": of_table(operations.NORMALISE, "normalizeAngle"),
     "simulation": Builtin("simulation", outside_behavior, needs_context=True, over_choices=False),
 }
 BUILTINS: dict[str, Value] = SCENIC | DISTRIBUTIONS | REGIONS | PYTHON | NUMBERS

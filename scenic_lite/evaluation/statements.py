@@ -48,8 +48,6 @@ def expression(scope: Scope, node: ast.Expr) -> None:
 
 
 # ------------------------------------------------------------ assignment
-
-
 def assign(scope: Scope, node: ast.Assign) -> None:
     value = scope.value(node.value)
     for target in node.targets:
@@ -71,8 +69,6 @@ def augmented(scope: Scope, node: ast.AugAssign) -> None:
 
 
 # ------------------------------------------------------------ control flow
-
-
 def branch(scope: Scope, node: ast.If) -> None:
     scope.run(node.body if scope.truth(node.test) else node.orelse)
 
@@ -139,8 +135,6 @@ def check_assertion(scope: Scope, node: ast.Assert) -> None:
 
 
 # ------------------------------------------------------------ definitions
-
-
 def define_function(scope: Scope, node: ast.FunctionDef) -> None:
     scope.assign(node.name, function_of(scope, node.name, node.args, node.body))
 
@@ -213,8 +207,6 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 
 # ------------------------------------------------------------ the scenario
-
-
 def set_params(scope: Scope, node: nodes.Param) -> None:
     """Set params: later ones win, except that a library's never replace the program's own."""
     state = scope.state
@@ -245,7 +237,10 @@ def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
 def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
     value = scope.value(node.call)
     if not isinstance(value, BehaviorCall) or value.behavior.kind != "monitor":
-        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call)
+        hint = f"write {value.name}()" if isinstance(value, Behavior) and value.kind == "monitor" else ""
+        if isinstance(value, BehaviorCall):
+            hint = f"{value.behavior.name} is a {value.behavior.kind}; a monitor is written monitor Name():"
+        raise scope.error("type", f"`require monitor` needs a monitor, not {describe_kind(value)}", node.call, hint)
     scope.state.monitors.append(value)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from scenic_lite.core.types import BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
+from scenic_lite.core.types import Behavior, BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, any_of, apply, is_number
@@ -166,12 +166,16 @@ def checked(name: str, value: Value, dialect: int) -> Value:
         return bool(value)
     if name == "positionStdDev":
         return spread_of(value, dialect)
+    if name == "behavior" and isinstance(value, Behavior) and value.kind == "behavior":
+        return BehaviorCall(value, value.bind([], {}), value.scope.place(value.node))
     if name == "behavior" and value is not None and not is_behavior(value):
-        what = describe_kind(value)
+        what, hint = describe_kind(value), "write with behavior B()"
         if isinstance(value, BehaviorCall):
             what = f"the {value.behavior.kind} {value.behavior.name}"
+            if value.behavior.kind == "monitor":
+                hint = f"write require monitor {value.behavior.name}()"
         message = f"the property 'behavior' must be a behavior, not {what}"
-        raise ScenicError("type", message, hint="write with behavior B()")
+        raise ScenicError("type", message, hint=hint)
     if name not in PROPERTY_TYPES or (name == "parentOrientation" and dialect == 2):
         return value
     noun, read = PROPERTY_TYPES[name]

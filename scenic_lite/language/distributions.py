@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import EPISODE, DrawnPoint, Requirement
+from scenic_lite.core.state import EPISODE, LOAD, DrawnPoint, Requirement
 from scenic_lite.core.types import RandomChoice, choose, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.values import operations
@@ -48,12 +48,54 @@ def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
     return weighted(scope, node, list(options), [1.0] * len(options))
 
 
+def draw_element(scope: Scope, node: ast.AST, items: Value) -> Value:
+    """`random.choice(items)`."""
+    if isinstance(items, RandomChoice) and scope.mode.phase == LOAD:
+        return draw_present(scope, node, [items])
+    return draw_uniform(scope, node, *scope.elements(items, node))
+
+
+def draw_present(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
+    """`Uniform(*items, other)` of random lists: one of the elements that there are in a scene, each as likely.
+
+    `pieces` are lists, or random choices among such. Scenes in which all are empty are rejected.
+    """
+    column, items = scope.draw("choice", scope.place(node)), list[Value]()
+    index = present(joined(scope, node, pieces), column, items)
+    if not items:
+        raise ScenicError("value", "a choice among no values")
+    filled = apply(operations.GREATER_EQUAL, index, 0)
+    scope.state.requirements.append(Requirement("a choice among no values", column.place, filled))
+    return shown_choice(column, apply(operations.MAXIMUM, index, 0), items)
+
+
+def joined(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
+    """Return lists as one; a random choice among lists if one of them is random."""
+    at = next((i for i, piece in enumerate(pieces) if isinstance(piece, RandomChoice)), None)
+    if at is None:
+        return [item for piece in pieces for item in scope.elements(piece, node)]
+    before, after = pieces[:at], pieces[at + 1 :]
+    options = pieces[at].options
+    return RandomChoice(pieces[at].index, tuple(joined(scope, node, [*before, each, *after]) for each in options))
+
+
+def present(lists: Value, column: ThetaColumn, items: list[Value]) -> Value:
+    """Return the number in `items` of the element that a column draws, -1 of an empty list; adds to `items`."""
+    if isinstance(lists, RandomChoice):
+        return choose(lists.index, [present(option, column, items) for option in lists.options])
+    items += [item for i, item in enumerate(lists) if not any(other is item for other in (*items, *lists[:i]))]
+    numbers = [next(i for i, other in enumerate(items) if other is item) for item in lists]
+    cut = Cut(np.arange(1, len(lists)) / max(len(lists), 1))
+    return choose(RandomExpr(cut, (column,)), numbers) if numbers else -1
+
+
 def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
     """`Discrete({value: weight})`: one of the values, cut by weight."""
     if isinstance(weights, list | tuple):  # as `Options` takes them
         return draw_uniform(scope, node, *weights)
     if not isinstance(weights, dict):
-        raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}")
+        hint = "write Uniform(*items) for one of the elements of a random list" * isinstance(weights, RandomChoice)
+        raise ScenicError("type", f"Discrete takes a dictionary of weights, not {describe_kind(weights)}", hint=hint)
     for option, weight in weights.items():
         if not is_number(weight):
             raise ScenicError("type", f"the weight of {option!r} in Discrete must be a fixed number")
@@ -67,12 +109,16 @@ def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
 def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """Return one of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if scope.mode.phase != EPISODE else "rejection"  # of the episode, where only the draw is in vain
+        kind = "value" if scope.mode.phase == LOAD else "rejection"  # of the episode, where only the draw is in vain
         raise ScenicError(kind, "a choice among no values")
     column = scope.draw("choice", scope.place(node))
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
-    index = RandomExpr(Cut(shares[:-1]), (column,))
+    return shown_choice(column, RandomExpr(Cut(shares[:-1]), (column,)), options)
+
+
+def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -> Value:
+    """Return options[index], which is what the column shows."""
     value = choose(index, options)
     column.show(value if isinstance(value, RandomExpr) else index, 0.0, float(len(options) - 1))
     if not isinstance(value, RandomExpr):
@@ -100,7 +146,9 @@ def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights:
     fixed = is_number(first) and is_number(last)
     if fixed and last < first:
         raise ScenicError("value", f"DiscreteRange({low}, {high}) contains no integer")
-    if fixed and weights is not None:
+    if weights is not None:
+        if not fixed:
+            raise ScenicError("type", "the ends of a DiscreteRange with weights must be fixed numbers")
         return weighted_integers(scope, node, range(first, last + 1), weights)
     column = scope.draw("integers", scope.place(node))
     if not fixed:

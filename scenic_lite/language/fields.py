@@ -74,8 +74,6 @@ def cells_field(
 
 
 # ------------------------------------------------------------ following
-
-
 def follow(field: Value, start: Vector, distance: Value) -> tuple[Vector, Value]:
     """Return where one arrives, and the field's heading there, after equal Euler steps."""
     if not isinstance(field, VectorField):

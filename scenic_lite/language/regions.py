@@ -109,8 +109,6 @@ def workspace(region: Value = None) -> Region:
 
 
 # ------------------------------------------------------------ fields
-
-
 def vector_field(
     scope: Scope, node: ast.AST, name: Value, value: Value, minSteps: Value = 4, defaultStepSize: Value = 5
 ) -> VectorField:
@@ -172,8 +170,6 @@ def field_or_none(value: Value) -> VectorField | None:
 
 
 # ------------------------------------------------------------ checks of arguments
-
-
 def fixed_number(what: str, value: Value) -> float:
     if not is_number(value) or not math.isfinite(value):
         raise ScenicError("type", f"the {what} must be a fixed, finite number, not {describe_kind(value)}")
@@ -210,8 +206,6 @@ def limited(count: float) -> float:
 
 
 # ------------------------------------------------------------ what can be asked
-
-
 def contains_object(self: Region, instance: Value) -> Value:
     if not is_object(instance):
         raise ScenicError("type", f"containsObject needs an object, not {describe_kind(instance)}")

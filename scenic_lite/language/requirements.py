@@ -94,8 +94,6 @@ def source_text(scope: Scope, node: ast.AST) -> str:
 
 
 # ------------------------------------------------------------ noise
-
-
 def mutate(scope: Scope, node: nodes.Mutate) -> None:
     """`mutate [objects] [by scale]`: these, or all made so far, will be given noise."""
     state = scope.state
@@ -163,8 +161,6 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
 
 
 # ------------------------------------------------------------ temporal logic
-
-
 class Formula:
     """What is required from some step on; the classes below are its forms."""
 

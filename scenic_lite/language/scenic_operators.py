@@ -27,7 +27,7 @@ from scenic_lite.language.classes import (
     view_of,
 )
 from scenic_lite.language.fields import follow
-from scenic_lite.language.specifier_rules import at_position, ego_of, moved_along, or_ego, viewer_of
+from scenic_lite.language.specifier_rules import at_position, moved_along, or_ego, viewer_of
 from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET
@@ -168,8 +168,8 @@ def visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
     return common_part(region_of(region, "visible"), view_of(viewer_of(scope, viewer)), scope.state.dialect)
 
 
-def not_visible(scope: Scope, region: Value) -> Region:
-    return remainder(region_of(region, "not visible"), view_of(ego_of(scope)))
+def not_visible(scope: Scope, region: Value, viewer: Value = None) -> Region:
+    return remainder(region_of(region, "not visible"), view_of(viewer_of(scope, viewer)))
 
 
 def side(name: str) -> Callable[[Scope, Value], Value]:
@@ -212,5 +212,6 @@ OPERATORS: dict[str, Callable[..., Value]] = {
     "visible": visible,
     "not visible": not_visible,
     "visible from": visible,
+    "not visible from": not_visible,
 }
 OPERATORS |= {side_words(name): side(name) for name in SIDES}

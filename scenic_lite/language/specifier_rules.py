@@ -13,16 +13,7 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.state import Sight
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
-from scenic_lite.language.classes import (
-    as_heading,
-    as_orientation,
-    heading_of,
-    is_object,
-    needed,
-    rectangle_of,
-    vector_of,
-    view_of,
-)
+from scenic_lite.language import classes
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifiers import MODIFYING, OPTIONAL, REQUIRED, Given, ResolvedSpecifier
@@ -68,7 +59,7 @@ def words_of(node: ast.AST) -> str:
 
 
 def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
-    return placing(scope, node, place if isinstance(place, LazyValue) else vector_of(place, "at"))
+    return placing(scope, node, place if isinstance(place, LazyValue) else classes.vector_of(place, "at"))
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
@@ -79,10 +70,10 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
     words = words_of(node)
     on = words == "on" and scope.state.dialect == 3
     if on and not isinstance(region, Region | RandomChoice):
-        if is_object(region):
-            region = RectangularRegion(region.properties["position"], *rectangle_of(region)[2:])
+        if classes.is_object(region):
+            region = RectangularRegion(region.properties["position"], *classes.rectangle_of(region)[2:])
         elif as_vector(region) is not None:
-            return placing(scope, node, vector_of(region, "on"))
+            return placing(scope, node, classes.vector_of(region, "on"))
     oriented = check_region(words, region)
     point, heading = point_in(scope, node, region)
     return placing(scope, node, point, heading if oriented else None, MODIFYING if on else OPTIONAL)
@@ -93,7 +84,7 @@ def check_region(words: str, region: Value) -> bool:
     options = region.options if isinstance(region, RandomChoice) else (region,)
     for option in options:
         hint = f"a place is given by `at`, not by `{words}`" if as_vector(option) is not None else ""
-        needed(words, "a region", option, option if isinstance(option, Region) else None, hint)
+        classes.needed(words, "a region", option, option if isinstance(option, Region) else None, hint)
     return all(option.orientation is not None for option in options)
 
 
@@ -108,7 +99,8 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
     step_x, step_y = DIRECTIONS[words]
     extent = "width" if step_x else "length"
     gap = 0.0 if gap is None else gap
-    shift = Vector(gap * abs(step_x), gap * abs(step_y)) if is_scalar(gap) else vector_of(gap, f"{words} ... by")
+    along = Vector(gap * abs(step_x), gap * abs(step_y)) if is_scalar(gap) else None
+    shift = classes.vector_of(gap, f"{words} ... by") if along is None else along
 
     def offset(self: Instance, other: Value) -> Vector:
         half = (self.properties[extent] + other) / 2
@@ -116,8 +108,8 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             return Vector((half + shift.x) * step_x, shift.y)
         return Vector(shift.x, (half + shift.y) * step_y)
 
-    heading = as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
-    centre = vector_of(anchor, words)
+    heading = classes.as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
+    centre = classes.vector_of(anchor, words)
     if heading is None or (isinstance(anchor, RandomChoice) and scope.state.dialect == 2):
         place = LazyValue(
             frozenset({extent, "heading"}),
@@ -133,7 +125,7 @@ def own_extent(anchor: Value, extent: str) -> Value:
     """Return the width or length of an object; points have none."""
     if isinstance(anchor, RandomChoice):
         return anchor.each(lambda option: own_extent(option, extent))
-    return anchor.properties[extent] if is_object(anchor) else 0.0
+    return anchor.properties[extent] if classes.is_object(anchor) else 0.0
 
 
 def offset_by(scope: Scope, node: ast.AST, offset: Value) -> ResolvedSpecifier:
@@ -151,15 +143,15 @@ def offset_along(
 def moved_along(start: Vector, direction: Value, offset: Value, words: str = "offset along ... by") -> Vector:
     """Return a place by an offset in the frame of a heading, or of a field's heading at the start."""
     field = isinstance(direction, VectorField)
-    turn = direction.heading_at(start) if field else heading_of(direction, "offset along")
-    return start + vector_of(offset, words).rotated(turn)
+    turn = direction.heading_at(start) if field else classes.heading_of(direction, "offset along")
+    return start + classes.vector_of(offset, words).rotated(turn)
 
 
 def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
     viewpoint = or_ego(scope, viewpoint)
-    far, near_end = vector_of(anchor, "beyond"), vector_of(viewpoint, "beyond ... from")
-    shift = Vector(0.0, gap) if is_scalar(gap) else vector_of(gap, "beyond ... by")
+    far, near_end = classes.vector_of(anchor, "beyond"), classes.vector_of(viewpoint, "beyond ... from")
+    shift = Vector(0.0, gap) if is_scalar(gap) else classes.vector_of(gap, "beyond ... by")
     return at_with_heading(scope, node, far + shift.rotated(angle_between(near_end, far)), 0.0)
 
 
@@ -174,7 +166,7 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
     Dialect 3 also demands that V sees the object, or nothing of it, wherever it is put.
     """
     sight, dialect = Sight(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
-    view = view_of(sight.viewer)
+    view = classes.view_of(sight.viewer)
 
     def place(self: Instance) -> Vector:
         container = self.properties["regionContainedIn"] or scope.state.workspace
@@ -192,13 +184,11 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
 
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
-    end, heading = follow(field, vector_of(or_ego(scope, start), "following ... from"), distance)
+    end, heading = follow(field, classes.vector_of(or_ego(scope, start), "following ... from"), distance)
     return placing(scope, node, end, heading)
 
 
 # ------------------------------------------------------------ headings
-
-
 def at_position(heading_at: Callable[[Vector], Value]) -> LazyValue:
     """Return a heading that depends on where the object is."""
     return LazyValue(frozenset({"position"}), lambda self: heading_at(self.properties["position"]))
@@ -213,25 +203,25 @@ def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
         delayed = direction
         heading: Value = LazyValue(delayed.needs, lambda self: finish(delayed.compute(self)))
     else:
-        rotation = as_orientation(direction) if scope.state.dialect == 3 else as_heading(direction)
+        rotation = classes.as_orientation(direction) if scope.state.dialect == 3 else classes.as_heading(direction)
         hint = "a point is faced by `facing toward`" if as_vector(direction) is not None else ""
-        heading = finish(needed("facing", "a heading", direction, rotation, hint))
+        heading = finish(classes.needed("facing", "a heading", direction, rotation, hint))
     return ResolvedSpecifier("facing", node, {"heading": Given(REQUIRED, heading)})
 
 
 def facing_toward(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
-    vector = vector_of(target, "facing toward")
+    vector = classes.vector_of(target, "facing toward")
     return facing(scope, node, at_position(lambda position: angle_between(position, vector)))
 
 
 def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier:
-    vector = vector_of(target, "facing away from")
+    vector = classes.vector_of(target, "facing away from")
     return facing(scope, node, at_position(lambda position: angle_between(vector, position)))
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
     """Set the heading `turn` as seen from the viewpoint; in dialect 3 the yaw, on top of the parent's heading."""
-    start = vector_of(or_ego(scope, viewpoint), "apparently facing ... from")
+    start = classes.vector_of(or_ego(scope, viewpoint), "apparently facing ... from")
     heading = at_position(lambda position: angle_between(start, position) + turn)
     gives = {"yaw" if scope.state.dialect == 3 else "heading": Given(REQUIRED, heading)}
     return ResolvedSpecifier("apparently facing", node, gives)

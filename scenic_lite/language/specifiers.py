@@ -213,8 +213,6 @@ def split_heading(
 
 
 # ------------------------------------------------------------ `with`
-
-
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
     if name == "behavior" and isinstance(value, Behavior):
@@ -262,11 +260,10 @@ def overridden_properties(scope: Scope, node: nodes.Override, target: Value, liv
             first, expression = specifier.arguments
             assert isinstance(first, ast.Constant) and expression is not None
             name, value = str(first.value), scope.value(expression)
-        if isinstance(value, Behavior):
-            value = BehaviorCall(value, {}, scope.place(specifier))
         if name in live:
             raise scope.error("specifier", f"'{name}' is of the simulator and cannot be overridden", specifier)
         if name not in target.properties:
-            raise scope.error("specifier", f"{target.title()} has no property '{name}' to override", specifier)
+            message, hint = f"{target.title()} has no property '{name}' to override", near(name, target.properties)
+            raise scope.error("specifier", message, specifier, hint)
         values[name] = value if isinstance(value, RandomChoice) else checked(name, value, scope.state.dialect)
     return values

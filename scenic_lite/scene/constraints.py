@@ -228,8 +228,6 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
 
 
 # ------------------------------------------------------------ the report
-
-
 @dataclass(frozen=True)
 class RejectionReport:
     """How many of some uniform draws of θ were valid, and what share each constraint rejected by itself.

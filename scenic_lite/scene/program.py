@@ -27,22 +27,8 @@ from scenic_lite.core.per_sample import reached
 from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.scene.constraints import (
-    Constraint,
-    Outlines,
-    RejectionReport,
-    constraint_of_requirement,
-    constraints_of,
-)
-from scenic_lite.scene.naming import (
-    Draw,
-    ThetaLayout,
-    column_names,
-    name_arguments,
-    name_objects,
-    title_of,
-    title_of_option,
-)
+from scenic_lite.scene import constraints, naming
+from scenic_lite.scene.constraints import Outlines
 from scenic_lite.scene.scenes import ScenePlan, Scenes, info_of, refuse_huge
 from scenic_lite.scene.theta import theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
@@ -84,9 +70,9 @@ class Program:
         self.monitors, self.terminations = tuple(state.monitors), tuple(state.terminations)
         self.records, self.temporal = tuple(state.records), tuple(state.temporal)
         objects = sorted(state.objects, key=lambda instance: instance is not state.ego)  # the ego first
-        self.instances = name_objects(objects)
+        self.instances = naming.name_objects(objects)
         self.objects = tuple(info_of(instance) for instance in objects)
-        self._constraints = constraints_of(state, objects)
+        self._constraints = constraints.constraints_of(state, objects)
         self.requirements = self._constraints.all
         self.read_in_episodes = values_read_in_episodes(state, objects)
         refuse_huge_values(state, objects)
@@ -97,7 +83,7 @@ class Program:
         with state.placing(source.start):
             self.tape = Tape(roots, self.layout.columns, state.budget.limits.operations)
         self._constraints.read_from(self.tape)
-        rules = constraint_of_requirement(state, self._constraints)
+        rules = constraints.constraint_of_requirement(state, self._constraints)
         self._checks = checks_on(self.tape, state.watching.checks.values(), rules)
         self._plan = ScenePlan(self.tape, objects, state.params)
         self.params = self._plan.params
@@ -118,7 +104,7 @@ class Program:
         return len(self.layout.draws)
 
     @property
-    def draws(self) -> tuple[Draw, ...]:
+    def draws(self) -> tuple[naming.Draw, ...]:
         """Return one Draw for each of the D columns of θ."""
         return self.layout.draws
 
@@ -171,7 +157,7 @@ class Program:
         for draw, column in zip(self.draws, self.layout.columns, strict=True):
             value = registers[self._shown.slot(column.shown)][0]
             value = value.item() if hasattr(value, "item") else value
-            values[draw.name] = title_of_option(column.options, value) if column.options else value
+            values[draw.name] = naming.title_of_option(column.options, value) if column.options else value
         return values
 
     @cached_property
@@ -243,7 +229,7 @@ class Program:
             pending = pending[~solved]
         return theta
 
-    def report(self, n: int, rng: np.random.Generator) -> RejectionReport:
+    def report(self, n: int, rng: np.random.Generator) -> constraints.RejectionReport:
         """Return what share of n uniform draws each constraint rejects."""
         if n < 1:
             raise ValueError(f"a report needs at least one draw, not {n}")
@@ -251,7 +237,7 @@ class Program:
         shares = scenes.failed.mean(axis=0)  # [R]
         order = sorted(range(len(shares)), key=lambda i: -shares[i])
         rejected = tuple((self.requirements[i], float(shares[i])) for i in order if shares[i] > 0)
-        return RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
+        return constraints.RejectionReport(self.file, n, int(scenes.ok.sum()), rejected)
 
     def _impossible(self, rng: np.random.Generator, solved: int, n: int, draws: int) -> ScenicError:
         report = replace(self.report(FIRST_DRAWS, rng), accepted=0)
@@ -302,8 +288,10 @@ class Program:
             if value is False and constraint.kind != "require":
                 raise self._violated_always(constraint, [])
 
-    def _violated_always(self, constraint: Constraint, members: list[Instance]) -> ScenicError:
-        where = ", ".join(f"{title_of(instance)} is at {instance.properties['position']!r}" for instance in members)
+    def _violated_always(self, constraint: constraints.Constraint, members: list[Instance]) -> ScenicError:
+        where = ", ".join(
+            f"{naming.title_of(instance)} is at {instance.properties['position']!r}" for instance in members
+        )
         return self.error("value", f"{constraint.label} in every scene", constraint.place, where)
 
 
@@ -314,8 +302,6 @@ def tries_for_each(pending: int, draws: int, accepted: int) -> int:
 
 
 # ------------------------------------------------------------ what is random
-
-
 def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[Value]:
     """Return every value that the dynamic half of a program names, directly or through functions and behaviors.
 
@@ -343,16 +329,16 @@ def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
             refuse_huge(value, f"the parameter '{name}'")
 
 
-def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> ThetaLayout:
+def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomExpr], file: str) -> naming.ThetaLayout:
     """Return the columns of θ: the draws that reach any root, in order of first appearance, named."""
     used = {id(column) for column in columns_of(*roots)}
     columns = [column for column in state.columns if id(column) in used]
-    name_arguments(objects)
+    naming.name_arguments(objects)
     draws = tuple(
-        Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))
-        for name, column in zip(column_names(columns), columns, strict=True)
+        naming.Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))
+        for name, column in zip(naming.column_names(columns), columns, strict=True)
     )
-    return ThetaLayout(file, columns, draws)
+    return naming.ThetaLayout(file, columns, draws)
 
 
 def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:

@@ -126,8 +126,6 @@ def does_not_fit(state: LoadState, instance: Instance, label: str) -> ScenicErro
 
 
 # ------------------------------------------------------------ one point
-
-
 def draw_from(state: LoadState, at: int, part: Region) -> None:
     """Draw the point with the index `at` from a part of its region."""
     drawn = state.points[at]
@@ -194,8 +192,6 @@ def circumscribed(region: Region) -> Region:
 
 
 # ------------------------------------------------------------ the graph
-
-
 def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
     """Bring the limits of columns that are the coordinates themselves nearer."""
     for column, (low, span) in zip(columns, part.scales(), strict=True):

@@ -182,6 +182,9 @@ class _Checker:
             does, hint = "takes an action", 'is a "take", "wait" or "do" missing?'
             if definition.kind == "monitor":
                 does, hint = "waits", 'is a "wait" missing?'
+            calls = (part.func for part in ast.walk(definition) if isinstance(part, ast.Call))
+            called = [part.id for part in calls if isinstance(part, ast.Name) and part.id in ("wait", "terminate")]
+            hint = f'write "{called[0]}" without brackets' if called else hint
             self.report(node, f'the {definition.kind} "{name}" of line {definition.lineno} never {does}', hint)
 
     def require(self, node: nodes.Require, context: Context) -> None:

@@ -24,8 +24,6 @@ STATEMENT_WORDS = frozenset(_STATEMENTS.split())
 
 
 # ---------------------------------------------------------------- forms
-
-
 class Level:
     """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
 
@@ -191,6 +189,7 @@ FOREIGN = {
     "function": 'functions are written "def name(...):"',
     "elseif": 'it is written "elif"',
     "elsif": 'it is written "elif"',
+    "while": 'write "until not condition"',
     "then": 'a ":" ends the condition',
     "parameter": 'parameters are written "param name = value"',
     "constraint": 'it is written "require condition"',
@@ -216,6 +215,8 @@ LOOKALIKES = {
 }
 
 COMPARES = '"==" compares'
+PROPERTIES = ("behavior", "width", "length", "role", "team", "speed", "name", "requireVisible", "allowCollisions")
+PLACED_BY = {"position": 'write "at x @ y"', "heading": 'write "facing 30 deg"'}
 # Words, and signs after a sign, where a value should be.
 NO_VALUE = {
     "by": 'a distance follows its specifier: "ahead of X by 2"',
@@ -233,6 +234,7 @@ NO_VALUE = {
     "+ + end": 'write "+= 1"',
     "- - end": 'write "-= 1"',
 }
+DURATIONS = {"wait": 'write "wait for 3 steps" or "wait for 3 seconds"'}
 # Words after which something should follow that does not.
 UNFINISHED = {
     "relative": 'write "relative heading of X"',
@@ -257,5 +259,8 @@ def statement_hint(word: str) -> str:
 
 
 def specifier_hint(word: str) -> str:
-    """Return the specifier that a word was perhaps meant to begin, or all there are."""
-    return nearest(word, _SPELLINGS) or LIST_OF_SPECIFIERS
+    """Return the specifier that a word was perhaps meant to begin, or how a property is written."""
+    known = difflib.get_close_matches(word, PROPERTIES, 1, 0.8)
+    hint = f'write "with {known[0]} ..."' if known else PLACED_BY.get(word, "") or nearest(word, _SPELLINGS)
+    own = "" if word in SCENIC_KEYWORDS else f'write "with {word} ..." for a property; '
+    return hint or own + LIST_OF_SPECIFIERS

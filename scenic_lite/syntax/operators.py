@@ -16,21 +16,10 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.syntax import grammar
 from scenic_lite.syntax.cursor import LOAD, Cursor
 from scenic_lite.syntax.expressions import arguments, atom, index, parameters
-from scenic_lite.syntax.grammar import (
-    BITS,
-    INFIX,
-    MEASURES,
-    OPERATOR_WORDS,
-    SIGNS,
-    SPECIFIER_WORDS,
-    SPECIFIERS,
-    Form,
-    Level,
-)
 from scenic_lite.syntax.lexer import Token
 from scenic_lite.syntax.nodes import New, Operator, Specifier
 
-BEHIND_CLASSES = OPERATOR_WORDS | {"."}
+BEHIND_CLASSES = grammar.OPERATOR_WORDS | {"."}
 
 
 def expression(c: Cursor) -> ast.expr:
@@ -47,7 +36,7 @@ def expression(c: Cursor) -> ast.expr:
     elif start.kind == "name" and not asks_truth and c.tokens[c.index + 1].text in BEHIND_CLASSES:
         value = possible_instance(c)
     if value is None:
-        value = conditional(c, operation(c, Level.UNTIL if c.temporal else Level.OR), start)
+        value = conditional(c, operation(c, grammar.Level.UNTIL if c.temporal else grammar.Level.OR), start)
     c.nesting -= 1
     return value
 
@@ -57,7 +46,7 @@ def conditional(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
     if c.token.text != "if":
         return value
     c.advance()
-    condition = operation(c, Level.OR)
+    condition = operation(c, grammar.Level.OR)
     c.expect("else", "to complete the conditional expression", 'write "a if condition else b"')
     return c.at(start, ast.IfExp(condition, value, expression(c)))
 
@@ -71,8 +60,8 @@ def operation(c: Cursor, level: int) -> ast.expr:
 def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
     """Read on after a value that begins at `start`, as long as operators of `level` or tighter follow."""
     links = 0
-    while c.token.text in INFIX:
-        infix = c.form(INFIX)
+    while c.token.text in grammar.INFIX:
+        infix = c.form(grammar.INFIX)
         if infix is None or infix.level < level:
             return left
         links += 1
@@ -82,11 +71,11 @@ def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
 
 
 def refuse_bits(c: Cursor, sign: str) -> None:
-    if sign in BITS and c.peek().text != sign:  # `&&` is another slip
+    if sign in grammar.BITS and c.peek().text != sign:  # `&&` is another slip
         c.refuse(sign)
 
 
-def joined(c: Cursor, left: ast.expr, infix: Form) -> ast.expr:
+def joined(c: Cursor, left: ast.expr, infix: grammar.Form) -> ast.expr:
     """Read an operator and what follows it; `left and right and ...`, `left < middle < ...` are one node."""
     node, sign = infix.node, c.token
     if isinstance(node, ast.operator):
@@ -103,16 +92,18 @@ def joined(c: Cursor, left: ast.expr, infix: Form) -> ast.expr:
             values.append(operation(c, infix.level + 1))
         return ast.BoolOp(node, [left, *values])
     signs: list[ast.cmpop] = []
-    following: Form | None = infix
+    following: grammar.Form | None = infix
     while following is not None and isinstance(following.node, ast.cmpop):
         c.go_to(c.index + len(following.words))
         signs.append(following.node)
-        values.append(operation(c, Level.SEE))
-        following = c.form(INFIX)
+        values.append(operation(c, grammar.Level.SEE))
+        following = c.form(grammar.INFIX)
     return ast.Compare(left, signs, values)
 
 
-def operands(c: Cursor, form: Form, read: Callable[[str], ast.expr], reach: bool = False) -> list[ast.expr | None]:
+def operands(
+    c: Cursor, form: grammar.Form, read: Callable[[str], ast.expr], reach: bool = False
+) -> list[ast.expr | None]:
     """Read the words of a form and its values, None for one left out.
 
     `read` is told behind which words it reads; `reach`: a value extends as far as the word before the next one.
@@ -148,27 +139,27 @@ def signed(c: Cursor, token: Token, level: int) -> ast.expr:
     """Read `-value` and its like."""
     refuse_bits(c, token.text)
     c.advance()
-    return c.at(token, ast.UnaryOp(SIGNS[token.text](), operand(c, Level.UNARY)))
+    return c.at(token, ast.UnaryOp(grammar.SIGNS[token.text](), operand(c, grammar.Level.UNARY)))
 
 
 def negation(c: Cursor, token: Token, level: int) -> ast.expr | None:
     """Read `not operation`, `not visible region`."""
     if (region := measure(c, token, level)) is not None:
         return region
-    if level > Level.NOT:
+    if level > grammar.Level.NOT:
         c.fail('"not" needs brackets here', 'write "(not ...)"')
     c.advance()
-    return c.at(token, ast.UnaryOp(ast.Not(), operation(c, Level.NOT)))
+    return c.at(token, ast.UnaryOp(ast.Not(), operation(c, grammar.Level.NOT)))
 
 
 def always(c: Cursor, token: Token, level: int) -> ast.expr | None:
     """Read `always | eventually | next` in a requirement."""
     if not c.temporal or not c.starts_value(c.peek(), "("):
         return None
-    if level > Level.NOT:
+    if level > grammar.Level.NOT:
         c.fail(f'"{token.text}" needs brackets here', f'write "({token.text} ...)"')
     c.advance()
-    return c.at(token, Operator(token.text, [operation(c, Level.IMPLIES)]))
+    return c.at(token, Operator(token.text, [operation(c, grammar.Level.IMPLIES)]))
 
 
 def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
@@ -180,21 +171,21 @@ def begins_operand(c: Cursor, ahead: int, signs: str = "([{") -> bool:
         return following.text != ("in" if token.text == "not" else "from")
     if token.text == "relative":
         return following.text in ("heading", "position") and c.peek(ahead + 2).text == "of"
-    return token.text not in INFIX
+    return token.text not in grammar.INFIX
 
 
 def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
     """Read a word operator of `MEASURES` with its operands; None if the word is a name."""
-    form = c.form(MEASURES)
+    form = c.form(grammar.MEASURES)
     if form is None:
         return None
     signs = grammar.NAMES.get(form.words[-1])
     if signs is not None and not begins_operand(c, len(form.words), signs):
         return None
-    if c.dialect == 3 and level > Level.PREFIX:  # there it is not itself an operand of a sum or product
+    if c.dialect == 3 and level > grammar.Level.PREFIX:  # there it is not itself an operand of a sum or product
         text = f"{token.text} {c.peek().text}"
         c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
-    reach = Level.ALONG if c.dialect == 2 else Level.PREFIX
+    reach = grammar.Level.ALONG if c.dialect == 2 else grammar.Level.PREFIX
     ends = operands(c, form, lambda _: operation(c, reach), reach=True)
     if form.name in ("distance to", "angle to"):
         ends.reverse()
@@ -207,7 +198,7 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
         return first
     index, nesting, brackets, temporal = c.index, c.nesting, len(c.brackets), c.temporal
     try:
-        longer = conditional(c, continued(c, first, Level.OR, start), start)
+        longer = conditional(c, continued(c, first, grammar.Level.OR, start), start)
     except ScenicError as error:
         if error.kind == "budget":
             raise
@@ -222,8 +213,8 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
 
 # What a word or sign before a value begins; None from it if the word is a name there.
 PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
-    **dict.fromkeys(SIGNS, signed),
-    **dict.fromkeys(MEASURES, measure),
+    **dict.fromkeys(grammar.SIGNS, signed),
+    **dict.fromkeys(grammar.MEASURES, measure),
     **dict.fromkeys(("always", "eventually", "next"), always),
     "not": negation,
 }
@@ -243,20 +234,18 @@ def primary(c: Cursor, start: Token) -> ast.expr:
             value = c.at(start, ast.Attribute(value, c.word('a name after "."'), LOAD))
         links += 1
         c.check_chain(links)
-    if c.token.text in SPECIFIER_WORDS and isinstance(value, ast.Name | ast.Attribute) and starts_instance(c):
+    if c.token.text in grammar.SPECIFIER_WORDS and isinstance(value, ast.Name | ast.Attribute) and starts_instance(c):
         value = instance(c, start, value)
     if c.token.text != "**":
         return value
     c.advance()
     c.deeper()
-    value = c.at(start, ast.BinOp(value, ast.Pow(), operand(c, Level.UNARY)))
+    value = c.at(start, ast.BinOp(value, ast.Pow(), operand(c, grammar.Level.UNARY)))
     c.nesting -= 1
     return value
 
 
 # ---------------------------------------------------------------- instances
-
-
 def new_instance(c: Cursor, start: Token) -> ast.expr | None:
     """Read `new Class [specifiers]`; None if `new` is a name, as it may be in dialect 2."""
     if c.peek().kind != "name" and c.dialect == 2:
@@ -282,7 +271,7 @@ def instance(c: Cursor, start: Token, cls: ast.expr) -> ast.expr:
     specifiers: list[Specifier] = []
     if begins_specifier(c):
         specifiers = more_specifiers(c, [specifier(c)])
-    elif c.is_name(c.token) and c.token.text not in INFIX:
+    elif c.is_name(c.token) and c.token.text not in grammar.INFIX:
         c.fail(f'unknown specifier "{c.token.text}"', grammar.specifier_hint(c.token.text))
     return c.at(start, New(cls, specifiers))
 
@@ -292,20 +281,20 @@ def possible_instance(c: Cursor) -> ast.expr | None:
     ahead = 1
     while c.peek(ahead).text == "." and c.peek(ahead + 1).kind == "name":
         ahead += 2
-    if c.peek(ahead).text not in OPERATOR_WORDS or not c.peek(ahead - 1).text[0].isupper():
+    if c.peek(ahead).text not in grammar.OPERATOR_WORDS or not c.peek(ahead - 1).text[0].isupper():
         return None
     if c.in_target or c.temporal or not c.is_name(c.token):
         return None
     start, index = c.token, c.index
     cls = class_name(c)
-    infix = c.form(INFIX)
+    infix = c.form(grammar.INFIX)
     if infix is None or infix.words == ("not", "in"):
         c.go_to(index)
         return None
     return both_readings(c, start, cls, infix)
 
 
-def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Form) -> ast.expr:
+def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -> ast.expr:
     """Read what follows once, and build the instance and the operator from it."""
     place, begins = c.token, [c.token]
 
@@ -320,9 +309,9 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: Form) -> ast.ex
     if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
-    if infix.name == "in" and c.form(INFIX):  # no region is computed by what binds looser: it is a comparison
-        return conditional(c, continued(c, operator, Level.OR, start), start)
-    whole = conditional(c, continued(c, value, Level.OR, begins[-1]), begins[-1])
+    if infix.name == "in" and c.form(grammar.INFIX):  # no region is computed by what binds looser: it is a comparison
+        return conditional(c, continued(c, operator, grammar.Level.OR, start), start)
+    whole = conditional(c, continued(c, value, grammar.Level.OR, begins[-1]), begins[-1])
     specifier = c.at(place, Specifier(infix.name.removesuffix(" from"), [*before, whole]))
     specifiers = more_specifiers(c, [specifier])
     node = c.at(start, New(cls, specifiers))
@@ -336,7 +325,7 @@ def starts_instance(c: Cursor) -> bool:
     if c.in_target or c.token.text == "with":
         return not c.in_target and c.is_name(c.peek())
     form = next_form(c)
-    if form is None or form.words[0] not in OPERATOR_WORDS:
+    if form is None or form.words[0] not in grammar.OPERATOR_WORDS:
         return form is not None
     # `visible` and `not visible` without `from` are no operators.
     return form.words[-1] == "visible" and c.peek(len(form.words)).text != "from"
@@ -364,7 +353,9 @@ def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
         # After a comma outside of brackets another instance makes a tuple.
         tuple_of_instances = c.token.kind == "name" and (c.token.text == "new" or c.token.text[0].isupper())
         if next_line or (not c.brackets and not tuple_of_instances):
-            c.missing("a specifier after the comma", 'a place is written "3 @ 4"' if c.token.kind == "number" else "")
+            hint = f'write "with {c.token.text} value"' if c.peek().text == "=" else ""
+            hint = 'a place is written "3 @ 4"' if c.token.kind == "number" else hint
+            c.missing("a specifier after the comma", hint)
         c.go_to(index)
         return specifiers
 
@@ -374,9 +365,9 @@ def begins_specifier(c: Cursor) -> bool:
     return c.token.text == "with" or next_form(c) is not None
 
 
-def next_form(c: Cursor) -> Form | None:
+def next_form(c: Cursor) -> grammar.Form | None:
     """Return the form whose words come next, and after them what it needs."""
-    for form in SPECIFIERS.get(c.token.text, ()):
+    for form in grammar.SPECIFIERS.get(c.token.text, ()):
         if c.sees(*form.words):
             following = c.peek(len(form.words))
             if len(form.words) == 1 and form.value and following.text in (".", "=", ")", "]", "}", ",", ":"):
@@ -422,8 +413,12 @@ def specifier_value(c: Cursor, name: str, level: int | None = None) -> ast.expr:
 def is_misspelt(c: Cursor) -> bool:
     """Return whether two words stand side by side that no expression begins with."""
     token, following = c.token, c.peek()
-    if not c.is_plain_name(token) or token.text in INFIX or token.text in PREFIXES:
+    if not c.is_plain_name(token) or token.text in grammar.INFIX or token.text in PREFIXES:
         return False
     if following.kind in ("number", "string"):
         return True
-    return c.is_plain_name(following) and following.text not in INFIX and following.text not in SPECIFIER_WORDS
+    return (
+        c.is_plain_name(following)
+        and following.text not in grammar.INFIX
+        and following.text not in grammar.SPECIFIER_WORDS
+    )

@@ -14,20 +14,11 @@ import re
 from functools import partial
 
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.syntax import nodes, statements
+from scenic_lite.syntax import nodes, operators, statements
 from scenic_lite.syntax.cursor import LOAD, Cursor, describe
 from scenic_lite.syntax.expressions import arguments, atom, bracketed_parameters, condition, element, listed, strings
 from scenic_lite.syntax.grammar import INFIX, SIGNS, nearest
 from scenic_lite.syntax.lexer import Source, Token, lex
-from scenic_lite.syntax.operators import (
-    begins_operand,
-    begins_specifier,
-    expression,
-    more_specifiers,
-    operation,
-    primary,
-    specifier,
-)
 from scenic_lite.syntax.statements import Rule, block
 
 DIALECTS = (2, 3)
@@ -47,7 +38,7 @@ def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
         raise ValueError(f"dialect must be 2 or 3, not {dialect!r}")
     c = Cursor(Source(text, file), dialect)
     c.statements, c.blocks = STATEMENTS, BLOCKS
-    c.expression, c.operation = partial(expression, c), partial(operation, c)
+    c.expression, c.operation = partial(operators.expression, c), partial(operators.operation, c)
     try:
         return statements.module(c)
     except RecursionError:
@@ -89,14 +80,12 @@ def makes_instances_with_new(text: str, file: str) -> bool:
 
 
 # ---------------------------------------------------------------- what follows a first word
-
-
 def begins_value(c: Cursor, following: Token) -> bool:
     """Return whether a value follows the word, so that it is a statement: `take -x` is one, `take - x` a difference."""
     if following.text in SIGNS or following.text == "*":
         adjacent = c.peek(2).column == following.end_column
         return adjacent and following.column > c.token.end_column
-    return begins_operand(c, 1)
+    return operators.begins_operand(c, 1)
 
 
 def begins_action(c: Cursor, following: Token) -> bool:
@@ -121,8 +110,6 @@ def begins_interrupt(c: Cursor, following: Token) -> bool:
 
 
 # ---------------------------------------------------------------- statements
-
-
 def param(c: Cursor, start: Token) -> ast.stmt:
     """Read `param name = value, 'quoted name' = value`."""
     node = nodes.Param([], [])
@@ -135,7 +122,7 @@ def one_param(c: Cursor, node: nodes.Param) -> ast.expr:
     place, name = quoted_name(c, "the name of a parameter")
     c.expect("=", f'after the name of the parameter "{name}"', 'write "param name = value"')
     node.names.append(name)
-    node.values.append(expression(c))
+    node.values.append(operators.expression(c))
     return place
 
 
@@ -155,7 +142,7 @@ def require(c: Cursor, start: Token) -> ast.stmt:
     """Read `require[p] condition [as name]`, `require monitor M(...)`."""
     if c.token.text == "monitor" and c.is_name(c.peek()):
         c.advance()
-        return nodes.RequireMonitor(expression(c))
+        return nodes.RequireMonitor(operators.expression(c))
     probability = soft(c) if c.token.text == "[" else None
     if c.ends_statement():
         c.fail('expected a condition after "require"')
@@ -186,8 +173,8 @@ def as_name(c: Cursor) -> str | None:
 
 def mutate(c: Cursor, start: Token) -> ast.stmt:
     """Read `mutate [objects] [by scale]`."""
-    targets = [] if c.ends_statement() or c.token.text == "by" else listed(c, expression)
-    return nodes.Mutate(targets, expression(c) if c.accept("by") else None)
+    targets = [] if c.ends_statement() or c.token.text == "by" else listed(c, operators.expression)
+    return nodes.Mutate(targets, operators.expression(c) if c.accept("by") else None)
 
 
 def record(c: Cursor, start: Token) -> ast.stmt:
@@ -195,19 +182,19 @@ def record(c: Cursor, start: Token) -> ast.stmt:
     when = "each"
     if c.token.text in ("initial", "final") and begins_value(c, c.peek()) and c.peek().text != "scenario":
         when = c.advance().text
-    value, every, delay, name = expression(c), duration(c, "every"), duration(c, "after"), as_name(c)
-    return nodes.Record(value, when, name, *every, *delay, expression(c) if c.accept("to") else None)
+    value, every, delay, name = operators.expression(c), duration(c, "every"), duration(c, "after"), as_name(c)
+    return nodes.Record(value, when, name, *every, *delay, operators.expression(c) if c.accept("to") else None)
 
 
 def override(c: Cursor, start: Token) -> ast.stmt:
     """Read `override object specifier, ...`."""
     c.in_target = True
-    target = primary(c, c.token)
+    target = operators.primary(c, c.token)
     c.in_target = False
-    if not begins_specifier(c):
+    if not operators.begins_specifier(c):
         hint = nearest(c.token.text, ["with"]) or 'write "override ego with property value"'
         c.missing("a specifier after the object", hint)
-    return nodes.Override(target, more_specifiers(c, [specifier(c)]))
+    return nodes.Override(target, operators.more_specifiers(c, [operators.specifier(c)]))
 
 
 def wait(c: Cursor, start: Token) -> ast.stmt:
@@ -222,7 +209,7 @@ def do(c: Cursor, start: Token) -> ast.stmt:
     called = c.peek().text == "(" and c.dialect == 2
     if c.token.text in ("choose", "shuffle") and not called and begins_value(c, c.peek()):
         how = c.advance().text
-    calls, weights = listed(c, expression), None
+    calls, weights = listed(c, operators.expression), None
     if how != "all" and isinstance(table := calls[0], ast.Dict):
         calls, weights = [key for key in table.keys if key is not None], table.values
         if len(calls) < len(weights):
@@ -240,7 +227,7 @@ def duration(c: Cursor, word: str | None) -> tuple[ast.expr | None, str | None]:
     """Read `[word n seconds | steps]`; without a unit seconds are meant, which Scenic 3 does not allow."""
     if word is None or not c.accept(word):
         return None, None
-    value = expression(c)
+    value = operators.expression(c)
     if c.token.text in UNITS:
         return value, c.advance().text
     if c.token.text in ("second", "step"):
@@ -350,7 +337,7 @@ STATEMENTS = {
     "require": Rule(require, lambda c, then: begins_value(c, then) or c.ends_statement(then)),
     "mutate": Rule(mutate, lambda c, then: c.is_name(then) or then.text == "by" or c.ends_statement(then)),
     "record": Rule(record, begins_value),
-    "simulator": Rule(lambda c, _: nodes.Simulator(expression(c)), begins_value),
+    "simulator": Rule(lambda c, _: nodes.Simulator(operators.expression(c)), begins_value),
     "override": Rule(override, Cursor.is_name),
     "take": Rule(lambda c, _: nodes.Take(listed(c, element)), begins_action),
     "wait": Rule(wait, lambda c, then: then.text in ("for", "until") or c.ends_statement(then)),

@@ -112,7 +112,11 @@ def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
             c.fail(f'unknown specifier "{token.text}"', grammar.specifier_hint(token.text))
         if token.text in SPECIFIER_WORDS and token.text not in INFIX:
             c.fail(f'unexpected specifier "{token.text}"', 'specifiers follow a class: "Ball ahead of ego by 2"')
-    hint = grammar.FOREIGN.get(token.text, "") or expressions.missing_operator_hint(c)
+    hint = (
+        grammar.FOREIGN.get(token.text, "")
+        or grammar.DURATIONS.get(before.text, "")
+        or expressions.missing_operator_hint(c)
+    )
     c.fail(f"unexpected {describe(token)} after the end of the statement", hint)
 
 
@@ -220,8 +224,6 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 
 
 # ---------------------------------------------------------------- blocks
-
-
 def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_class: bool = False) -> list[ast.stmt]:
     """Read `: statements`, on the same line or indented below; `owner` says whose, for messages.
 

@@ -19,9 +19,8 @@ CLOSENESS = 1e-9  # a point this near a boundary belongs to it
 # A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
 LEAST_PROBABILITY = 2.0**-52
 
+
 # ------------------------------------------------------------ the plane
-
-
 def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
     """Return a displacement as seen in a frame turned by `heading`."""
     c, s = np.cos(heading), np.sin(heading)
@@ -143,8 +142,6 @@ def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: i
 
 
 # ------------------------------------------------------------ the normal distribution
-
-
 def normal_cdf(z: float) -> float:
     """Return Φ(z), the share of a standard normal below z."""
     return 0.5 * math.erfc(-z / math.sqrt(2))

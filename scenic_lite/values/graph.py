@@ -33,15 +33,17 @@ def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Call
 class RandomExpr:
     """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
 
-    `kind` is "number", "truth", "text" or "any"; it lets mistakes be found while the program is loaded.
+    `kind` is "number", "truth", "text" or "any"; it lets mistakes be found while the program is loaded. `drawn` is the
+    column that shows this value, if one does.
     """
 
-    __slots__ = ("inputs", "kind", "operation")
+    __slots__ = ("drawn", "inputs", "kind", "operation")
 
     def __init__(self, operation: Callable[..., Any] | None, inputs: tuple, kind: str = "number") -> None:
         self.operation = operation
         self.inputs = inputs
         self.kind = kind
+        self.drawn: ThetaColumn | None = None
 
     def __bool__(self) -> bool:
         raise ScenicError("random-control-flow", "control flow cannot depend on a random value")
@@ -98,6 +100,7 @@ class ThetaColumn(RandomExpr):
         self.low = min(offset, offset + span)
         self.high = max(offset, offset + span)
         self.shown: RandomExpr = self
+        self.drawn = self
         self.name = ""
         self.owner: Any = None
         self.options: tuple = ()  # of a choice among structured values, whose index is shown
@@ -105,6 +108,7 @@ class ThetaColumn(RandomExpr):
     def show(self, value: Value, low: float = -math.inf, high: float = math.inf) -> Value:
         """Take a value and its limits (nan: they differ from scene to scene) for what is drawn; return the value."""
         self.shown, self.low, self.high = value, low, high
+        value.drawn = self
         return value
 
 

@@ -50,8 +50,6 @@ class Operation:
 
 
 # ------------------------------------------------------------ where they fail
-
-
 def zero_divisor(_result: Any, _dividend: Any, divisor: Any) -> Any:
     return np.asarray(divisor) == 0
 
@@ -71,8 +69,6 @@ def is_infinite(values: Any) -> Any:
 
 
 # ------------------------------------------------------------ how they are done
-
-
 def array_power(base: Any, exponent: Any) -> Any:
     """Return powers: those of integers with a fixed exponent are integers, all others fractions, whatever the row."""
     if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":

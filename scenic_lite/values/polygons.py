@@ -207,8 +207,6 @@ def polygon_through(corners: list[Vector], orientation: VectorField | None = Non
 
 
 # ------------------------------------------------------------ combinations
-
-
 def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
     """Return the intersection, with the orientation of `a` if it has one, else of `b`.
 

@@ -220,8 +220,6 @@ class Filtered(Region):
 
 
 # ------------------------------------------------------------ fields made of regions
-
-
 def patched(
     name: str, pieces: Sequence[tuple[Region, Callable[[Vector], Value]]], default: Value = None
 ) -> VectorField:

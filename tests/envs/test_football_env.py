@@ -431,3 +431,20 @@ def test_where_a_program_pays_its_pay_is_the_success():
 def test_a_program_that_only_reads_its_pay_sets_none():
     monitor = "monitor Look():\n    while simulation().scenic_reward > 1:\n        wait\nrequire monitor Look()"
     assert not open_goal(True, False, f"RightGK at 99 @ 41\n{monitor}").behaviors.sets_reward
+
+
+@pytest.mark.parametrize("make", [lambda text: FootballVectorEnv(text, 2), FootballEnv], ids=["vector", "one"])
+def test_slips_that_loading_finds_are_warned_of_once_each(make):
+    text = "param game_durration = 30\nego = LeftCM at 0 @ 0, with behaviour HoldPosition()\nLeftGK\nRightGK\n"
+    text += "behavior Slip():\n    HoldPosition()\n    take Shoot()\n"
+    text += "RightCB at 30 @ 0, with behavior Slip\nball = Ball ahead of ego by 1\n"
+    with pytest.warns(UserWarning) as found:
+        make(text)
+    heads = [str(each.message).split(" (")[0] for each in found]
+    assert heads == [
+        "<program>:1:7: nothing reads the parameter 'game_durration'",
+        "<program>:2:24: LeftCM has no property 'behaviour'",
+        "<program>:8:20: the behavior Slip stands without brackets",
+        '<program>:6:5: the behavior "HoldPosition" is named here, but not run',
+    ]
+    assert {each.category for each in found} == {UserWarning}

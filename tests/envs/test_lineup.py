@@ -80,12 +80,8 @@ def test_a_random_role_is_drawn_for_each_match():
         ("right_team_difficulty = True", "a number from 0 to 1, not True"),
         ("right_team_difficulty = math.inf - math.inf", "a number from 0 to 1, not nan"),
         (
-            "right_team_difficulty = Range(0, 1)",
-            "a number from 0 to 1, not a random value: every match of a program is played under the same settings",
-        ),
-        (
-            "offsides = Uniform(True, False)",
-            "True or False, not a random value: every match of a program is played under the same settings",
+            "defending = Uniform(True, False)",
+            "True or False, not a random value: it says what success is, in all matches of a program",
         ),
     ],
 )

@@ -402,7 +402,7 @@ def test_a_line_that_would_fail_is_warned_of_when_the_environment_is_made() -> N
     "line, warning",
     [
         ("RunRight()", r':8:5: the behavior "RunRight" is named here, but not run \(write do RunRight'),
-        ("take Pass('medium')", r"actions.scenic:\d+:\d+: key 'medium' is not in the dictionary"),
+        ("take Pass('medium')", r":8:10: key 'medium' is not in the dictionary"),
     ],
 )
 def test_slips_of_behaviors_are_warned_of(line: str, warning: str) -> None:

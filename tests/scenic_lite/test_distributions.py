@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 from scene import things
 
-from scenic_lite import load
+from scenic_lite import ScenicError, load
 
 N = 20_000
 LIMIT = 1.95 / math.sqrt(N)  # Kolmogorov's distance, exceeded once in a thousand
@@ -194,3 +194,107 @@ def test_both_ends_of_a_range_belong_to_it_and_nothing_beyond(low, width):
     assert scenes.ok.all()
     assert scenes.params["x"][0] == low
     np.testing.assert_allclose(scenes.params["x"][-1], high, rtol=1e-15)
+
+
+TWO_STARS = {1: 8 / 60, 2: 8 / 60, 3: 45 / 240, 4: 10 / 48, 5: 27 / 240, 6: 27 / 240, 7: 27 / 240}
+STARS = [
+    ("xs = Uniform([1, 2], [3, 4, 5])", "*xs, 9", {1: 1 / 6, 2: 1 / 6, 3: 1 / 8, 4: 1 / 8, 5: 1 / 8, 9: 7 / 24}),
+    ("xs = Uniform([1, 2], [3])\nys = Uniform((4,), (5, 6, 7))", "*xs, *ys", TWO_STARS),
+    ("xs = filter(lambda x: x < 2, [Range(0, 4), Range(0, 4)])", "*xs, 9", {9: 1 / 4 + 1 / 4 + 1 / 12}),
+    ("xs = Uniform([1], [])", "*xs, 2", {1: 1 / 4, 2: 3 / 4}),
+    ("xs = Uniform([1, 2], [])", "*xs", {1: 1 / 2, 2: 1 / 2}),
+    ("xs = Uniform([[1], [2, 3]], [[4, 5]])", "*Uniform(*xs)", {1: 1 / 4, 2: 1 / 8, 3: 1 / 8, 4: 1 / 4, 5: 1 / 4}),
+    ("xs = Discrete({(1, 2): 1, (3,): 3})", "*xs, 'z'", {"1": 1 / 12, "2": 1 / 12, "3": 3 / 8, "z": 11 / 24}),
+    ("xs = Uniform(range(3), (7,))", "0, *xs", {0: 1 / 2, 1: 1 / 8, 2: 1 / 8, 7: 1 / 4}),
+]
+
+
+@pytest.mark.parametrize(("lines", "stars", "shares"), STARS)
+def test_a_star_of_a_random_list_counts_the_elements_that_there_are(lines, stars, shares):
+    fixed = things(f"{lines}\nparam value = xs")
+    program = things(f"{lines}\nparam value = Uniform({stars})")
+    assert program.dim - fixed.dim == 1 + lines.count("ys =") + stars.count("Uniform")
+    scenes = program.instantiate(RNG(0).uniform(-1, 1, (N, program.dim)))
+    drawn = scenes.params["value"][scenes.ok]
+    for value, share in shares.items():
+        found = np.mean(np.array([each == value or str(each) == value for each in drawn]))
+        assert abs(found - share) < 5 * math.sqrt(share * (1 - share) / len(drawn)), value
+
+
+CALLS_WITH_STARS = [
+    ("max(*pair)", {2: 0.5, 4: 0.5}),
+    ("f(*pair)", {12: 0.5, 34: 0.5}),
+    ("f(5, *pair[1:])", {52: 0.5, 54: 0.5}),
+    ("len(zip(*several))", {1: 0.5, 2: 0.5}),
+    ("Vector(*pair).x", {1: 0.5, 3: 0.5}),
+]
+
+
+@pytest.mark.parametrize(("text", "shares"), CALLS_WITH_STARS)
+def test_a_star_of_a_random_list_in_any_call(text, shares):
+    lines = "def f(a, b):\n    return 10 * a + b\npair = Uniform((1, 2), (3, 4))\n"
+    lines += "several = Uniform([[1], [2]], [[1, 2], [3, 4]])\n"
+    program = things(f"{lines}param value = {text}")
+    drawn = program.instantiate(RNG(0).uniform(-1, 1, (N, program.dim))).params["value"]
+    for value, share in shares.items():
+        assert abs(np.mean(drawn == value) - share) < 0.02
+
+
+REFUSED = [
+    ("[*xs, 3]", "cannot iterate through a random value"),
+    ("DiscreteRange(1, k, weights=[1, 2])", "the ends of a DiscreteRange with weights must be fixed numbers"),
+    ("Discrete({1: k, 2: 1})", "the weight of 1 in Discrete must be a fixed number"),
+    ("Discrete(xs)", "Discrete takes a dictionary of weights, not a random choice (write Uniform(*items)"),
+    ("Uniform(*Uniform([], []))", "a choice among no values"),
+]
+
+
+@pytest.mark.parametrize(("text", "said"), REFUSED)
+def test_what_no_column_stands_for_is_refused_with_a_reason(text, said):
+    with pytest.raises(ScenicError) as caught:
+        things(f"xs = Uniform([1], [2, 3])\nk = DiscreteRange(1, 2)\nparam value = {text}")
+    assert said in str(caught.value)
+
+
+NAMED = [
+    "Range(0, 1)",
+    "Range(1, k)",
+    "Normal(3, 2)",
+    "Normal(k, 2)",
+    "Normal(0, 1)",
+    "TruncatedNormal(5, 2, 1, 8)",
+    "TruncatedNormal(k, 2, 1, 8)",
+    "TruncatedNormal(0, 1, -1, 1)",
+    "DiscreteRange(1, 4)",
+    "DiscreteRange(k, 9)",
+    "DiscreteRange(1, 3, weights=[1, 2, 1])",
+    "Uniform(1, 2, 5)",
+    "Uniform('a', 'b')",
+    "Uniform(True, False)",
+    "Uniform(1, k)",
+    "Uniform([1], [2, 3])",
+    "Uniform(1 @ 2, 3 @ 4)",
+    "Uniform(*some, 9)",
+    "Options([1, 2])",
+    "Discrete({1: 2, 3: 4})",
+    "VerifaiRange(0, 2)",
+    "VerifaiDiscreteRange(0, 2)",
+    "resample(bell)",
+]
+
+
+@pytest.mark.parametrize("text", NAMED)
+def test_a_column_has_the_name_of_its_variable_or_parameter(text):
+    before = "k = DiscreteRange(1, 2)\nsome = Uniform([1], [2, 3])\nbell = TruncatedNormal(5, 2, 1, 8)\n"
+    kept = "param others = [k, some, bell]\n"
+    known = {"k", "some", "bell"}
+    for line in (f"mine = {text}\nparam value = mine", f"param mine = {text}", f"param value = [{text}]"):
+        names = {draw.name for draw in things(before + kept + line).draws} - known
+        assert names == ({"value[0]"} if line.partition("= ")[2][0] == "[" and "value = [" in line else {"mine"})
+
+
+def test_a_column_of_a_point_has_the_name_of_its_variable_and_an_axis():
+    text = "a = new Point in CircularRegion(0 @ 0, 3)\nb = new OrientedPoint on PolylineRegion([0 @ 0, 1 @ 1])\n"
+    text += "c = Region.uniformPointIn(CircularRegion(0 @ 0, 3))\nd = Range(0, 1) @ TruncatedNormal(3, 1, 0, 5)\n"
+    program = things(text + "param all = [a.x, b.x, c.x, d.x, d.y, a.y, c.y]")
+    assert [draw.name for draw in program.draws] == ["a.x", "a.y", "b.along", "c.x", "c.y", "d.x", "d.y"]

@@ -232,7 +232,7 @@ CASES = {
         <program>:1:17: `/` of a number and a text
             ego = LeftCM on grid(1, 2, "a")
                             ^^^^^^^^^^^^^^^
-            in grid(), football/model.scenic:43: width = field_width / grid_len
+            in grid(row, column, grid_len), football/model.scenic:43: width = field_width / grid_len
         """,
     ),
     "wrong arguments of a program's function": (

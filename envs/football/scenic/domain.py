@@ -19,7 +19,8 @@ ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # wh
 # columns of θ as all that is.
 FACTORS = frozenset({name for name, *_ in ENGINE_FIELDS})
 
-# Parameters of a program that are settings of the match.
+# Parameters of a program that are settings of the match; all may be random but `ONE_FOR_ALL`, which no match can have
+# to itself.
 SETTINGS = FACTORS | frozenset(
     {
         "engine_spread",
@@ -28,6 +29,8 @@ SETTINGS = FACTORS | frozenset(
         *("end_episode_on_score", "end_episode_on_out_of_play", "end_episode_on_possession_change"),
     }
 )
+
+ONE_FOR_ALL = frozenset({"defending"})
 
 # Those with which programs of Scenic4RL set up its engine, its pictures and its log files: understood, and without use.
 ENGINE = frozenset(

@@ -15,7 +15,7 @@ from regista.envs.football.constants import LEFT, MAX_PLAYERS, METRES_PER_X, MET
 from regista.envs.football.control.control_modes import count_agents
 from regista.envs.football.kick_off import MatchConfig, Roster, placed, unplaced
 from regista.envs.football.limits import Limits, fields_of
-from regista.envs.football.scenic.domain import FACTORS, SETTINGS
+from regista.envs.football.scenic.domain import FACTORS, ONE_FOR_ALL, SETTINGS
 from regista.envs.football.scenic.world_table import THE_BALL
 from regista.envs.football.state import MATCH, TABLES
 from scenic_lite import Program, Scenes, SourceSpan
@@ -30,6 +30,7 @@ UNLESS_SAID = {
     "end_episode_on_out_of_play": False,
     "end_episode_on_possession_change": False,
 }
+TRIALS = 256  # scenes in which random settings are looked at before any match
 LONGEST = 1_000_000  # steps of an episode
 WANTED = {
     bool: "True or False",
@@ -65,7 +66,8 @@ class Lineup:
         ball: index of the ball among the objects.
         object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
         roster: teams and roles `[P]`; random roles as they are at θ = 0.
-        config: the settings that the program's parameters make.
+        config: the settings that the program's parameters make; of random ones their defaults.
+        random_settings: the names of those settings that differ from match to match.
         num_agents: how many move players of the left and of the right team.
 
     `engine_spread` is that of `MatchConfig`, where it is not 0. Raises NotAMatchError, also for a `control` mode (see
@@ -101,13 +103,14 @@ class Lineup:
         self.config = replace(_settings(program), control=control, right_control=right_control)
         if engine_spread:
             self.config = replace(self.config, engine_spread=engine_spread)
-        self._random_factors = sorted((FACTORS & set(program.param_places)) - set(program.params))
+        self.random_settings = sorted((SETTINGS & set(program.param_places)) - set(program.params))
         self._random_roles = [
             (place, index)
             for place, index in enumerate(self.players)
             if not isinstance(scene.properties["role"][index], str)
         ]
         self._check_teams()
+        self._check_random_settings()
         self._unplaced = unplaced(self.roster, self.config)
         self.num_agents = tuple(self._count(mode, team) for mode, team in ((control, LEFT), (right_control, RIGHT)))
 
@@ -134,24 +137,38 @@ class Lineup:
     def starts_of(self, scenes: Scenes, rows: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[k]` of the scenes `rows` `[k]`, with streams from `seeds` `[k]`."""
         positions = scenes.positions[rows] * METRES
-        matches = self._unplaced
-        if self._random_factors or self._random_roles:
-            drawn: dict[str, Any] = {
-                name: self._factor(name, scenes.params[name][rows]) for name in self._random_factors
-            }
+        matches, config = self._unplaced, self.config
+        if self.random_settings or self._random_roles:
+            drawn: dict[str, Any] = {name: self._setting(name, scenes, rows) for name in self.random_settings}
+            config = replace(config, **drawn)
             roles = np.tile(np.asarray(self.roster.roles), (len(positions), 1))  # [k, P]
             for place, index in self._random_roles:
                 roles[:, place] = [self._role(role, index) for role in scenes.properties["role"][index][rows]]
-            matches = unplaced(replace(self.roster, roles=roles), replace(self.config, **drawn), len(positions))
-        return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, self.config)
+            matches = unplaced(replace(self.roster, roles=roles), config, len(positions))
+        return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, config)
 
-    def _factor(self, name: str, values: Any) -> np.ndarray:
-        """Return a random factor of the engine `[N]`. Raises NotAMatchError for a value that is none."""
-        for value in np.asarray(values).tolist():
-            if not _fits(value, float, name):
-                place = self.program.param_places[name]
-                raise refusal(self.program, f"param {name} must be {_wanted(float, name)}, not {value!r}", place)
-        return np.asarray(values, float)
+    def _setting(self, name: str, scenes: Scenes, rows: np.ndarray) -> np.ndarray:
+        """Return a random setting of the scenes `rows` `[k]`. Raises NotAMatchError for a value that is none."""
+        kind, values = type(getattr(MatchConfig(), name)), np.asarray(scenes.params[name])[rows]
+        wrong = next((value for value in values.tolist() if not _fits(value, kind, name)), None)
+        if wrong is not None:
+            hint = f"write param {name} = DiscreteRange(low, high)" if kind is int and type(wrong) is float else ""
+            message, place = (
+                f"param {name} must be {_wanted(kind, name)}, not {wrong!r}",
+                self.program.param_places[name],
+            )
+            raise refusal(self.program, message, place, hint)
+        return values.astype(kind)
+
+    def _check_random_settings(self) -> None:
+        """Raise NotAMatchError for a random setting that is none in some scenes, as far as a few of them tell."""
+        if self.random_settings:
+            rng = np.random.default_rng(0)
+            trial = rng.uniform(-1.0, 1.0, (TRIALS, self.program.dim))  # at their ends too, where limits are broken
+            trial[: TRIALS // 2] = np.sign(trial[: TRIALS // 2])
+            scenes = self.program.instantiate(trial)
+            for name in self.random_settings:
+                self._setting(name, scenes, np.flatnonzero(scenes.ok))
 
     def _who(self, scene: Scenes, index: int) -> tuple[int, int]:
         """Return the team and role of one object."""
@@ -204,9 +221,9 @@ def _settings(program: Program) -> MatchConfig:
     for name, place in chosen.items():
         kind = type(getattr(MatchConfig(), name))
         if name not in program.params:
-            if name in FACTORS:
+            if name not in ONE_FOR_ALL:
                 continue
-            value = "a random value: every match of a program is played under the same settings"
+            value = "a random value: it says what success is, in all matches of a program"
         elif not _fits(program.params[name], kind, name):
             value = repr(program.params[name])
         else:

@@ -76,8 +76,9 @@ def command(value: Value, instance: Instance) -> Value:
     if isinstance(value, RandomExpr) and value.kind == "number":
         return value
     if not isinstance(value, int | float) or isinstance(value, bool):
-        hint = "write its brackets, as in take Shoot()"
         kind = describe_kind(value).replace("a random", "a")
+        hint = "to do nothing for a step, write wait" if value is None else "write take Shoot()"
+        hint = "write its brackets, as in take Shoot()" if kind == "a function" else hint
         raise ScenicError("type", f"an action of football is a number, not {kind}", hint=hint)
     if not 0 <= value <= BUILTIN_AI or value != int(value):
         raise ScenicError("value", FOOTBALL_WORLD.no_action(f"{value:g}"))

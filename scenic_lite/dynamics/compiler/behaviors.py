@@ -14,20 +14,11 @@ from typing import Any
 
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice
 from scenic_lite.core.world import packed
+from scenic_lite.dynamics.compiler import interrupts
 from scenic_lite.dynamics.compiler.choices import jump_on, over_options
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope
 from scenic_lite.dynamics.compiler.emit import register_of
-from scenic_lite.dynamics.compiler.interrupts import (
-    abort,
-    check_guards,
-    check_invariants,
-    frame_of,
-    limited,
-    pause,
-    suspend,
-    try_interrupt,
-)
 from scenic_lite.dynamics.compiler.lists import by_length, is_list
 from scenic_lite.dynamics.compiler.registers import store_in_register
 from scenic_lite.dynamics.compiler.scenarios import require_later, run_scenarios
@@ -37,7 +28,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE, MESSAGE_SLOT
 from scenic_lite.dynamics.machine.register_values import RegisterValue
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.calls import named_by_do
+from scenic_lite.evaluation.calls import named_by_do, refuse_as_action
 from scenic_lite.language.requirements import is_temporal, probability_of, source_text
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
@@ -52,7 +43,7 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
     number = register_of(c.code, command(c, several))
     c.code.row(op.TAKE, number, c.site.slot, on)
     c.code.put(on)
-    check_invariants(c, scope)
+    interrupts.check_invariants(c, scope)
 
 
 def command(c: Compilation, actions: Value) -> Value:
@@ -76,6 +67,7 @@ def checked(c: Compilation, action: Value) -> Value:
     if isinstance(action, RandomChoice):
         return over_options(c, action, partial(checked, c))
     assert c.site.agent is not None, "the checker lets only behaviors take actions"
+    refuse_as_action(action)
     action = c.world.command(action, c.site.agent)
     if c.world.actions is not None and isinstance(action, RandomExpr):
         register, known = register_of(c.code, action), c.code.temporaries.take()
@@ -86,17 +78,17 @@ def checked(c: Compilation, action: Value) -> Value:
 
 def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
     if node.duration is None and node.until is None:
-        pause(c)
+        interrupts.pause(c)
     else:
-        limited(c, scope, node, partial(idle, c))
-    check_invariants(c, scope)
+        interrupts.limited(c, scope, node, partial(idle, c))
+    interrupts.check_invariants(c, scope)
 
 
 def idle(c: Compilation) -> None:
     """Let time pass until something else ends it."""
     again = Label()
     c.code.put_loop(again)
-    suspend(c, again)
+    interrupts.suspend(c, again)
 
 
 def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> None:
@@ -117,9 +109,9 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
         code.row(op.JUMP_IF, part.halted, c=less)
     code.row(op.TERMINATE, c.reason(f"terminatedBy{who}: {statement}"), c.site.slot, on)
     code.put(less)
-    suspend(c, on)
+    interrupts.suspend(c, on)
     code.put(on)
-    check_invariants(c, scope)
+    interrupts.check_invariants(c, scope)
 
 
 def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
@@ -160,14 +152,12 @@ def renew(c: Compilation, agents: list[Instance]) -> None:
 
 
 # ------------------------------------------------------------ behaviors inside each other
-
-
 def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
     """Write a behavior in place: its guards, then its body."""
-    with c.entered(call.behavior, node):
-        scope = frame_of(c, call)
+    with c.entered(call.behavior, node, call.place):
+        scope = interrupts.frame_of(c, call)
         if guards:
-            check_guards(c, scope)
+            interrupts.check_guards(c, scope)
         scope.run(call.behavior.node.body)  # type: ignore[union-attr]
         c.code.put(scope.inlined.end)
 
@@ -183,10 +173,10 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
     else:
         run = partial(run_called, c, [call for call, _ in calls], node)
     if node.duration is not None or node.until is not None:
-        limited(c, scope, node, run)
+        interrupts.limited(c, scope, node, run)
     else:
         run()
-    check_invariants(c, scope)
+    interrupts.check_invariants(c, scope)
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
@@ -210,8 +200,6 @@ def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: i
 
 
 # ------------------------------------------------------------ one of several
-
-
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
     """Compile `do shuffle`: again and again one of those that are left."""
     code = c.code
@@ -239,8 +227,8 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
     if not isinstance(call, BehaviorCall):
         raise ScenicError("unsupported", "`do choose` and `do shuffle` of a random behavior")
     fails = Label()
-    with c.round(node, -1 - number), c.entered(call.behavior, node):
-        scope = frame_of(c, call)
+    with c.round(node, -1 - number), c.entered(call.behavior, node, call.place):
+        scope = interrupts.frame_of(c, call)
         for condition in [*call.behavior.node.preconditions, *call.behavior.node.invariants]:
             jump_on(c, scope, condition, fails, when=False)
         register_of(c.code, 1, able)
@@ -280,6 +268,6 @@ DYNAMIC: dict[type, Callable[[Compilation, CompiledScope, Any], None]] = {
     nodes.Terminate: terminate,
     nodes.Require: require,
     nodes.Do: do,
-    nodes.TryInterrupt: try_interrupt,
-    nodes.Abort: abort,
+    nodes.TryInterrupt: interrupts.try_interrupt,
+    nodes.Abort: interrupts.abort,
 }

@@ -43,6 +43,10 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
     if not computed:
         raise failed[0]
     for i, failure in failed.items():
+        if failure.kind == "rejection":
+            with c.code.when(register_of(c.code, apply(EQUAL, choice.index, i))):
+                c.reject(failure.message)
+            continue
         differs = apply(NOT_EQUAL, choice.index, i)
         c.code.fault_unless(register_of(c.code, differs), failure.message)
     some = next(iter(computed.values()))
@@ -86,8 +90,6 @@ def whole_choice(value: Value, c: Compilation) -> Value:
 
 
 # ------------------------------------------------------------ conditions
-
-
 def truth(value: Value) -> Value:
     """Return the truth of a value, fixed or live."""
     if isinstance(value, RandomChoice):
@@ -192,8 +194,6 @@ def either(c: Compilation, test: Value, yes: Computed, no: Computed) -> Value:
 
 
 # ------------------------------------------------------------ comparisons of two values
-
-
 def same_thing(left: Value, right: Value) -> Value:
     """Return whether `left is right`."""
     if isinstance(left, RandomChoice) and isinstance(right, RandomChoice):

@@ -21,7 +21,8 @@ from scenic_lite.dynamics.compiler.registers import TypeTable, Variable, moves_t
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.compiled import Record
 from scenic_lite.dynamics.machine.register_values import RegisterValue
-from scenic_lite.errors import ScenicError
+from scenic_lite.errors import ScenicError, SourceSpan
+from scenic_lite.evaluation.calls import seen_from
 from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
@@ -212,6 +213,7 @@ class Site:
     """Where in the program a walk is."""
 
     path: tuple = ()  # of calls and rounds that lead here
+    calls: tuple[tuple[Behavior | Function, SourceSpan], ...] = ()  # the same: what is called, and where
     inside: tuple = ()  # bodies of the behaviors and functions that are being inlined
     agent: Instance | None = None  # which `self` is
     slot: int = 0  # register of the innermost block: where it goes on when time has passed
@@ -280,14 +282,30 @@ class Compilation:
         finally:
             self.site = outside
 
-    def entered(self, thing: Behavior | Function, node: ast.AST) -> AbstractContextManager[None]:
-        """Inline a behavior or function inside. Raises ScenicError for recursion."""
+    @contextmanager
+    def entered(self, thing: Behavior | Function, node: ast.AST, place: SourceSpan) -> Iterator[None]:
+        """Inline a behavior or function inside, which is called at a place. Raises ScenicError for recursion."""
         body = thing.node if isinstance(thing, Behavior) else thing.body
         site = self.site
         if any(outer is body for outer in site.inside) or len(site.inside) >= DEEPEST:
             message = f"{thing.name} calls itself, which no match can do"
             raise ScenicError("unsupported", message, hint="write a loop")
-        return self.at(path=(*site.path, id(node)), inside=(*site.inside, body))
+        sources, called = self.state.sources, self.code.called
+        if thing.scope.source.library and not sources[place.file].library:
+            self.code.called = place
+        with self.at(path=(*site.path, id(node)), inside=(*site.inside, body), calls=(*site.calls, (thing, place))):
+            try:
+                yield
+            except ScenicError as error:
+                raise seen_from(self.state, thing, place, error) from None
+            finally:
+                self.code.called = called
+
+    def seen_from_calls(self, error: ScenicError) -> ScenicError:
+        """Return an error of the present statement as those see it who have called what it stands in."""
+        for thing, place in reversed(self.site.calls):
+            error = seen_from(self.state, thing, place, error)
+        return error
 
     def round(self, node: ast.AST, *number: int | str | None) -> AbstractContextManager[None]:
         """Walk inside one round of a loop that is unrolled, or one of several uses of a node."""
@@ -304,6 +322,8 @@ class Compilation:
         with self.at(part.site, **changes):
             try:
                 yield
+            except ScenicError as error:
+                raise self.seen_from_calls(error) from None
             finally:
                 part.ego, self.state.ego = self.state.ego, ego
 
@@ -350,6 +370,11 @@ class Compilation:
             for part in self.site.part.parts[since:]:
                 part.call_stop(self.code)
 
+    def forget_scenarios(self, since: int) -> None:
+        """Let those never have been that a statement has begun whose rows are deleted."""
+        if self.site.part is not None and self.site.composing:
+            del self.site.part.parts[since:]
+
     def time(self) -> Any:
         """Return steps since the start. Raises ScenicError if the world does not tell."""
         if self.shown.clock is None:
@@ -357,7 +382,9 @@ class Compilation:
         return self.shown.clock
 
     def stop_with(self, error: ScenicError) -> None:
-        """Write a row that stops a match which comes to it."""
+        """Write a row that stops a match which comes to it, or rejects it if it has nothing to draw from."""
+        if error.kind == "rejection":
+            return self.reject(error.message)
         message = f"{error.message} ({error.hint})" if error.hint else error.message
         self.code.row(op.FAULT, note=message, place=error.place)
 

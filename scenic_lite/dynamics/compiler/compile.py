@@ -159,7 +159,7 @@ def with_location(
     def handle(scope: CompiledScope, node: ast.stmt) -> None:
         code = compilation.code
         before, code.place = code.place, scope.place(node)
-        start, known = len(code.rows), len(compilation.output.diagnostics)
+        start, known, begun = len(code.rows), len(compilation.output.diagnostics), compilation.scenarios_begun()
         try:
             with code.statement():
                 handler(compilation, scope, node)
@@ -167,12 +167,14 @@ def with_location(
             error = scope.placed(as_error(fault), node)
             if error.kind in REFUSALS:
                 raise
+            error = compilation.seen_from_calls(error)
             inner = [error for error in compilation.output.diagnostics[known:] if error.kind != "warning"]
             if inner and not code.reachable:  # a function has failed before, and so this is not come to
                 error = inner[0]
             else:
                 compilation.output.diagnostics.append(error)
             del code.rows[start:]
+            compilation.forget_scenarios(begun)
             code.reachable = True
             compilation.stop_with(error)
         finally:
@@ -185,8 +187,6 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 
 
 # ------------------------------------------------------------ the threads of a match
-
-
 def walk(c: Compilation) -> list[Thread]:
     """Compile everything once; return the threads."""
     code = c.code
@@ -214,7 +214,10 @@ def walk(c: Compilation) -> list[Thread]:
     ends: list[Thread] = []
     every(c, ends, "terminate simulation when", partial(ends_of_match, c, main), needed=True)
     every(c, ends, "at the end", partial(end_all, c, main), needed=True)
+    last = [each for each in c.output.records if each.when == "final"]
+    c.output.records = [each for each in c.output.records if each.when != "final"]
     write_routines(c, main)
+    c.output.records += last  # of one name with those of scenarios inside, the program's own counts
     c.output.counts = (len(scenarios), len(behaviors), len(records), len(monitors))
     return [*scenarios, *behaviors, *records, *monitors, *ends]
 
@@ -299,8 +302,6 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ what a match shows
-
-
 def show_world(c: Compilation) -> None:
     """Give the objects their live properties and `simulation()` its meaning."""
     world, program, code = c.world, c.program, c.code
@@ -332,8 +333,6 @@ def show_world(c: Compilation) -> None:
 
 
 # ------------------------------------------------------------ one thread
-
-
 def every(
     c: Compilation,
     threads: list[Thread],

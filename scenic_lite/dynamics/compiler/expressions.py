@@ -13,16 +13,7 @@ from typing import Any
 
 from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import Behavior, BehaviorCall, Bound, Builtin, Function, RandomChoice, choose, describe_kind
-from scenic_lite.dynamics.compiler.choices import (
-    boolean,
-    conditional,
-    in_turn,
-    opposite,
-    over_options,
-    same_thing,
-    truth,
-    whole_choice,
-)
+from scenic_lite.dynamics.compiler import choices
 from scenic_lite.dynamics.compiler.code import Assembler, Label
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, InlinedBody
 from scenic_lite.dynamics.compiler.emit import is_whole, register_of
@@ -33,7 +24,7 @@ from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.access import item_of
 from scenic_lite.evaluation.builtins import text_of
-from scenic_lite.evaluation.calls import Return, call, check_signature, seen_from
+from scenic_lite.evaluation.calls import Return, call, check_signature
 from scenic_lite.evaluation.expressions import apply_sign, membership, related
 from scenic_lite.language.scenic_operators import OPERATORS
 from scenic_lite.syntax import nodes
@@ -44,18 +35,16 @@ from scenic_lite.values.operations import ADD, LESS
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
     """Do one of the evaluator's functions to whichever option, or list of whichever length, it is in the match."""
     before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
-    over = over_lengths if isinstance(value, RegisterList) else over_options
+    over = over_lengths if isinstance(value, RegisterList) else choices.over_options
     return over(c, value, lambda option: function(*before, option, *after, **keywords))
 
 
 def unary(c: Compilation, scope: Scope, node: ast.UnaryOp) -> Value:
     value = scope.value(node.operand)
-    return opposite(truth(value)) if isinstance(node.op, ast.Not) else apply_sign(scope, node.op, value)
+    return choices.opposite(choices.truth(value)) if isinstance(node.op, ast.Not) else apply_sign(scope, node.op, value)
 
 
 # ------------------------------------------------------------ elements
-
-
 def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
     return item(c, scope, scope.value(node.value), scope.value(node.slice))
 
@@ -63,9 +52,9 @@ def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
 def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
     """Return `container[index]`; a fault if there is no such element."""
     if isinstance(container, RandomChoice):
-        return over_options(c, container, lambda option: item(c, scope, option, index))
+        return choices.over_options(c, container, lambda option: item(c, scope, option, index))
     if isinstance(index, RandomChoice):
-        return over_options(c, index, lambda option: item(c, scope, container, option))
+        return choices.over_options(c, index, lambda option: item(c, scope, container, option))
     ends = (index.start, index.stop, index.step) if isinstance(index, slice) else (index,)
     if not isinstance(container, RegisterList) and not any(isinstance(end, RandomExpr) for end in ends):
         return item_of(scope, container, index)
@@ -100,8 +89,6 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
 
 
 # ------------------------------------------------------------ texts, operators, comparisons
-
-
 def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
     """Return a value as it stands in an f-string; a fraction has other formats than an integer."""
     value, spec = scope.value(node.value), "" if node.format_spec is None else scope.value(node.format_spec)
@@ -115,7 +102,7 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
     operation = OPERATORS.get(node.name)
     if operation is None:
         raise ScenicError("unsupported", f"`{node.name}` is not supported in a behavior")
-    operands = [whole_choice(operand, c) for operand in scope.operands(node.operands)]
+    operands = [choices.whole_choice(operand, c) for operand in scope.operands(node.operands)]
     try:
         result = operation(scope, *operands)
     except ScenicError:
@@ -123,7 +110,7 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
         if at is None:
             raise
         choice, before, after = operands[at], operands[:at], operands[at + 1 :]
-        result = over_options(c, choice, lambda option: operation(scope, *before, option, *after))
+        result = choices.over_options(c, choice, lambda option: operation(scope, *before, option, *after))
     scope.refuse_none(node.operands, operands)
     return result
 
@@ -136,17 +123,19 @@ def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
         sides.append(materialize(c.code, scope.value(operand)))
         return link(c, scope, node, sign, *sides[-2:])
 
-    return in_turn(c, True, [partial(next_link, *pair) for pair in zip(node.ops, node.comparators, strict=True)])
+    return choices.in_turn(
+        c, True, [partial(next_link, *pair) for pair in zip(node.ops, node.comparators, strict=True)]
+    )
 
 
 def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left: Value, right: Value) -> Value:
     """Return the truth of one comparison."""
     if isinstance(sign, ast.Is | ast.IsNot):
-        same = same_thing(left, right)
-        return same if isinstance(sign, ast.Is) else opposite(same)
+        same = choices.same_thing(left, right)
+        return same if isinstance(sign, ast.Is) else choices.opposite(same)
     if isinstance(sign, ast.In | ast.NotIn):
         inside = membership(scope, node, left, right)
-        return inside if isinstance(sign, ast.In) else opposite(inside)
+        return inside if isinstance(sign, ast.In) else choices.opposite(inside)
     return related(scope, sign, left, right)
 
 
@@ -156,14 +145,12 @@ def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.e
 
 
 # ------------------------------------------------------------ calls
-
-
 def call_value(
     c: Compilation, scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Call whatever can be called."""
     if isinstance(function, RandomChoice):
-        return over_options(c, function, lambda option: call_value(c, scope, option, arguments, keywords, node))
+        return choices.over_options(c, function, lambda option: call_value(c, scope, option, arguments, keywords, node))
     if isinstance(function, Bound):
         refuse_method(function, arguments)
         return call_value(c, scope, function.function, [function.receiver, *arguments], keywords, node)
@@ -191,7 +178,7 @@ def call_builtin(
     if at is None or function.name in ("Uniform", "Discrete", "print"):
         return certain(call(scope, function, arguments, keywords, node))
     before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
-    over = over_lengths if isinstance(value, RegisterList) else over_options
+    over = over_lengths if isinstance(value, RegisterList) else choices.over_options
     return over(c, value, lambda option: call_value(c, scope, function, [*before, option, *after], keywords, node))
 
 
@@ -226,22 +213,16 @@ def undecided(value: Value) -> bool:
 
 
 # ------------------------------------------------------------ functions of the program
-
-
 def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
     """Write the rows of a function of the program in place."""
-    bound, before = function.bind(arguments, keywords), (c.code.place, c.code.called)
-    if function.scope.source.library and not scope.source.library:
-        c.code.called = scope.place(node)
+    bound, before = function.bind(arguments, keywords), c.code.place
     try:
-        with c.entered(function, node):
+        with c.entered(function, node, scope.place(node)):
             return value_of_call(c, function, {name: materialize(c.code, value) for name, value in bound.items()})
-    except ScenicError as error:
-        raise seen_from(scope, function, node, error) from None
     finally:
-        c.code.place, c.code.called = before
+        c.code.place = before
         c.code.known.clear()
 
 
@@ -288,8 +269,8 @@ EXPRESSIONS: dict[type, Callable[[Compilation, Scope, Any], Value]] = {
     ast.UnaryOp: unary,
     ast.Subscript: subscript,
     ast.FormattedValue: formatted,
-    ast.BoolOp: boolean,
-    ast.IfExp: conditional,
+    ast.BoolOp: choices.boolean,
+    ast.IfExp: choices.conditional,
     ast.Compare: comparison,
     ast.ListComp: comprehension,
     ast.GeneratorExp: comprehension,

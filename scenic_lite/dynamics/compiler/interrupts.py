@@ -49,8 +49,6 @@ def pause(c: Compilation) -> None:
 
 
 # ------------------------------------------------------------ behaviors and their guards
-
-
 def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
     """Return the variables of a behavior that begins."""
     behavior = call.behavior
@@ -82,8 +80,6 @@ def check(c: Compilation, scope: CompiledScope, word: str, conditions: list[ast.
 
 
 # ------------------------------------------------------------ interrupts
-
-
 def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt) -> None:
     scope.pin(assigned_names(node))
     handlers = [Handler(partial(interrupt_on, c, scope, clause.condition), clause.body) for clause in node.interrupts]

@@ -98,8 +98,6 @@ def in_registers(code: Assembler, items: Value, more: Value = None, capacity: in
 
 
 # ------------------------------------------------------------ going through
-
-
 def are_objects(items: Value) -> bool:
     return isinstance(items, list | tuple) and all(isinstance(item, Instance) and item.label for item in items)
 
@@ -137,8 +135,6 @@ def rounds(code: Assembler, items: RegisterList | list) -> Iterator[tuple[Value,
 
 
 # ------------------------------------------------------------ comprehensions
-
-
 def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.GeneratorExp) -> Value:
     """Return a list: fixed if its sources and tests are, else in registers."""
     with c.code.captured() as rows:
@@ -204,8 +200,6 @@ def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element
 
 
 # ------------------------------------------------------------ elements
-
-
 def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value) -> Value:
     """Return an element that is known to be there."""
     if not isinstance(items, RegisterList):
@@ -223,8 +217,6 @@ def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value
 
 
 # ------------------------------------------------------------ adding
-
-
 def appended(c: Compilation, items: Value, item: Value) -> Value:
     """Return a list with one more element."""
     if not isinstance(items, RegisterList):
@@ -251,8 +243,6 @@ def put_item(code: Assembler, items: RegisterList, item: Value, checked: bool = 
 
 
 # ------------------------------------------------------------ functions
-
-
 def to_range(c: Compilation, scope: Scope, node: ast.AST, *ends: Value) -> Value:
     """Return `range` with live ends."""
     if not any(isinstance(end, RandomExpr) for end in ends):

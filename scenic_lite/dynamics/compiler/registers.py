@@ -32,7 +32,8 @@ from scenic_lite.dynamics.compiler.types import (
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.register_values import RegisterValue, leaves
 from scenic_lite.errors import ScenicError
-from scenic_lite.values.graph import RandomExpr, Value
+from scenic_lite.values.graph import RandomExpr, Value, apply, select
+from scenic_lite.values.operations import ADD
 
 Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
 
@@ -63,6 +64,7 @@ def parts_of_value(type: Struct, value: Value) -> list[Value]:
 def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterator[Move]:
     tag = next(registers)
     several = isinstance(value, RandomChoice) and type_of(value) not in type.options  # those of a scene may be one
+    value = unnested(value) if several else value
     options = value.options if several else (value,)
     places = [option_for(type, option) for option in options]
     yield tag, renumbered(value.index, places) if several else places[0]
@@ -72,6 +74,19 @@ def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterato
         if held and own:
             filled = [part if place == i else held[0] for part, place in zip(options, places, strict=True)]
             yield from moves_to(option, iter(own), held[0] if len(held) == 1 else choose(value.index, filled))
+
+
+def unnested(choice: RandomChoice) -> RandomChoice:
+    """Return a choice of whose options none is a choice."""
+    if not any(isinstance(option, RandomChoice) for option in choice.options):
+        return choice
+    options: list[Value] = []
+    places: list[Value] = []
+    for option in choice.options:
+        inner = unnested(option) if isinstance(option, RandomChoice) else None
+        places.append(len(options) if inner is None else apply(ADD, inner.index, len(options)))
+        options += (option,) if inner is None else inner.options
+    return RandomChoice(select(choice.index, tuple(places)), tuple(options))
 
 
 def renumbered(index: RandomExpr, numbers: list[int]) -> Value:
@@ -107,8 +122,6 @@ def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
 
 
 # ------------------------------------------------------------ moving
-
-
 def store(code: Assembler, moves: list[Move]) -> None:
     """Put all values into their registers, as if at once."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
@@ -127,8 +140,6 @@ def store(code: Assembler, moves: list[Move]) -> None:
 
 
 # ------------------------------------------------------------ places for values
-
-
 class Place:
     """Registers that hold a value of a type."""
 
@@ -179,8 +190,6 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
 
 
 # ------------------------------------------------------------ variables
-
-
 @dataclass
 class TypeTable:
     """The types of all variables by their keys, as the walks over a program have found them so far."""

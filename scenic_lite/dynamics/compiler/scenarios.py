@@ -31,7 +31,7 @@ from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.interrupts import check_guards, check_invariants, frame_of, pause, suspend
 from scenic_lite.dynamics.compiler.registers import Variable, store_in_register
 from scenic_lite.dynamics.compiler.statements import assigned_names
-from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, unsatisfied
+from scenic_lite.dynamics.compiler.watchers import Automaton, conditions, limit_of, take_records, unsatisfied
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import COMPLETE
 from scenic_lite.dynamics.machine.register_values import RegisterValue
@@ -73,8 +73,6 @@ def main_part(c: Compilation) -> ScenarioInstance:
 
 
 # ------------------------------------------------------------ `do` of scenarios
-
-
 def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
     """Begin all that are named, one after the other, then let each take a step at each time until all have ended."""
     code = c.code
@@ -102,7 +100,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
     """Write rows that check the guards of a scenario, execute its setup, and start its time and its monitors."""
     code, parent = c.code, c.site.part
     assert parent is not None
-    with c.round(node, len(parent.parts)), c.entered(call.behavior, node):
+    with c.round(node, len(parent.parts)), c.entered(call.behavior, node, call.place):
         part = ScenarioInstance(code, parent, call)
         for family in (parent.parts, parts):
             family.append(part)
@@ -123,6 +121,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
             for monitor in part.monitors:
                 with code.statement():
                     launch(c, monitor)
+            take_records(c, part, "initial")
         show_names(part)
     if parent.ego is None:
         c.state.ego = part.ego
@@ -136,8 +135,6 @@ def show_names(part: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ a step, and the end
-
-
 def step(c: Compilation, part: ScenarioInstance) -> None:
     """Write one step of a scenario: its requirements, its time limit, its compose block, its conditions."""
     code, done = c.code, Label()
@@ -207,10 +204,12 @@ def names_in(*trees: ast.AST) -> frozenset[str]:
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
-    """Stop what runs inside, give back what was overridden, reject the match if a requirement does not hold."""
+    """Record what is last, stop what runs inside, give back what was overridden, reject for what does not hold."""
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
+    if part.parent is not None:
+        take_records(c, part, "final")
     for sub in part.parts:
         sub.call_stop(code)
     for key, (flag, before) in part.overridden.items():
@@ -224,8 +223,6 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ what a setup makes
-
-
 def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
     """Return the scenario that keeps what a statement makes. Raises ScenicError if that may be made never or twice."""
     where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
@@ -281,13 +278,12 @@ def check_first(c: Compilation, thread: Thread) -> None:
     assert thread.call is not None
     node = thread.call.behavior.node
     if node.preconditions or node.invariants:
-        with c.at(agent=thread.agent), c.round(node, len(c.output.rejections)), c.entered(thread.call.behavior, node):
+        started = c.entered(thread.call.behavior, node, thread.call.place)
+        with c.at(agent=thread.agent), c.round(node, len(c.output.rejections)), started:
             check_guards(c, frame_of(c, thread.call))
 
 
 # ------------------------------------------------------------ override
-
-
 def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None:
     """Compile `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
@@ -341,8 +337,6 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 
 
 # ------------------------------------------------------------ temporal requirements
-
-
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """Make a temporal requirement during the match: its scenario watches it from the next step on."""
     part, own = own_part(c, scope), with_present_names(c, scope, node)

@@ -13,7 +13,7 @@ from copy import copy
 from functools import lru_cache
 from typing import Any
 
-from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind, near
+from scenic_lite.core.types import BehaviorCall, Function, Instance, RandomChoice, describe_kind, near
 from scenic_lite.core.world import NOT_FINITE, checked_reward
 from scenic_lite.dynamics.compiler.choices import branch, jump_on
 from scenic_lite.dynamics.compiler.code import Label
@@ -29,6 +29,7 @@ from scenic_lite.evaluation.access import TRACKED, spread
 from scenic_lite.evaluation.calls import Return
 from scenic_lite.evaluation.expressions import combine
 from scenic_lite.language.classes import checked
+from scenic_lite.language.requirements import source_text
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import suspends, walk_own
 from scenic_lite.values.graph import RandomExpr, Value
@@ -40,13 +41,20 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
     value = materialize(c.code, scope.value(node.value))
     if isinstance(value, BehaviorCall):
         name = value.behavior.name
-        message = f'the behavior "{name}" is named here, but not run'
+        message = f'the {value.behavior.kind} "{name}" is named here, but not run'
         c.output.diagnostics.append(scope.error("warning", message, node, f"write do {name}(...)"))
+    elif isinstance(value, int) and not scope.source.library and is_library_call(scope, node.value):
+        text = source_text(scope, node)
+        c.output.diagnostics.append(scope.error("warning", "this value is not used", node, f"write take {text}"))
+
+
+def is_library_call(scope: CompiledScope, node: ast.expr) -> bool:
+    """Return whether an expression calls a function of a library by its name."""
+    called = scope.value(node.func) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
+    return isinstance(called, Function) and called.scope.source.library
 
 
 # ------------------------------------------------------------ assignments
-
-
 def assign(c: Compilation, scope: CompiledScope, node: ast.Assign) -> None:
     value = scope.value(node.value)
     for target in node.targets:
@@ -107,8 +115,6 @@ def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
 
 
 # ------------------------------------------------------------ attributes
-
-
 def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, owner: Value, value: Value) -> None:
     """Compile `owner.name = value`: all behaviors of the match see it."""
     name = target.attr
@@ -131,8 +137,6 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
 
 
 # ------------------------------------------------------------ branches and loops
-
-
 def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
     no, end = Label(), Label()
     with c.code.captured() as rows:
@@ -261,8 +265,6 @@ def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> No
 
 
 # ------------------------------------------------------------ others
-
-
 def compile_assert(c: Compilation, scope: CompiledScope, node: ast.Assert) -> None:
     """Stop the match with a fault if a condition does not hold."""
     with branch(c, scope, node.test, when=False):
@@ -274,8 +276,6 @@ def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
 
 
 # ------------------------------------------------------------ what statements change
-
-
 @lru_cache(maxsize=4096)
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
     """Return the variables that some statements change, loop targets aside: a loop looks after its own."""

@@ -122,8 +122,6 @@ def alike(a: Value, b: Value) -> bool:
 
 
 # ------------------------------------------------------------ structures
-
-
 def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
     """Return how a structure is put together, and its parts; None if it is none."""
     if type(value) in SIMPLE or (type(value) is Instance and value.label):
@@ -201,8 +199,6 @@ def varies(value: Value) -> bool:
 
 
 # ------------------------------------------------------------ types of values
-
-
 def type_of(value: Value) -> Type:
     """Return the narrowest type of a value."""
     if not varies(value):

@@ -52,8 +52,6 @@ def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
 
 
 # ------------------------------------------------------------ ends
-
-
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
     """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
     limits = [item.watched for item in part.terminations if isinstance(item.watched.tree, nodes.TerminateAfter)]
@@ -88,21 +86,27 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
 
 # ------------------------------------------------------------ records
-
-
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
-    """Put the values of the `record` statements of one kind into registers, with the time at which that was."""
-    for part in main.family() if when != "final" else [main]:
-        items = [item for item in part.records if item.watched.tree.when == when]
-        with while_running(c, part) if items else nullcontext():
-            for item in items:
-                with c.code.statement():
-                    take_record(c, item)
+    """Take the `record` statements of one kind: of every step those of all scenarios, else those of the program."""
+    for part in main.family() if when == "each" else [main]:
+        with while_running(c, part) if part.records and when != "final" else nullcontext():
+            take_records(c, part, when)
+
+
+def take_records(c: Compilation, part: ScenarioInstance, when: str) -> None:
+    """Put the values of a scenario's `record` statements of one kind into registers, with the time of that."""
+    for item in part.records:
+        if item.watched.tree.when == when:
+            with c.code.statement():
+                take_record(c, item)
 
 
 def take_record(c: Compilation, item: WatchedItem) -> None:
     code, tree, label = c.code, item.watched.tree, item.watched.label
-    value = in_registers(c, store_in_register(code, frame_for(c, item.watched).value(tree.value)))
+    value = frame_for(c, item.watched).value(tree.value)
+    outside, code.variables = code.variables, code.fixed
+    value = in_registers(c, store_in_register(code, value))
+    code.variables = outside
     taken = code.fixed.take()
     code.begin_with(taken, -1)
     code.register_names[taken] = f"{label}.taken"
@@ -121,8 +125,6 @@ def in_registers(c: Compilation, value: Value) -> Value:
 
 
 # ------------------------------------------------------------ temporal requirements
-
-
 class Automaton:
     """The states of a temporal requirement, in the order in which they were found."""
 

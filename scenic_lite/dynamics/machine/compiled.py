@@ -11,16 +11,8 @@ from typing import NamedTuple
 import numpy as np
 
 from scenic_lite.core.types import Instance
+from scenic_lite.dynamics.machine import bytecode
 from scenic_lite.dynamics.machine import opcodes as op
-from scenic_lite.dynamics.machine.bytecode import (
-    FAULT,
-    FAULT_MESSAGES,
-    FAULT_ROW,
-    INFINITE_LOOP,
-    MAX_LOOP_ITERATIONS,
-    MESSAGE_SLOT,
-    Code,
-)
 from scenic_lite.dynamics.machine.listing import Listing, disassemble
 from scenic_lite.dynamics.machine.register_values import RegisterValue, plain
 from scenic_lite.errors import ScenicError
@@ -57,7 +49,7 @@ class Compiled:
         end_reasons, rejections: why a match ends, which requirement it breaks, by the numbers in the registers less 1.
     """
 
-    code: Code
+    code: bytecode.Code
     program: Program
     threads: tuple[int, ...]
     commands: tuple[tuple[Value, ...], ...]
@@ -101,17 +93,17 @@ class Compiled:
 
     def fault(self, registers: np.ndarray) -> ScenicError | None:
         """Return what went wrong in a match [R], at its place in the program; None if nothing did."""
-        if registers[FAULT] == 0:
+        if registers[bytecode.FAULT] == 0:
             return None
-        row = min(int(registers[FAULT_ROW]), len(self.listing.places) - 1)
-        fault = int(registers[FAULT])
-        if fault == INFINITE_LOOP:
+        row = min(int(registers[bytecode.FAULT_ROW]), len(self.listing.places) - 1)
+        fault = int(registers[bytecode.FAULT])
+        if fault == bytecode.INFINITE_LOOP:
             hint = "is a take or wait missing in a loop?"
-            message = f"more than {MAX_LOOP_ITERATIONS:,} rounds of loops without an action"
+            message = f"more than {bytecode.MAX_LOOP_ITERATIONS:,} rounds of loops without an action"
             return self.program.error("budget", message, self.listing.places[row], hint)
-        message = self.listing.notes.get(row, "") or FAULT_MESSAGES[fault]
+        message = self.listing.notes.get(row, "") or bytecode.FAULT_MESSAGES[fault]
         if self.code.rows[row, 0] == op.FAULT_UNLESS:
-            message = message.replace(MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
+            message = message.replace(bytecode.MESSAGE_SLOT, f"{registers[self.code.rows[row, 2]]:g}")
         place, called = self.listing.places[row], self.listing.calls.get(row)
         error = self.program.error("value", message, called or place)
         if called is not None:
@@ -125,8 +117,6 @@ class Compiled:
 
 
 # ------------------------------------------------------------ what `record` statements have put into registers
-
-
 def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]:
     """Return the values by name, after a step that left registers [N, R].
 
@@ -137,7 +127,7 @@ def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]
     by_name: dict[str, np.ndarray] = {}
     for record in compiled.records:
         time, at = registers[:, compiled.code.clock], registers[:, record.taken]
-        taken = at == time if record.when == "each" else (at >= 0) & ((record.when == "final") | (time <= 1))
+        taken = (at == time) | ((record.when != "each") & (at == 0) & (time <= 1))
         values = values_of(compiled, record, registers, taken)
         before = by_name.get(record.name)
         if before is None:

@@ -79,6 +79,7 @@ class Episode:
         self._facts: dict[str, float] = {}
         self._table: list[dict[str, float]] = []
         self.suspending: dict[type, Callable[..., Any]] = {}
+        self.records: dict[str, Any] = {}  # what `record` has kept, by name
         self.scenario: Any = None  # the one whose statements run now
         self._own = [(container, container.copy()) for container in changeable(program)]
         for instance in program.instances:
@@ -204,8 +205,6 @@ def sampled(value: Value, row: dict[RandomExpr, Value]) -> Value:
 
 
 # ------------------------------------------------------------ what an episode may change
-
-
 def fill(container: Any, contents: Any) -> None:
     container.clear()
     if isinstance(container, list):

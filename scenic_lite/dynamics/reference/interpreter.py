@@ -57,7 +57,6 @@ class Reference:
             {nodes.New: making_objects(self.episode, program.mode.handlers.expressions[nodes.New])},
             SUSPENDING,
         )
-        self.records: dict[str, Any] = {}
         self._agents = Agents(self.episode)
         main = program.main
         call = None if main is None else replace(main, names={})  # its variables are those of its setup
@@ -66,6 +65,11 @@ class Reference:
         self._complete: str | None = None  # why the scenario has ended in this step
         self._terminated: str | None = None
         self._rejected: str | None = None
+
+    @property
+    def records(self) -> dict[str, Any]:
+        """Return what `record` has kept by name: a list of (time, value), or the value at the start or end."""
+        return self.episode.records
 
     @property
     def objects(self) -> list[Instance]:
@@ -131,7 +135,7 @@ class Reference:
             reason = self._scenario.step()
             self._complete = reason.reason() if isinstance(reason, End) else reason
         if first:
-            self.records.update(self._scenario.records("initial"))
+            self.records.update(self._scenario.own_records("initial"))
 
     def _behaviors(self) -> list:
         with self._scenario.current():
@@ -143,7 +147,7 @@ class Reference:
 
     def _judge(self) -> None:
         """Take records, run monitors, look at the conditions that end the episode."""
-        for name, value in self._scenario.records("each"):
+        for name, value in self._scenario.records():
             self.records.setdefault(name, []).append((self.episode.time, value))
         end = self._scenario.run_monitors()
         if end is not None:
@@ -158,7 +162,7 @@ class Reference:
         self._terminated = how
         if self._scenario.running:
             self._scenario.stop()
-        self.records.update(self._scenario.records("final"))
+        self.records.update(self._scenario.own_records("final"))
 
     def _commands(self, actions: list) -> Commands:
         agents = tuple(i for i, taken in enumerate(actions) if taken is not None)

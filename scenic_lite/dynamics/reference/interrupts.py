@@ -106,8 +106,6 @@ def abort(thread: Thread, node: nodes.Abort | nodes.Do | nodes.Wait) -> Steps:
 
 
 # ------------------------------------------------------------ do, wait
-
-
 def wait(thread: Thread, node: nodes.Wait) -> Steps:
     return iter([()]) if node.duration is None and node.until is None else limited(thread, node, repeat(()))
 

@@ -30,6 +30,7 @@ from scenic_lite.core.state import Watched
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected, sampled
 from scenic_lite.dynamics.reference.threads import Agents, End, Step, Thread
+from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import scenario_frame
 from scenic_lite.language.requirements import FALSE, Check, formula_of
 from scenic_lite.syntax import nodes
@@ -61,6 +62,9 @@ class ComposeThread(Thread):
         while True:
             yield ()
             self.check_invariants()
+
+    def seen_from_call(self, error: ScenicError) -> ScenicError:
+        return error if self.scenario.parent is None else super().seen_from_call(error)
 
     def close(self) -> None:
         """Give the block up."""
@@ -126,8 +130,11 @@ class Scenario:
         state.forget_watched()
         before = len(state.objects)
         with self.current():
-            self.compose.check_guards()
-            self.compose.scope.run(self.compose.call.behavior.scenario.setup)
+            try:
+                self.compose.check_guards()
+                self.compose.scope.run(self.compose.call.behavior.scenario.setup)
+            except ScenicError as error:
+                raise self.compose.seen_from_call(error) from None
         self.kept = {name: vars(state)[name] for name in KEPT}
         self.objects = state.objects[before:]
         for instance in self.objects:
@@ -159,6 +166,7 @@ class Scenario:
         sub = Scenario(self.episode, self.agents, call, self)
         sub.set_up()
         sub.start()
+        self.episode.records.update(sub.own_records("initial"))
         self.subs.append(sub)
         return sub
 
@@ -234,8 +242,11 @@ class Scenario:
         for watched in self.kept["terminations"]:
             tree = watched.tree
             concerned = isinstance(tree, nodes.TerminateWhen) and tree.scope == extent
-            if concerned and self._scope_of(watched).truth(tree.condition):
-                return watched.label
+            try:
+                if concerned and self._scope_of(watched).truth(tree.condition):
+                    return watched.label
+            except ScenicError as error:
+                raise (error if self.compose is None else self.compose.seen_from_call(error)) from None
         return None
 
     def run_monitors(self) -> End | None:
@@ -270,6 +281,8 @@ class Scenario:
         self.running = False
         if self.episode.program.dialect == 3:
             self._monitors = []  # those of Scenic 2 have their say in the step in which it ends
+        if self.parent is not None:
+            self.episode.records.update(self.own_records("final"))
         for sub in self._running():
             sub.stop()
         if self.compose is not None:
@@ -296,15 +309,19 @@ class Scenario:
         if values.get("behavior") is not None:
             self.agents.assign(instance)
 
-    def records(self, when: str) -> Iterator[tuple[str, Value]]:
-        """Return the values of the `record` statements of one kind, here and in scenarios inside."""
+    def own_records(self, when: str) -> Iterator[tuple[str, Value]]:
+        """Yield the names and values of this scenario's `record` statements of one kind."""
         with self.current():
             for watched in self.kept["records"]:
                 if watched.tree.when == when:
                     value = self._scope_of(watched).value(watched.tree.value)
                     yield watched.label, sampled(value, self.episode.row)
+
+    def records(self) -> Iterator[tuple[str, Value]]:
+        """Yield what `record` takes in every step, here and in scenarios inside."""
+        yield from self.own_records("each")
         for sub in self._running():
-            yield from sub.records(when)
+            yield from sub.records()
 
     def _running(self) -> list[Scenario]:
         return [sub for sub in self.subs if sub.running]

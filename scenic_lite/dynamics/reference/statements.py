@@ -23,15 +23,15 @@ from scenic_lite.dynamics.reference.interrupts import abort, do, try_interrupt, 
 from scenic_lite.dynamics.reference.threads import End, Step, Thread
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
+from scenic_lite.evaluation.calls import refuse_as_action
 from scenic_lite.language.classes import is_object
 from scenic_lite.language.requirements import is_temporal, probability_of, source_text
 from scenic_lite.language.specifiers import overridden_properties
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
+
 # ------------------------------------------------------------ in which time may pass
-
-
 def branch(thread: Thread, node: ast.If) -> Iterator[Step]:
     return thread.block(node.body if thread.scope.truth(node.test) else node.orelse)
 
@@ -47,6 +47,8 @@ def take(thread: Thread, node: nodes.Take) -> Iterator[Step]:
     if len(actions) == 1 and isinstance(actions[0], list | tuple):
         actions = list(actions[0])
     assert thread.agent is not None, "the checker lets only behaviors take actions"
+    for action in actions:
+        refuse_as_action(action)
     yield tuple(thread.episode.world.command(action, thread.agent) for action in actions)
 
 
@@ -70,8 +72,6 @@ SUSPENDING: dict[type, Callable[[Thread, Any], Iterator[Step]]] = {
 
 
 # ------------------------------------------------------------ of an instant
-
-
 def instant_statements(episode: Episode) -> dict[type, Callable[[Scope, Any], None]]:
     """Return the handlers for one episode."""
     return {

@@ -24,7 +24,7 @@ from scenic_lite.core.scope import Scope
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.dynamics.reference.episode import Episode, Rejected
 from scenic_lite.errors import ScenicError
-from scenic_lite.evaluation.calls import Return
+from scenic_lite.evaluation.calls import Return, seen_from
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
@@ -85,6 +85,12 @@ class Thread:
             yield from self.block(node.compose if isinstance(node, nodes.Scenario) else node.body)
         except Return:
             return
+        except ScenicError as error:
+            raise self.seen_from_call(error) from None
+
+    def seen_from_call(self, error: ScenicError) -> ScenicError:
+        """Return an error of this thread, as whoever wrote its call sees it."""
+        return seen_from(self.scope.state, self.call.behavior, self.call.place, error)
 
     def block(self, statements: Sequence[ast.stmt]) -> Iterator[Step]:
         """Run some statements, in order. Those in which time cannot pass are executed as in a function."""

@@ -278,3 +278,32 @@ def test_an_environment_that_cannot_be_made_leaves_no_process(python):
         env.set_state({})
     env.close()
     assert process.poll() is not None
+
+
+DRAWN = """param game_duration = DiscreteRange(5, 9), second_half = DiscreteRange(3, 4)
+param deterministic = Uniform(True, False)
+param left_team_difficulty = Range(0.2, 0.4), right_team_difficulty = Range(0, 1), offsides = Uniform(False, True)
+"""
+
+
+def test_random_settings_are_those_of_the_own_match(python):
+    env = make(python, DRAWN + PROGRAM.replace("param game_duration = 9\n", ""))
+    theta = np.zeros((2, env.theta_dim))
+    theta[0], theta[1] = -1, 1
+    env.reset(options={"theta": theta})
+    first, second = (env._engine._scene(start, 0)["settings"] for start in env._batch.starts)
+    shared = {"use_magnet": True, "end_episode_on_score": False, "end_episode_on_out_of_play": False}
+    shared |= {"end_episode_on_possession_change": False}
+    low = {"game_duration": 4, "second_half": 3, "deterministic": True, "offsides": False}
+    high = {"game_duration": 8, "second_half": 4, "deterministic": False, "offsides": True}
+    assert first == shared | low | {"left_team_difficulty": 0.2, "right_team_difficulty": 0.0}
+    assert second == shared | high | {"left_team_difficulty": 0.4, "right_team_difficulty": 1.0}
+    ends = []
+    for actions in keys(env, 0, 9):
+        ends.append(env.step(actions)[3].tolist())
+    assert [row[0] for row in ends].index(True) == 4 and [row[1] for row in ends].index(True) == 8
+
+
+def test_a_random_setting_that_decides_who_has_an_agent_is_refused(python):
+    with pytest.raises(NotAMatchError, match="agents_only must be fixed for Google Research Football"):
+        make(python, "param agents_only = Uniform(True, False)\n" + PROGRAM)

@@ -79,7 +79,7 @@ class CompiledController:
         time = int(self.registers[self.compiled.code.clock]) if self.compiled.records else 0
         for record in self.compiled.records:
             taken = int(self.registers[record.taken])
-            if record.when not in kinds or taken < 0 or (record.when == "each" and taken != time):
+            if record.when not in kinds or taken != time:
                 continue
             value = self.compiled.plain(record.value, self.registers, self._scene)
             if record.when == "each":

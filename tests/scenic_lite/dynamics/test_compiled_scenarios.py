@@ -136,3 +136,69 @@ def test_a_fault_in_a_scenario_stops_at_its_line():
     with pytest.raises(ScenicError, match="division by zero") as caught:
         run(first_table(loaded, theta), controller, 9, 1.0)
     assert caught.value.place.line == text.count("\n")
+
+
+INNER_RECORDS = """
+scenario Inner(k):
+    setup:
+        record initial ego.position.y * k as inner_first
+        record final (ego.position.y, k) as inner_last
+        record ego.position.y + k as inner
+        terminate after 2 steps
+scenario Outer(n, mate):
+    setup:
+        override ego with level n
+        record initial ego.level as first
+        record final ego.level as last
+        record initial f"{n:.3g} {ego.position.y}" as words
+        record final [o.position.y for o in [ego, mate] if o.position.y > n] as far
+    compose:
+        wait
+        do Inner(n), Inner(n + 1)
+        try:
+            do Inner(7) for 1 steps
+            wait
+        interrupt when ego.position.y > 5:
+            do Inner(9)
+            abort
+scenario Main():
+    setup:
+        ego = new Object at 0 @ 0, with level 0
+        mate = new Object at 5 @ Range(0, 2)
+        record initial ego.level as first
+        record final ego.level as last
+        terminate when ego.position.y > 14
+    compose:
+        n = 1
+        while True:
+            do Outer(n, mate) until ego.position.y > 8
+            n = n + 1
+            wait
+            do Inner(Range(1, 2))
+"""
+
+
+@pytest.mark.parametrize("steps", [1, 4, 8, 13, 19])
+def test_a_scenario_inside_records_its_own_beginning_and_end(steps):
+    found, compiled = differences(INNER_RECORDS, range(3), steps=steps)
+    assert found == []
+    assert not compiled.diagnostics
+
+
+def test_what_a_scenario_inside_records_shows_in_its_step_alone():
+    text = "scenario Part(k):\n    setup:\n        record initial ego.position.y + k as first\n"
+    text += "        record final ego.position.y + k as last\n        terminate after 2 steps\n"
+    text += "scenario Main():\n    setup:\n        ego = new Object at 0 @ 0\n"
+    text += "    compose:\n        wait\n        do Part(100)\n        wait\n        do Part(200)\n"
+    loaded = load(text)
+    controller = CompiledController(compile_program(loaded, toy_world()), np.zeros(0))
+    table, seen = first_table(loaded, np.zeros(0)), []
+    for time in range(7):
+        facts = np.array([time], float)
+        controller.watch(table, facts)
+        shown = recorded(controller.compiled, controller.registers[None])
+        seen.append((shown["first"][0], shown["last"][0]))
+        controller.act(table, facts)
+        table[0, 1] += 1
+    expected = [(None, None), (101, None), (None, None), (None, 103), (204, None), (None, None), (None, 206)]
+    np.testing.assert_equal(seen, [[np.nan if part is None else part for part in pair] for pair in expected])

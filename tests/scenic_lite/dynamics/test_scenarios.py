@@ -108,6 +108,15 @@ def test_records_of_a_scenario_inside():
     assert reference.records == {"y": [(1, 1.0), (2, 2.0)]}
 
 
+def test_a_scenario_inside_records_when_it_begins_and_when_it_ends():
+    part = "scenario Kept():\n    setup:\n        record initial ego.position.y as first\n"
+    part += "        record final ego.position.y as last\n        terminate after 2 steps\n"
+    reference, _ = played(composed("wait\ndo Kept()\nwait\ndo Kept()\nwait", part), steps=9)
+    assert reference.records == {"first": 4.0, "last": 6.0}
+    reference, _ = played(composed("wait\ndo Kept()", part), steps=2)
+    assert reference.records == {"first": 1.0, "last": 2.0}  # it still runs when the time is over
+
+
 def test_a_temporal_requirement_made_in_a_behavior():
     text = "behavior B():\n    take 'a'\n    require always self.position.y < 3\n    while True:\n        take 'b'\n"
     _, trace = played(text + "ego = new Object with behavior B()")
@@ -245,3 +254,14 @@ def test_an_object_behaves_by_a_behavior_alone(kind, body):
     text = f"{kind} Other():\n{body}ego = new Object with behavior Other()\n"
     with pytest.raises(ScenicError, match=f"must be a behavior, not the {kind} Other"):
         load(text, dialect=3)
+
+
+def test_a_fault_in_a_scenario_inside_tells_who_has_called_it():
+    part = "scenario Inner():\n    setup:\n        x = mate.x\nscenario Outer():\n    compose:\n        do Inner()\n"
+    text = composed("mate = 1\ndo Outer()", part)
+    with pytest.raises(ScenicError) as caught:
+        played(text)
+    said = str(caught.value)
+    assert said.startswith("<program>:11:13: name 'mate' is not defined (it belongs to the scenario Main: give it to")
+    assert [line.split(", ")[0] for line in said.splitlines()[-2:]] == ["    in Inner", "    in Outer"]
+    assert [error.line for error in compile_program(load(text), toy_world()).diagnostics] == [11]
