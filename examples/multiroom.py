@@ -3,8 +3,8 @@
     pip install minigrid
     python examples/multiroom.py --method plr
 
-`reset(seed=)` lays out the rooms. `Seeds(200)` makes levels of 200 seeds: every episode of a level plays the same rooms,
-so what PLR replays is what it scored. The test is on seeds that are not among them.
+`reset(seed=)` lays out the rooms. `Seeds(200)` makes levels of 200 seeds: every episode of a level plays the same
+rooms, so what PLR replays is what it scored. The test is on seeds that are not among them.
 """
 
 import argparse
@@ -47,9 +47,7 @@ def main() -> None:
         metrics = method.update()
         print(f"{method.env_steps} env_steps, return {metrics['return/student']:.2f}")
     tested = ued.evaluate(method.student, make_new(), episodes=100, seed=0)
-    print(
-        f"new rooms: {100 * tested.success.mean():.0f}% of 100 solved, {len(set(tested.levels['seed'].tolist()))} seeds"
-    )
+    print(f"new rooms: {100 * tested.success.mean():.0f}% of 100 solved")
 
 
 if __name__ == "__main__":

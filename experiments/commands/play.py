@@ -48,7 +48,7 @@ class PlayConfig(Checked):
     id: int | None = setting(None, "the number of that level: column id", least=0, most=LARGEST_SEED)
     turn: int | None = setting(
         None,
-        "which visit of it, column turn, whose luck is played again; else the first one",
+        "the visit of it whose luck is played again: column turn; else the first",
         least=0,
         most=LARGEST_SEED,
     )
