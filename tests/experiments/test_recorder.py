@@ -16,6 +16,7 @@ import pytest
 from regista.experiments.run.recording import RunRecorder, viewer_answers
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.config import BufferConfig
+from ued.curriculum import ThetaSpace
 from ued.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
@@ -43,7 +44,7 @@ def table(path, entity, column):
 
 def filled_buffer():
     """Return a buffer of a level, its edited copy, and a copy of that."""
-    buffer, parent = LevelBuffer(level_dtype(3), BufferConfig(capacity=4)), NONE
+    buffer, parent = LevelBuffer(ThetaSpace(3), BufferConfig(capacity=4)), NONE
     for value in (0.1, 0.2, 0.3):
         levels = np.zeros(1, level_dtype(3))
         levels["theta"] = value
