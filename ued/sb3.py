@@ -1,7 +1,7 @@
 """A UPOMDP as Stable-Baselines3's `VecEnv`: `PPO("MlpPolicy", SB3VecEnv(upomdp)).learn(100_000)`.
 
-Each episode is on a random level, or on what `upomdp.next_levels` gives; `info["theta"]` of an episode that ended says
-on which it was. Read next: `examples/with_stable_baselines3.py`, which lets a curriculum choose.
+Each episode is on a random level, or on what `upomdp.next_levels` gives; `info["theta"]` and `info["level_seed"]` of an
+episode that ended say which it was. Read next: `examples/with_stable_baselines3.py`, which lets a curriculum choose.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class SB3VecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Any, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Step all environments; the info of one that ended tells its last observation, its return and its θ."""
-        theta = self.upomdp.levels["theta"].copy()
+        """Step all environments; the info of one that ended tells its last observation, its return and its level."""
+        levels = self.upomdp.levels.copy()
         observations, rewards, terminated, truncated, info = self.upomdp.step(self._actions)
         self.returns += rewards
         self.lengths += 1
@@ -53,7 +53,8 @@ class SB3VecEnv(VecEnv):
                 "terminal_observation": info["final_obs"][index],
                 "TimeLimit.truncated": bool(truncated[index] and not terminated[index]),
                 "episode": {"r": float(self.returns[index]), "l": int(self.lengths[index]), "t": 0.0},
-                "theta": theta[index],
+                "theta": levels["theta"][index],
+                "level_seed": int(levels["seed"][index]),
             }
         self.returns[dones], self.lengths[dones] = 0.0, 0
         return observations, rewards.astype(np.float32), dones, infos

@@ -91,6 +91,23 @@ def test_a_level_and_its_actions_repeat_an_episode(make):
 
 
 @needed
+def test_episodes_of_a_level_differ_by_luck_alone(make):
+    """Objects stand where they stood; behaviors draw anew in each episode, and alike in both students' environments."""
+    upomdp, other = make(STILL), make(STILL)
+    levels = upomdp.sample_levels(2)
+    seen, courses = [], []
+    for episode in range(3):
+        for each in (upomdp, other):
+            starts = each.reset_to_levels(levels, None, 5)[0] if episode == 0 else each.play_again()
+            seen.append(starts)
+            courses.append(played(each, 6))
+    assert all((starts == seen[0]).all() for starts in seen)
+    for mine, theirs in zip(courses[::2], courses[1::2], strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+    assert len({course.tobytes() for course in courses}) == 3
+
+
+@needed
 def test_episodes_end_by_the_program_the_role_and_the_clock(make):
     upomdp = make(DRIVE)
     theta = np.array(
