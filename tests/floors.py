@@ -63,6 +63,7 @@ FLOORS = {
         "checkpoint",
         "parameters",  # what the columns of theta are
         "upomdp",  # the seam
+        "episode_limit",
         "gym_upomdp",
         "mixture",
         "probes",

@@ -19,6 +19,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
+from ued.episode_limit import episode_limit
 from ued.parameters import Theta, ThetaMap
 from ued.upomdp import UPOMDP, LevelSpace, check_count, check_theta, set_stream
 
@@ -251,6 +252,7 @@ class GymUPOMDP(UPOMDP):
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")
+                self.max_episode_steps = episode_limit(made)
                 env = _Slot(as_array(made), self.apply, self.theta_map, self.seed_episodes)
                 env.index = index
                 return env

@@ -265,7 +265,7 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     method, device = METHODS[find_method(config.method)], find_device(config.device)
     torch.set_num_threads(config.threads)
     try:
-        made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
+        made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed, config.total_env_steps)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
     if device.type != "cpu":
