@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.pictures import plots
-from regista.experiments.run import arguments, build, origin, provenance
+from regista.experiments.run import arguments, build, origin, outlook, provenance
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
@@ -78,8 +78,9 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     elapsed = restore(run, method)
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, program, method, progress, connect)
+    outlook.tell(config, method, progress.say)
 
-    with stop:
+    with stop, build.telling_warnings():
         while method.env_steps < config.total_env_steps and not stop:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
@@ -97,6 +98,8 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     run.keep_config()
     reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
+    for event in reporters.watch.learning.seldom():
+        progress.say(event.text)
     return method.env_steps
 
 

@@ -9,7 +9,8 @@ import ast
 import os
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -212,6 +213,24 @@ def warn_of_play(program: Program) -> None:
 def warn(text: str) -> None:
     """Print a note on stderr, the first time that it comes up: a program is compiled for many purposes."""
     print(text, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def telling_warnings() -> Iterator[None]:
+    """Print warnings of the kind that users should act on as notes, each once, without the line of code they are of."""
+    show = warnings.showwarning
+
+    def tell(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if category is UserWarning:
+            warn(f"warning: {message}")
+        else:
+            show(message, category, *place, **more)
+
+    warnings.showwarning = tell
+    try:
+        yield
+    finally:
+        warnings.showwarning = show
 
 
 def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed: int, threads: int) -> Any:
