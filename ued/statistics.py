@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-
 LEAST = 5  # values that an interval needs: runs, or episodes of a single run
 Z = 1.959964  # normal quantile of a 95% interval
 

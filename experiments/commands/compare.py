@@ -143,7 +143,8 @@ def draw(comparison: Comparison, folder: Path) -> None:
 
 def _read(argv: Sequence[str]) -> CompareConfig:
     known = CompareConfig(train=build.settings_for(argv))
-    typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION)
+    others = {case: [CompareConfig(train=t) for t in trains] for case, trains in build.other_settings(argv).items()}
+    typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
     minigame = typed.get("minigame", CompareConfig().minigame)
     start = build.starting_point(typed.get("preset", "fast"), minigame)
     if "from_" in typed:

@@ -40,9 +40,7 @@ CHOSEN = (
     *("minigame", "method", "seed", "threads", "checkpoint_seconds", "env"),
     *("record", "record_rollouts", "record_limit"),
 )
-INTERVALS = (
-    "95% intervals: bootstrap over runs, of P(better) Newcombe's; methods with fewer than 5 runs have none."
-)
+INTERVALS = "95% intervals: bootstrap over runs, of P(better) Newcombe's; methods with fewer than 5 runs have none."
 TESTS = 20  # evaluations of a run
 EPISODES = 5  # on each test level, in each of them
 

@@ -227,6 +227,12 @@ def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
     return replace(config.train, env=env, ppo=chosen.ppo, num_envs=chosen.num_envs, total_env_steps=5_000_000)
 
 
+def presets_of_benchmark(name: str) -> dict[str, list[Any]]:
+    """Return what the runs of a study begin with under the other preset, for its help."""
+    config = BenchmarkStudyConfig(preset="thesis")
+    return {"with --preset thesis": [replace(config, train=starting_point(config))]}
+
+
 def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:
     """Play runs on all scenes of their games, and what needs no training where that is not known yet."""
     rows: list[Row] = []

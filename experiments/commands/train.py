@@ -172,7 +172,8 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
 
 def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
     """Return the run that is wanted, and the address of a viewer, if there is one."""
-    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION)
+    others = {case: [TrainFlags(config=config) for config in configs] for case, configs in _others(argv).items()}
+    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
     connect = typed.pop("connect", None)
     return _resume(typed) if "resume" in typed else _begin(typed), connect
 
@@ -197,10 +198,18 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
 
 def _known(argv: Sequence[str]) -> Any:
     """Return the settings that can be typed: those of the run that is named, or of what is to be trained on."""
-    for flag, path in itertools.pairwise(argv):
-        if flag in ("--resume", "--from") and (Path(path) / "config.json").exists():
-            return RunFolder.open(Path(path)).config
-    return build.settings_for(argv)
+    named = _named_run(argv)
+    return RunFolder.open(named).config if named else build.settings_for(argv)
+
+
+def _others(argv: Sequence[str]) -> dict[str, list[Any]]:
+    """Return the settings of other games, tasks and presets; none where a run says what they are."""
+    return {} if _named_run(argv) else build.other_settings(argv)
+
+
+def _named_run(argv: Sequence[str]) -> Path | None:
+    paths = [Path(path) for flag, path in itertools.pairwise(argv) if flag in ("--resume", "--from")]
+    return next((path for path in paths if (path / "config.json").exists()), None)
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:

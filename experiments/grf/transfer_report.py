@@ -30,8 +30,8 @@ SHOWN_KEYS = 6  # of the actions, those that differ most
 SAMPLES = 4000  # of an interval
 WANTED, LEAST = 0.8, 0.5  # of the ratios
 INTERVALS = (
-    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run, over its episodes "
-    "alone, Wilson's of rates, Jeffreys' of ratios, Student's t of returns; none below 5 runs, or 5 episodes"
+    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run, over its "
+    "episodes alone, Wilson's of rates, Jeffreys' of ratios, Student's t of returns; none below 5 runs, or 5 episodes"
 )
 
 

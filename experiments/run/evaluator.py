@@ -61,8 +61,9 @@ class EvalScenes:
         return evaluate(policy, scene, levels * episodes, seed, scene.sample_levels(levels))
 
     def metrics(self, policy: Any) -> dict[str, float]:
-        """Return the mean return on each scene as `eval/<scene>`, the ends of its 95% interval as `eval_low/<scene>` and
-        `eval_high/<scene>` (nan below five episodes), and what it cost: steps simulated, and seconds.
+        """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
+
+        The ends of its 95% interval are `eval_low/<scene>` and `eval_high/<scene>`, nan below five episodes.
 
         These steps train nobody: they are `eval_env_steps`, not part of `env_steps`.
         """

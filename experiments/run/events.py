@@ -118,7 +118,9 @@ class Learning:
                 text = f"{name} has taken no gradient step in {updates} updates ({count(self._done)} env_steps)"
                 yield Event("no learning", text)
             elif share < SELDOM.get(name, SELDOM_STUDENT):
-                text = f"{name} has taken gradient steps in only {self.learned[name]} of {updates} updates ({share:.0%})"
+                text = (
+                    f"{name} has taken gradient steps in only {self.learned[name]} of {updates} updates ({share:.0%})"
+                )
                 yield Event("little learning", text)
 
 
@@ -143,7 +145,11 @@ def _signs(row: Mapping[str, float], limit: int | None) -> Iterator[tuple[str, s
 def _open_episode(steps: float | None, limit: int | None) -> str:
     """Return how long the longest open episode is, and how long it can get, as the end of a sentence."""
     known = f"the limit is {limit:_}" if limit else "the environment declares no limit"
-    return f"; {known}" if not steps or steps != steps else f"; the longest open one has {steps:_.0f} steps so far, {known}"
+    return (
+        f"; {known}"
+        if not steps or steps != steps
+        else f"; the longest open one has {steps:_.0f} steps so far, {known}"
+    )
 
 
 def _spelled(estimate: Estimate) -> str:

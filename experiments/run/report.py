@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     Write = Callable[[Interval | None], str]  # how a cell is written
 
 INTERVALS = (
-    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run or a baseline, over "
-    "its episodes alone, Wilson's of rates and Student's t of returns and CVaR10; none below 5 runs, or 5 episodes"
+    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run or a baseline, "
+    "over its episodes alone, Wilson's of rates and Student's t of returns and CVaR10; none below 5 runs, or 5 episodes"
 )
 OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
 OF_PAIRS = "P(better): that the mean of a run is above that of a run of {first}"

@@ -38,9 +38,9 @@ HEADINGS = {
 }
 NOTE = (
     "Goals in % of episodes on held-out levels, the mean of their parts, and how far above {first} that is; bold "
-    "where the 95% interval, bootstrap over whole runs and their episodes (5 at least), excludes 0. Below, P: that a run is above one of "
-    "{first}; at equal time: the mean return over the game's scenes once the quickest method has ended, less that of "
-    "{first}."
+    "where the 95% interval, bootstrap over whole runs and their episodes (5 at least), excludes 0. Below, P: "
+    "that a run is above one of {first}; at equal time: the mean return over the game's scenes once the quickest "
+    "method has ended, less that of {first}."
 )
 
 

@@ -243,9 +243,14 @@ def test_markdown_and_csv_have_the_same_numbers(tmp_path):
     assert float(entries["paired", "mean minus first", ""]["estimate"]) == pytest.approx(0.2)
     assert entries["paired", "P(better)", ""]["low"] < entries["paired", "P(better)", ""]["estimate"]
     assert float(entries["shoot", "goals", "easy"]["high"]) == pytest.approx(0.1744, abs=1e-3)  # Wilson of 10 in 100
-    kinds = {measure: entries["paired", measure, ""]["interval"] for measure in ("mean", "P(better)", "IQM, stratified")}
+    kinds = {
+        measure: entries["paired", measure, ""]["interval"] for measure in ("mean", "P(better)", "IQM, stratified")
+    }
     assert list(kinds.values()) == ["bootstrap over runs", "Newcombe", "bootstrap over runs and scenes"]
-    assert (entries["shoot", "goals", "easy"]["interval"], entries["shoot", "return", "easy"]["interval"]) == ("Wilson", "t")
+    assert (entries["shoot", "goals", "easy"]["interval"], entries["shoot", "return", "easy"]["interval"]) == (
+        "Wilson",
+        "t",
+    )
     assert len(read_rows(tmp_path / "levels.csv")) == 3
 
 

@@ -31,7 +31,9 @@ def test_no_episode_is_told_once_until_one_has_ended():
     assert told(rows) == [(QUIET_UPDATES, "no episode"), (2 * QUIET_UPDATES + 6, "no episode")]
 
 
-@pytest.mark.parametrize(("limit", "words"), [(1000, "the limit is 1_000"), (None, "the environment declares no limit")])
+@pytest.mark.parametrize(
+    ("limit", "words"), [(1000, "the limit is 1_000"), (None, "the environment declares no limit")]
+)
 def test_no_episode_says_how_long_the_longest_one_is_and_what_its_limit_is(limit, words):
     watch = Watch(limit=limit)
     events = [

@@ -383,6 +383,13 @@ def test_every_metric_is_explained_in_the_docs():
             names = {re.sub(rf"(^|/){student}(/|$)", r"\1NAME\2", name) for name in names}
         logged |= names
     elsewhere = {name for name in explained if "/agent_" in name}  # tests/ued/test_team.py finds these
-    elsewhere |= {"eval/SCENE", "eval_low/SCENE", "eval_high/SCENE", "eval_env_steps", "time/eval", "time/elapsed"}  # of `regista train`
+    elsewhere |= {
+        "eval/SCENE",
+        "eval_low/SCENE",
+        "eval_high/SCENE",
+        "eval_env_steps",
+        "time/eval",
+        "time/elapsed",
+    }  # of `regista train`
     elsewhere |= {"program/NAME", "program_success/NAME"}  # and tests/ued/test_mixture.py those of mixtures
     assert logged == explained - elsewhere

@@ -1,4 +1,4 @@
-"""When replay and teachers begin, by the length of the run: in a short one earlier, so that something is learned at all.
+"""When replay and teachers begin, by the length of the run: sooner in a short one, so that something is learned.
 
 A buffer of 1,000 levels wants 500 before anything is replayed, and an adversary waits for 32 levels. A run of long
 episodes may never play so many. So the defaults also begin once a share of the run is spent, and a method that does

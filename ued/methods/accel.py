@@ -60,9 +60,7 @@ class ACCELLevels(PLRLevels):
     config: ACCELConfig
     state_fields = (*PLRLevels.state_fields, "children")
 
-    def __init__(
-        self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None
-    ) -> None:
+    def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)
         self.children = np.zeros(0, self.dtype)  # not yet looked at
 

@@ -43,9 +43,7 @@ class Minimax(Method):
 class MinimaxLevels(Teacher):
     """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
 
-    def __init__(
-        self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None
-    ) -> None:
+    def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, 1, config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:

@@ -83,9 +83,7 @@ class PairedLevels(Teacher):
 
     config: PairedConfig
 
-    def __init__(
-        self, space: LevelSpace, config: PairedConfig, seed: int = 0, budget: Budget | None = None
-    ) -> None:
+    def __init__(self, space: LevelSpace, config: PairedConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:

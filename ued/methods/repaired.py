@@ -58,9 +58,7 @@ class RepairedLevels(PairedLevels):
     config: RepairedConfig
     state_fields = (*PairedLevels.state_fields, "buffer", "rng")
 
-    def __init__(
-        self, space: LevelSpace, config: RepairedConfig, seed: int = 0, budget: Budget | None = None
-    ) -> None:
+    def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, budget)
         self.buffer = LevelBuffer(level_dtype(space.theta_dim), config.buffer, self.budget)
         self.rng = np.random.default_rng(seed)
