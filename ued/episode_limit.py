@@ -11,7 +11,7 @@ ATTRIBUTES = ("_max_episode_steps", "max_episode_steps", "max_steps")  # Gymnasi
 
 def episode_limit(env: gymnasium.Env) -> int | None:
     """Return the smallest limit that an environment or one of its wrappers declares; None: there is none."""
-    limits = [env.spec.max_episode_steps] if env.spec is not None else []
+    limits: list[Any] = [env.spec.max_episode_steps] if env.spec is not None else []
     layer: Any = env
     while layer is not None:
         limits += [vars(layer).get(name) for name in ATTRIBUTES]

@@ -42,7 +42,7 @@ class CompareConfig(Checked):
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
-    seeds: int = setting(4, "runs of each method", ">=1")
+    seeds: int = setting(5, "runs of each method", ">=1")
     first_seed: int = setting(
         0, "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above", ">=0"
     )
@@ -53,9 +53,9 @@ class CompareConfig(Checked):
     from_: Path | None = setting(
         None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
     )
-    out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
-    rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
-    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    out: Path | None = setting(None, "folder (default runs/compare-MINIGAME)")
+    rrd: Path | None = setting(None, "also write the curves of all runs to this recording")
+    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (Table 4.2)")
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")

@@ -39,7 +39,7 @@ class TrainFlags:
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
-    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the settings: fast, or thesis for Table 4.2")
+    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (Table 4.2)")
     connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")

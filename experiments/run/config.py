@@ -88,16 +88,12 @@ class RunConfig(Checked):
     )
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0")
-    total_env_steps: int = setting(
-        3_000_000, "stop when training has simulated this many steps, the antagonist's too", ">=1"
-    )
-    num_envs: int = setting(128, "environments that each student plays at a time", ">=1")
+    total_env_steps: int = setting(3_000_000, "steps to simulate, the antagonist's included", ">=1")
+    num_envs: int = setting(128, "parallel environments of each student", ">=1")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1")
     device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
-    eval_every: int = setting(250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0")
-    eval_episodes: int = setting(
-        64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1"
-    )
+    eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0")
+    eval_episodes: int = setting(64, "episodes of them on each test scene; their steps are counted apart", ">=1")
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0")
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0")

@@ -69,5 +69,5 @@ class Pixels(nn.Module):
     def _load_from_state_dict(self, state_dict: dict[str, Any], prefix: str, *others: Any) -> None:
         """Take back the scale; a student saved without one was trained on images scaled by the bounds."""
         state_dict.setdefault(f"{prefix}scale", torch.full_like(self.scale, self.reach))
-        super()._load_from_state_dict(state_dict, prefix, *others)  # type: ignore[no-untyped-call]
+        super()._load_from_state_dict(state_dict, prefix, *others)
         self.divisor = float(self.scale)
