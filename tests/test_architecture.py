@@ -30,7 +30,7 @@ EXCEPTIONS = {
     "envs/football/parallel_env.py": {"envs", "scenic_lite", "ued.upomdp", "numpy", "gymnasium", "pettingzoo"},
     "ued/parameters.py": {"numpy"},
     "ued/upomdp.py": {"numpy", "gymnasium", "ued.parameters"},
-    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.parameters", "ued.upomdp"},
+    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.episode_limit", "ued.parameters", "ued.upomdp"},
     "ued/recorder/buffer_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},

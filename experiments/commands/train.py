@@ -96,11 +96,16 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
         if method.updates > run.saved_update:
             save(run, method, elapsed)
     run.keep_config()
+    finish(run, method, reporters, progress, elapsed)
+    return method.env_steps
+
+
+def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress, elapsed: float) -> None:
+    """Close what is told of a run; say how far it is, and which student or teacher has learned nothing, or seldom."""
     reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
     for event in reporters.watch.learning.seldom():
         progress.say(event.text)
-    return method.env_steps
 
 
 def open_reporters(
