@@ -65,6 +65,7 @@ FLOORS = {
         "parameters",  # what the columns of theta are
         "level_space",  # levels, and which there are
         "upomdp",  # the seam
+        "episode_limit",
         "gym_upomdp",
         "mixture",
         "probes",

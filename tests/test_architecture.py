@@ -46,7 +46,9 @@ EXCEPTIONS = {
     "ued/parameters.py": {"numpy"},
     "ued/level_space.py": {"numpy", "ued.parameters"},
     "ued/upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters"},
-    "ued/gym_upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters", "ued.upomdp"},
+    "ued/gym_upomdp.py": {
+        *("numpy", "gymnasium", "ued.episode_limit", "ued.level_space", "ued.parameters", "ued.upomdp"),
+    },
     "ued/recorder/buffer_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},
     "ued/recorder/layout.py": {"ued", "numpy", "rerun"},

@@ -13,6 +13,7 @@ import os
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from types import NoneType
 from typing import Any, Literal
 
 # What a setting may have to be, and how that is said; nan is none of it.
@@ -96,6 +97,8 @@ class Checked:
         hints = hints_of(kind)
         for entry in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
             value = self.__dict__[entry.name]
+            if value is None and NoneType in typing.get_args(hints[entry.name]):
+                continue
             if typing.get_origin(hints[entry.name]) is Literal:
                 allowed = typing.get_args(hints[entry.name])
                 wrong = None if value in allowed else f"must be {' or '.join(map(str, allowed))}, got {value!r}"
@@ -223,8 +226,12 @@ class AdversaryConfig(Checked):
         1, "length of z: a long one teaches slowly, for each z looks like a case of its own", ">=1", most=16_384
     )
     hidden_size: int = setting(64, "units in each of the two hidden layers", ">=1", most=16_384)
-    min_batch: int = setting(
-        32, "levels with known regret that the adversary waits for before it learns", ">=1", most=1_000_000
+    min_batch: int | None = setting(
+        None,
+        "levels with known regret that the adversary waits for before it learns (default 32; at least 4 once a tenth "
+        "of total_env_steps has passed since it last learned; without a budget, one level per environment, at most 32)",
+        ">=1",
+        most=1_000_000,
     )
 
     @classmethod
@@ -333,6 +340,16 @@ class PairedLiteralConfig(TeacherConfig):
     clip_regret: bool = setting(True, "count a negative regret as 0")
 
 
+def min_fill() -> Any:
+    """Return the field that says when replay begins."""
+    return setting(
+        None,
+        "levels offered before anything is replayed, as a share of the buffer (default 0.5, or as many as were played "
+        "when a tenth of total_env_steps is spent; without a budget, at most 4 levels per environment)",
+        "0-1",
+    )
+
+
 @dataclass(frozen=True)
 class BufferConfig(Checked):
     """Settings of a buffer of levels."""
@@ -354,7 +371,7 @@ class PLRConfig(Checked):
     """Settings of prioritised level replay, robust or not."""
 
     replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one", "0-1")
-    min_fill: float = setting(0.5, "levels offered before anything is replayed, as a share of the buffer", "0-1")
+    min_fill: float | None = min_fill()
     score: ScoreRule = setting(
         "max_mc",
         "what makes a level worth replaying: its best return above what the critic expects (max_mc), mean advantages "
@@ -386,7 +403,7 @@ class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 
     replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's", "0-1")
-    min_fill: float = setting(0.5, "levels offered before anything is replayed, as a share of the buffer", "0-1")
+    min_fill: float | None = min_fill()
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
 

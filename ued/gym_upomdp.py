@@ -19,6 +19,7 @@ import numpy as np
 from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
+from ued.episode_limit import episode_limit
 from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seeds
 from ued.parameters import Theta, ThetaMap
 from ued.upomdp import UPOMDP, check_count
@@ -346,6 +347,7 @@ class GymUPOMDP(UPOMDP):
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")
+                self.max_episode_steps = episode_limit(made)
                 env = _Slot(as_array(made), self.apply, self.theta_map, self.seed_episodes, self.luck)
                 env.index = index
                 return env

@@ -24,6 +24,7 @@ from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.worker import collect
 from ued.levels.batch import LevelBatch
+from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
@@ -41,6 +42,8 @@ class Method:
         ppo: how every student learns.
         config: the method's own settings, a dataclass of `ued.config`; None: the default ones.
         seed: of every random stream.
+        env_steps: how many will be simulated; a method with a buffer or a teacher begins earlier in a short run. None:
+            not known; see `levels.budget`.
 
     Attributes:
         curriculum: what chooses the levels.
@@ -48,14 +51,22 @@ class Method:
         learners: in the order of the students in level records.
         updates: training iterations so far.
         last: the levels that the last update was based on.
+        budget: how long the run is, and how much of that is spent.
     """
 
     curriculum: Curriculum
     queue: LevelQueue
 
-    def __init__(self, upomdp: UPOMDP, ppo: PPOConfig | None = None, config: Any = None, seed: int = 0) -> None:
+    def __init__(
+        self,
+        upomdp: UPOMDP,
+        ppo: PPOConfig | None = None,
+        config: Any = None,
+        seed: int = 0,
+        env_steps: int | None = None,
+    ) -> None:
         self._seeds = SeedStream(seed)
-        self.upomdp, self.ppo = upomdp, ppo or PPOConfig()
+        self.upomdp, self.ppo, self.budget = upomdp, ppo or PPOConfig(), Budget(upomdp.num_envs, env_steps)
         self.learners: list[Learner] = []
         self.updates = 0
         self.last: LevelBatch | None = None
@@ -94,6 +105,7 @@ class Method:
 
     def roll_out(self) -> None:
         """Let all learners fill a rollout with the queue's levels and look back on it."""
+        self.budget.spent = self.env_steps
         self.queue.begin_rollout()
         collect([learner.worker for learner in self.learners])
         for index, learner in enumerate(self.learners):

@@ -55,6 +55,12 @@ class Mixture(UPOMDP):
             member.upcoming = partial(self._upcoming_of, k)
 
     @property
+    def max_episode_steps(self) -> int | None:  # type: ignore[override]
+        """The largest limit of the programs, where all of them have one."""
+        limits = [member.max_episode_steps for member in self.members]
+        return None if None in limits else max(limit for limit in limits if limit is not None)
+
+    @property
     def observation_unit(self) -> np.ndarray:
         """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]

@@ -1,4 +1,7 @@
-"""What a comparison of methods may claim: intervals that resample whole runs, and intervals for one run's success.
+"""What a comparison of methods may claim: intervals that resample whole runs, and intervals for one run's episodes.
+
+Fewer than `LEAST` values have no interval, their ends are nan: two numbers show their own range, not what the next one
+will be.
 
 In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent:
 resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. Here a run is
@@ -13,13 +16,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+LEAST = 5  # values that an interval needs: runs, or episodes of a single run
+Z = 1.959964  # normal quantile of a 95% interval
+
 
 class Interval(NamedTuple):
-    """An estimate and its confidence interval."""
+    """An estimate and its confidence interval; low and high are nan where there is none."""
 
     estimate: float
     low: float
     high: float
+
+    @property
+    def known(self) -> bool:
+        """Whether there is an interval, not an estimate alone."""
+        return self.low == self.low and self.high == self.high
 
 
 def iqm(values: np.ndarray) -> float:
@@ -40,7 +51,7 @@ def mean(values: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """A statistic of some runs and values `[S]` that it might as well have had: nan where a single run tells nothing.
+    """A statistic of some runs and values `[S]` that it might as well have had: nan where the runs are too few.
 
     The difference of two is that of independent sets of runs.
     """
@@ -52,7 +63,7 @@ class Bootstrap:
         return Bootstrap(self.estimate - other.estimate, self.draws - other.draws)
 
     def interval(self, confidence: float = 0.95) -> Interval:
-        """Return the estimate with its percentile interval, from nan to nan after a single run."""
+        """Return the estimate with its percentile interval, from nan to nan for fewer than `LEAST` runs."""
         low, high = np.quantile(self.draws, [(1 - confidence) / 2, (1 + confidence) / 2])
         return Interval(self.estimate, float(low), float(high))
 
@@ -69,15 +80,15 @@ def bootstrap(
     Few runs vary less among themselves than runs do: the bootstrap's 95 % interval of two covers the truth half of the
     time. So its deviations are widened as Student's t widens the normal's, by the root of R / chi-squared(R - 1).
     `errors` `[R, ...]` are the standard errors of a run's own values, whose luck is drawn anew: without them, runs that
-    agree by chance would look certain. A single run says nothing of the next; see `wilson` for what its own episodes
-    say. Raises `ValueError` for no run.
+    agree by chance would look certain. Fewer than `LEAST` runs say too little of the next; see `wilson` and `student_t`
+    for what the episodes of a single run say. Raises `ValueError` for no run.
     """
     runs = np.asarray(per_run, float)
     count = len(runs) if runs.ndim else 0
     if not count:
         raise ValueError("a bootstrap needs at least one run, got none")
     estimate = statistic(runs)
-    if count == 1:
+    if count < LEAST:
         return Bootstrap(estimate, np.full(samples, np.nan))
     chosen = rng.integers(0, count, (samples, count))
     drawn = np.array([statistic(runs[rows]) for rows in chosen])
@@ -88,29 +99,59 @@ def bootstrap(
     return Bootstrap(estimate, draws)
 
 
-def wilson(successes: int, trials: int, z: float = 1.959964) -> Interval:
-    """Return a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95 %.
+def wilson(successes: int, trials: int, z: float = Z) -> Interval:
+    """Return a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95%.
 
-    It covers the chance in one student's episodes, not the chance in training: for that, use several runs.
+    It covers the chance in one student's episodes, not the chance in training: for that, use several runs. Fewer than
+    `LEAST` trials have no interval.
     Raises `ValueError` unless 0 <= successes <= trials and trials >= 1.
     """
     if trials < 1 or not 0 <= successes <= trials:
         raise ValueError(f"need 0 <= successes <= trials and trials >= 1, got {successes} of {trials}")
     rate, extra = successes / trials, z**2 / trials
+    if trials < LEAST:
+        return Interval(rate, np.nan, np.nan)
     centre = (rate + extra / 2) / (1 + extra)
     reach = z / (1 + extra) * (rate * (1 - rate) / trials + extra / (4 * trials)) ** 0.5
     return Interval(rate, max(0.0, centre - reach), min(1.0, centre + reach))
 
 
-def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = 1.959964) -> Interval:
+def student_t(estimate: float, error: float, count: int) -> Interval:
+    """Return a mean of `count` values with Student's 95% interval; `error` is its standard error.
+
+    The quantile is the normal one, expanded in the degrees of freedom (Abramowitz and Stegun 1964, 26.7.5): right to
+    0.001 from five values on. Fewer have no interval.
+    """
+    if count < LEAST:
+        return Interval(estimate, np.nan, np.nan)
+    z, degrees = Z, count - 1
+    reach = z + (z**3 + z) / (4 * degrees)
+    reach += (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
+    reach += (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * degrees**3)
+    reach += (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / (92160 * degrees**4)
+    return Interval(estimate, estimate - reach * error, estimate + reach * error)
+
+
+def of_episodes(returns: np.ndarray) -> Interval:
+    """Return the mean return of one student's episodes `[E]` with its interval: Wilson's of returns 0 and 1, else t."""
+    values = np.asarray(returns, float)
+    if np.isin(values, (0.0, 1.0)).all():
+        return wilson(int(values.sum()), len(values))
+    return student_t(float(values.mean()), float(values.std() / max(len(values) - 1, 1) ** 0.5), len(values))
+
+
+def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = Z) -> Interval:
     """Return the probability that a run of one method scores above a run of another, ties counting half.
 
     `one` `[R]` and `other` `[Q]` are scores of runs (Agarwal et al. 2021, section 4.3; Mann and Whitney 1947). The
     interval is Newcombe's (2006, method 5): all probabilities under which the observed one lies within `z` standard
-    errors. Unlike a bootstrap's it stays open where every run of one method beats every run of the other.
+    errors. Unlike a bootstrap's it stays open where every run of one method beats every run of the other. Fewer than
+    `LEAST` runs of either have none.
     """
     gap = np.asarray(one, float)[:, None] - np.asarray(other, float)[None, :]
     observed = float(np.mean((gap > 0) + 0.5 * (gap == 0)))
+    if min(gap.shape) < LEAST:
+        return Interval(observed, np.nan, np.nan)
     p = np.linspace(0.0, 1.0, 2001)
     overlap = 1 + (sum(gap.shape) / 2 - 1) * ((1 - p) / (2 - p) + p / (1 + p))
     possible = p[np.abs(observed - p) <= z * np.sqrt(p * (1 - p) * overlap / gap.size) + 1e-12]
@@ -158,10 +199,12 @@ def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 200
     """Return the IQM of scores `[R, tasks]` with rliable's interval, which resamples runs for each task apart.
 
     It takes the tasks of a run for independent, so it is too narrow where one student is tested on all of them; it is
-    here for comparison with published tables (Agarwal et al. 2021, section 4.1).
+    here for comparison with published tables (Agarwal et al. 2021, section 4.1). Fewer than `LEAST` runs have none.
     """
     runs = np.asarray(per_run, float)
     count, tasks = runs.shape
+    if count < LEAST:
+        return Interval(iqm(runs), np.nan, np.nan)
     rows = rng.integers(0, count, (samples, count, tasks))
     drawn = [iqm(runs[chosen, np.arange(tasks)]) for chosen in rows]
     low, high = np.quantile(drawn, [0.025, 0.975])

@@ -92,11 +92,13 @@ class UPOMDP(LevelSpace, VectorEnv):
             means nothing; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
             of several, observations and actions are `[N, A, ...]`, alike for all.
+        max_episode_steps: after how many steps an episode is over at the latest; None: not known.
         paid_apart: they are opponents, each of whom learns from a reward of its own, `info["agent_rewards"]` `[N, A]`;
             the rewards `[N]`, by which levels are judged, are those of the first side.
     """
 
     num_agents = 1
+    max_episode_steps: int | None = None
     autoreset_mode = AutoresetMode.SAME_STEP
     paid_apart = False
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012

@@ -115,6 +115,11 @@ class FootballVectorEnv(UPOMDP):
         return all(self.lineup.num_agents)
 
     @property
+    def max_episode_steps(self) -> int:  # type: ignore[override]
+        """The program's `game_duration`."""
+        return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
+
+    @property
     def defending(self) -> bool:
         """Whether an episode succeeds where no goal is conceded, not by goals."""
         return bool(self.lineup.config.defending)

@@ -65,7 +65,10 @@ class Row:
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    typed = arguments.typed_settings(CharacteriseConfig(), argv, "characterise", DESCRIPTION)
+    base = CharacteriseConfig()
+    envs = [replace(base.train, env=start.env) for start in build.all_starting_points()]
+    others = {"for other games": [replace(base, train=train) for train in envs]}
+    typed = arguments.typed_settings(base, argv, "characterise", DESCRIPTION, others)
     config = arguments.replace_paths(CharacteriseConfig(), typed)
     if not config.games:
         raise UsageError("characterise needs at least one minigame, such as 1v1Free")

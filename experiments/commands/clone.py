@@ -59,9 +59,10 @@ class CloneConfig(Checked):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    typed = arguments.typed_settings(CloneConfig(), argv, "clone", DESCRIPTION)
-    base = CloneConfig(ppo=configs.presets()[typed.get("preset", "fast")].ppo)
-    config = arguments.replace_paths(base, typed)
+    bases = {name: CloneConfig(ppo=preset.ppo) for name, preset in configs.presets().items()}
+    base = bases.pop(build.preset_of(argv))
+    others = {f"with --preset {name}": [other] for name, other in bases.items()}
+    config = arguments.replace_paths(base, arguments.typed_settings(base, argv, "clone", DESCRIPTION, others))
     if config.demonstrations is None:
         raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
     if config.ppo.memory != "none":

@@ -42,7 +42,7 @@ class CompareConfig(Checked):
 
     minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
-    seeds: int = setting(4, "runs of each method", ">=1", most=10_000)
+    seeds: int = setting(5, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
         0,
         "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above",
@@ -58,10 +58,10 @@ class CompareConfig(Checked):
     from_: Path | None = setting(
         None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
     )
-    out: Path | None = setting(None, "folder of the comparison (default runs/compare-MINIGAME)")
-    rrd: Path | None = setting(None, "also write the curves of all runs to this recording for the Rerun viewer")
+    out: Path | None = setting(None, "folder (default runs/compare-MINIGAME)")
+    rrd: Path | None = setting(None, "also write the curves of all runs to this recording")
     preset: Literal["fast", "thesis"] = setting(
-        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
+        "fast", "settings to start from: fast, or thesis (images, its network): a day on one core"
     )
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
@@ -150,7 +150,8 @@ def draw(comparison: Comparison, folder: Path) -> None:
 
 def _read(argv: Sequence[str]) -> CompareConfig:
     known = CompareConfig(train=build.settings_for(argv))
-    typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION)
+    others = {case: [CompareConfig(train=t) for t in trains] for case, trains in build.other_settings(argv).items()}
+    typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
     minigame = typed.get("minigame", CompareConfig().minigame)
     start = build.starting_point(typed.get("preset", "fast"), minigame)
     if "from_" in typed:

@@ -40,6 +40,7 @@ CHOSEN = (
     *("minigame", "method", "seed", "threads", "checkpoint_seconds", "env"),
     *("record", "record_rollouts", "record_limit"),
 )
+INTERVALS = "95% intervals: bootstrap over runs, of P(better) Newcombe's; methods with fewer than 5 runs have none."
 TESTS = 20  # evaluations of a run
 EPISODES = 5  # on each test level, in each of them
 
@@ -254,11 +255,11 @@ def render(runs: Sequence[Run], methods: Sequence[str], longest: int) -> str:
             ]
         )
     lines = [f"| {' | '.join(row)} |" for row in rows]
-    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
+    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:], "", INTERVALS])
 
 
 def _cell(interval: Interval, bounds: tuple[float, float] = (0.0, 1.0), sign: str = "") -> str:
-    if np.isnan(interval.low):  # of a single run
+    if not interval.known:  # of few runs
         return f"{interval.estimate:{sign}.2f}"
     low, high = (min(max(end, bounds[0]), bounds[1]) for end in (interval.low, interval.high))
     return f"{interval.estimate:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"

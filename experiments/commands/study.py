@@ -16,8 +16,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, run_benchmark
-from regista.experiments.commands.study_curricula import CurriculaStudyConfig, run_curricula
+from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, presets_of_benchmark, run_benchmark
+from regista.experiments.commands.study_curricula import CurriculaStudyConfig, games_of_study, run_curricula
 from regista.experiments.commands.study_transfer import TransferStudyConfig, run_transfer
 from regista.experiments.run import arguments
 from regista.experiments.run.errors import UsageError, nearest
@@ -29,6 +29,7 @@ class Study(NamedTuple):
     help: str
     config: type[Any]
     run: Callable[[str, Any, dict[str, Any]], int]
+    others: Callable[[str], dict[str, list[Any]]]  # by case, what the study begins with instead; see `arguments.Others`
 
 
 def main(argv: Sequence[str]) -> int:
@@ -42,7 +43,7 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"no study {word!r}{nearest(word, STUDIES)}; there are {', '.join(STUDIES)}")
     study = STUDIES[word]
     description = f"{study.help[0].upper()}{study.help[1:]}. Can be stopped at any time; called again, it continues."
-    typed = arguments.typed_settings(study.config(), rest, f"study {word}", description)
+    typed = arguments.typed_settings(study.config(), rest, f"study {word}", description, study.others(word))
     config = arguments.replace_paths(study.config(), typed)
     train = {path.removeprefix("train."): value for path, value in typed.items() if path.startswith("train.")}
     return study.run(word, config, train)
@@ -55,26 +56,49 @@ def about_studies() -> str:
 
 
 STUDIES = {
-    "single": Study("one agent on the 13 games of the thesis's Figure 2.7", BenchmarkStudyConfig, run_benchmark),
-    "generalisation": Study(
-        "one agent on training and test scenes of all 22 games (Figure 2.8)", BenchmarkStudyConfig, run_benchmark
+    "single": Study(
+        "one agent on the 13 games of the thesis's Figure 2.7",
+        BenchmarkStudyConfig,
+        run_benchmark,
+        presets_of_benchmark,
     ),
-    "multi": Study("teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, run_benchmark),
+    "generalisation": Study(
+        "one agent on training and test scenes of all 22 games (Figure 2.8)",
+        BenchmarkStudyConfig,
+        run_benchmark,
+        presets_of_benchmark,
+    ),
+    "multi": Study(
+        "teams of agents on the 15 rows of Table 3.1", BenchmarkStudyConfig, run_benchmark, presets_of_benchmark
+    ),
     "teams": Study(
         "independent policies, parameter sharing and MAPPO on three of the rows of Table 3.1",
         BenchmarkStudyConfig,
         run_benchmark,
+        presets_of_benchmark,
     ),
     "demonstrations": Study(
         "semi-expert programs, their clones, and training on from these (Figure 2.10, Table 3.2)",
         BenchmarkStudyConfig,
         run_benchmark,
+        presets_of_benchmark,
     ),
-    "curricula": Study("all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula),
+    "curricula": Study(
+        "all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula, games_of_study
+    ),
     "rare": Study(
-        "methods where hard levels are rare, played on these and on the others", CurriculaStudyConfig, run_curricula
+        "methods where hard levels are rare, played on these and on the others",
+        CurriculaStudyConfig,
+        run_curricula,
+        games_of_study,
     ),
-    "ablations": Study("what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula),
-    "tuning": Study("PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula),
-    "transfer": Study("games in both engines: the table of what carries over", TransferStudyConfig, run_transfer),
+    "ablations": Study(
+        "what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula, games_of_study
+    ),
+    "tuning": Study(
+        "PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula, games_of_study
+    ),
+    "transfer": Study(
+        "games in both engines: the table of what carries over", TransferStudyConfig, run_transfer, lambda word: {}
+    ),
 }

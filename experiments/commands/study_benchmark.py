@@ -229,6 +229,12 @@ def starting_point(config: BenchmarkStudyConfig) -> TrainConfig:
     return replace(config.train, **{name: getattr(chosen, name) for name in names})
 
 
+def presets_of_benchmark(name: str) -> dict[str, list[Any]]:
+    """Return what the runs of a study begin with under the other preset, for its help."""
+    config = BenchmarkStudyConfig(preset="thesis")
+    return {"with --preset thesis": [replace(config, train=starting_point(config))]}
+
+
 def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> list[Row]:
     """Play runs on all scenes of their games, and what needs no training where that is not known yet."""
     rows: list[Row] = []

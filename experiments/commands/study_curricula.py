@@ -134,6 +134,14 @@ class CurriculaStudy:
             raise UsageError(f"with {', '.join(others)} it is not what {self.name} says; leave out --publish")
 
 
+def games_of_study(name: str) -> dict[str, list[Any]]:
+    """Return what the runs of a study begin with on its own games, for its help; variants have further settings."""
+    base = CurriculaStudyConfig()
+    settings = COMPARISONS[name].games.values()
+    trained = [arguments.replace_paths(base, {f"train.{path}": v for path, v in game.items()}) for game in settings]
+    return {"for the games of the study": trained}
+
+
 def run_curricula(name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> int:
     """Run a study of curricula; return the exit code."""
     return CurriculaStudy(name, config, typed).run()

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.pictures import plots
-from regista.experiments.run import arguments, build, origin, provenance
+from regista.experiments.run import arguments, build, origin, outlook, provenance
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
@@ -40,7 +40,7 @@ class TrainFlags:
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
     preset: Literal["fast", "thesis"] = setting(
-        "fast", "starting point: fast, or thesis (images, its network): a day on one core"
+        "fast", "settings to start from: fast, or thesis (images, its network): a day on one core"
     )
     connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
@@ -80,8 +80,9 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     elapsed = restore(run, method)
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, program, method, progress, connect)
+    outlook.tell(config, method, progress.say)
 
-    with stop:
+    with stop, build.telling_warnings():
         while method.env_steps < config.total_env_steps and not stop:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
@@ -97,9 +98,16 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
         if method.updates > run.saved_update:
             save(run, method, elapsed)
     run.keep_config()
+    finish(run, method, reporters, progress, elapsed)
+    return method.env_steps
+
+
+def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress, elapsed: float) -> None:
+    """Close what is told of a run; say how far it is, and which student or teacher has learned nothing, or seldom."""
     reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
-    return method.env_steps
+    for event in reporters.watch.learning.seldom():
+        progress.say(event.text)
 
 
 def open_reporters(
@@ -171,7 +179,8 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
 
 def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
     """Return the run that is wanted, and the address of a viewer, if there is one."""
-    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION)
+    others = {case: [TrainFlags(config=config) for config in configs] for case, configs in _others(argv).items()}
+    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
     connect = typed.pop("connect", None)
     return _resume(typed) if "resume" in typed else _begin(typed), connect
 
@@ -196,10 +205,18 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
 
 def _known(argv: Sequence[str]) -> Any:
     """Return the settings that can be typed: those of the run that is named, or of what is to be trained on."""
-    for flag, path in itertools.pairwise(argv):
-        if flag in ("--resume", "--from") and (Path(path) / "config.json").exists():
-            return RunFolder.open(Path(path)).config
-    return build.settings_for(argv)
+    named = _named_run(argv)
+    return RunFolder.open(named).config if named else build.settings_for(argv)
+
+
+def _others(argv: Sequence[str]) -> dict[str, list[Any]]:
+    """Return the settings of other games, tasks and presets; none where a run says what they are."""
+    return {} if _named_run(argv) else build.other_settings(argv)
+
+
+def _named_run(argv: Sequence[str]) -> Path | None:
+    paths = [Path(path) for flag, path in itertools.pairwise(argv) if flag in ("--resume", "--from")]
+    return next((path for path in paths if (path / "config.json").exists()), None)
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:

@@ -18,7 +18,8 @@ from regista.experiments.grf.episodes import ENDINGS, ENGINES
 from regista.experiments.grf.transfer import SEED, Leaving, Result
 from regista.experiments.run.report import two_digits
 from regista.experiments.run.results import Counted, align, goal_rate, goal_rates
-from ued.statistics import Interval, bootstrap
+from ued import statistics
+from ued.statistics import Interval, bootstrap, student_t
 
 KEYS = (
     *("idle", "left", "top left", "top", "top right", "right", "bottom right", "bottom", "bottom left"),
@@ -29,7 +30,8 @@ SHOWN_KEYS = 6  # of the actions, those that differ most
 SAMPLES = 4000  # of an interval
 WANTED, LEAST = 0.8, 0.5  # of the ratios
 INTERVALS = (
-    "95 % intervals: over runs and their episodes, wide where runs are few; for a single run, over its episodes alone"
+    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run, over its "
+    "episodes alone, Wilson's of rates, Jeffreys' of ratios, Student's t of returns; none below 5 runs, or 5 episodes"
 )
 
 
@@ -74,18 +76,21 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
     """Estimate the ratio of the goal rates, the engine's by ours; nan where nothing is scored here.
 
     One run: over its episodes, each rate drawn from Jeffreys' posterior. Several: of their means, resampling whole runs
-    and the luck of their episodes.
+    and the luck of their episodes. Fewer than five runs, or episodes of one run, have no interval.
     """
     rng = np.random.default_rng(SEED)
     grf, ours = (counts(results, engine) for engine in ("grf", "ours"))
     if not any(group.goals for group in ours):
         return Interval(np.nan, np.nan, np.nan)
     if len(results) == 1:
+        estimate = grf[0].goals / grf[0].episodes / (ours[0].goals / ours[0].episodes)
+        if min(grf[0].episodes, ours[0].episodes) < statistics.LEAST:
+            return Interval(estimate, np.nan, np.nan)
         there, here = (
             rng.beta(count[0].goals + 0.5, count[0].episodes - count[0].goals + 0.5, SAMPLES) for count in (grf, ours)
         )
         low, high = np.quantile(there / here, [0.025, 0.975])
-        return Interval(grf[0].goals / grf[0].episodes / (ours[0].goals / ours[0].episodes), float(low), float(high))
+        return Interval(estimate, float(low), float(high))
     rates, errors = (np.stack(rate, 1) for rate in zip(goal_rates(grf), goal_rates(ours), strict=True))  # [R, 2]
     interval = bootstrap(rates, rng, _ratio, errors, SAMPLES).interval()
     return interval._replace(low=max(interval.low, 0.0), high=max(interval.high, 0.0))
@@ -124,7 +129,8 @@ def by_run(results: Sequence[Result]) -> list[list[str]]:
         for engine, numbers in result.engines.items():
             rate = two_digits(goal_rate(counts([result], engine)))
             ends = " / ".join(f"{share:.2f}" for share in numbers["endings"].values())
-            score = f"{numbers['mean_return']:+.2f} ± {1.96 * numbers['return_error']:.2f}"
+            returns = student_t(numbers["mean_return"], numbers["return_error"], numbers["episodes"])
+            score = f"{returns.estimate:+.2f}" + (f" ± {returns.high - returns.estimate:.2f}" if returns.known else "")
             first = [result.run, result.policy] if engine == "ours" else ["", ""]
             ratio = "" if engine == "ours" else spelled(rate_ratio([result]))
             lines.append([*first, engine, rate, score, f"{numbers['median_length']:g}", ends, ratio])

@@ -104,10 +104,10 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
-    """Draw the share of episodes that succeed, of every method on every scene, with its interval."""
+    """Draw the share of episodes that succeed, of every method on every scene, with its interval if it has one."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
-    reach = 0.8
+    reach, whiskers = 0.8, False
     for place, method in enumerate(methods):
         offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
         for index, scene in enumerate(scenes):
@@ -117,6 +117,9 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
             interval = goal_rate(rows)
             shade, label = plots.colour(method), plots.title(method) if index == 0 else None
             axes.bar(index + offset, 100 * interval.estimate, 0.9 * reach / len(methods), color=shade, label=label)
+            if not interval.known:
+                continue
+            whiskers = True
             low, high = interval.estimate - interval.low, interval.high - interval.estimate
             span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
             axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
@@ -125,4 +128,4 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
     what = "Goals scored" if comparison.word == "goals" else "Success"
-    axes.set_title(f"{what} after training (% of episodes)")
+    axes.set_title(f"{what} after training (% of episodes{'; whiskers: 95% intervals' if whiskers else ''})")

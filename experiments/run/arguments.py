@@ -55,14 +55,23 @@ def parse(base: Config, argv: Sequence[str], command: str, description: str) -> 
     return replace_paths(base, typed)
 
 
-def typed_settings(base: Any, argv: Sequence[str], command: str, description: str) -> dict[str, Any]:
-    """Return what was typed, by path of the field (`ppo.learning_rate`)."""
+# Configurations by the case in which they are the base instead, as words for the end of a sentence; see `_stated`.
+Others = Mapping[str, Sequence[Any]]
+
+
+def typed_settings(
+    base: Any, argv: Sequence[str], command: str, description: str, others: Others | None = None
+) -> dict[str, Any]:
+    """Return what was typed, by path of the field (`ppo.learning_rate`).
+
+    The help states the defaults of `base`, and those of `others` where they differ.
+    """
     parser = _Parser(
         prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
     )
     showing = parser.add_argument("--help", "-h", action=_ShowHelp)
     flags = ["--help"]
-    _add(parser, parser, base, _Place("", ""), flags)
+    _add(parser, parser, base, _Place("", "", others or {}), flags)
     if parser.topics:
         showing.nargs, showing.help = "?", "show this page, or that of a topic, and exit"
     typed, unknown = parser.parse_known_args(list(argv))
@@ -98,10 +107,13 @@ def flag_name(name: str, prefix: str = "") -> str:
 
 
 class _Place(NamedTuple):
-    """Where in the nesting of configurations: path of fields, prefix of flags, fields without a flag, help topics."""
+    """Where in the nesting of configurations: path of fields, prefix of flags, the same part of other configurations,
+    fields without a flag, help topics.
+    """
 
     path: str
     prefix: str
+    others: Others
     without: tuple[str, ...] = ()
     topics: tuple[str, ...] = ()
 
@@ -120,12 +132,13 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
             topics = about.get("topics") or place.topics
             for topic in topics:
                 parser.topics.setdefault(topic, []).append(nested)
-            _add(parser, nested, value, _Place(f"{path}.", prefix, about.get("without", ()), topics), flags)
+            others = {case: _part(bases, item.name) for case, bases in place.others.items()}
+            _add(parser, nested, value, _Place(f"{path}.", prefix, others, about.get("without", ()), topics), flags)
         elif about.get("positional"):
             _add_positional(container, item, hints[item.name], path)
             parser.words += (item.name.upper(),)
         else:
-            help_text += "" if value is None else f" (default {_spell(value)})"
+            help_text += _stated(value, item.name, place.others)
             names = [flag_name(item.name, place.prefix), *filter(None, [about.get("short")])]
             options = _options(hints[item.name], about)
             options |= {"metavar": about["metavar"]} if about.get("metavar") else {}
@@ -133,6 +146,23 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
                 *names, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options
             )
             flags += added.option_strings
+
+
+def _part(bases: Sequence[Any], name: str) -> list[Any]:
+    """Return a field of those configurations that have it."""
+    return [getattr(base, name) for base in bases if hasattr(base, name)]
+
+
+def _stated(value: Any, name: str, others: Others) -> str:
+    """Return the default of a field in brackets, and in which cases it is another."""
+    cases: dict[str, list[str]] = {}  # by the values
+    for case, bases in others.items():
+        differing = [_spell(other) for other in _part(bases, name) if other is not None and other != value]
+        if differing:
+            cases.setdefault(" or ".join(dict.fromkeys(differing)), []).append(case)
+    stated = [] if value is None else [f"default {_spell(value)}"]
+    stated += [f"{values} {' or '.join(words)}" for values, words in cases.items()]
+    return f" ({'; '.join(stated)})" if stated else ""
 
 
 def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: str) -> None:

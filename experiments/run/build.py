@@ -6,6 +6,7 @@ Everything heavy is imported when it is asked for. Read next: `commands.train`.
 from __future__ import annotations
 
 import ast
+import itertools
 import os
 import sys
 import warnings
@@ -108,11 +109,53 @@ def starting_point(preset: str, minigame: str) -> Any:
     return replace(config, env=replace(config.env, control=game.control, rewards=rewards))
 
 
-def settings_for(argv: Sequence[str]) -> Any:
-    """Return the settings that can be typed in this command line: of football, or of a task if one is named."""
-    from regista.experiments.run.config import TaskTrainConfig, TrainConfig
+def all_starting_points(preset: str = "fast") -> list[Any]:
+    """Return the settings of a preset for each minigame."""
+    from regista.minigames.suites import NAMED
 
-    return TaskTrainConfig() if any(map(tasks.is_task, argv)) else TrainConfig()
+    return [starting_point(preset, name) for name in NAMED]
+
+
+def settings_for(argv: Sequence[str]) -> Any:
+    """Return the settings that a command line begins with, as its preset and its game or task have them."""
+    from regista.experiments.run.config import TrainConfig
+
+    return starting_point(preset_of(argv), _named(argv) or TrainConfig().minigame)
+
+
+def _named(argv: Sequence[str]) -> str | None:
+    """Return the game or the task that is typed, if there is one."""
+    return next((word for word in argv if tasks.is_task(word) or _is_game(word)), None)
+
+
+def preset_of(argv: Sequence[str]) -> str:
+    """Return the preset that is typed, `fast` where none is."""
+    from regista.experiments.run.config import presets
+
+    pairs = [*itertools.pairwise(argv), *(word.partition("=")[::2] for word in argv)]
+    typed = [value for flag, value in pairs if flag == "--preset" and value in presets()]
+    return typed[-1] if typed else "fast"
+
+
+def _is_game(word: str) -> bool:
+    try:
+        return not word.startswith("-") and bool([find_minigame(part) for part in parts_of(word)])
+    except UsageError:
+        return False
+
+
+def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
+    """Return by case what a command line would begin with if something else were typed, for its help."""
+    from regista.experiments.run.config import TrainConfig, presets, task_presets
+
+    typed, game, usual = preset_of(argv), _named(argv), TrainConfig().minigame
+    others = [name for name in presets() if name != typed]
+    cases = {f"with --preset {name}": [starting_point(name, game or usual)] for name in others}
+    if game is None:
+        cases["for other games"] = all_starting_points(typed)
+    if game is None or not tasks.is_task(game):
+        cases["for tasks"] = [task_presets()[typed]]
+    return cases
 
 
 def find_method(name: str) -> str:
@@ -221,6 +264,24 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
+@contextmanager
+def telling_warnings() -> Iterator[None]:
+    """Print warnings of the kind that users should act on as notes, each once, without the line of code they are of."""
+    show = warnings.showwarning
+
+    def tell(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if category is UserWarning:
+            warn(f"warning: {message}")
+        else:
+            show(message, category, *place, **more)
+
+    warnings.showwarning = tell
+    try:
+        yield
+    finally:
+        warnings.showwarning = show
+
+
 def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed: int, threads: int) -> Any:
     """Make a program, a mixture or a scene of one's own into `num_envs` environments, with seeded streams.
 
@@ -300,7 +361,7 @@ def make_method(config: TrainConfig, upomdp: Any) -> Any:
     torch.set_num_threads(config.threads)
     try:
         with room_for("students"):
-            made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed)
+            made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed, config.total_env_steps)
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
     if device.type != "cpu":

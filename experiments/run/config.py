@@ -90,17 +90,13 @@ class RunConfig(Checked):
     )
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
-    total_env_steps: int = setting(
-        3_000_000, "stop when training has simulated this many steps, the antagonist's too", ">=1", most=10**12
-    )
-    num_envs: int = setting(128, "environments that each student plays at a time", ">=1", most=100_000)
+    total_env_steps: int = setting(3_000_000, "steps to simulate, the antagonist's included", ">=1", most=10**12)
+    num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
-    eval_every: int = setting(
-        250_000, "env_steps between evaluations on the test scenes; 0 for none", ">=0", most=10**12
-    )
+    eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
     eval_episodes: int = setting(
-        64, "episodes on each scene in these evaluations, whose steps are counted apart", ">=1", most=1_000_000
+        64, "episodes of them on each test scene; their steps are counted apart", ">=1", most=1_000_000
     )
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")

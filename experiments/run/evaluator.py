@@ -68,10 +68,17 @@ class EvalScenes:
     def metrics(self, policy: Any) -> dict[str, float]:
         """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
 
+        The ends of its 95% interval are `eval_low/<scene>` and `eval_high/<scene>`, nan below five episodes.
+
         These steps train nobody: they are `eval_env_steps`, not part of `env_steps`.
         """
+        from ued.statistics import of_episodes
+
         began, evaluations = time.perf_counter(), self.play(policy)
-        metrics = {f"eval/{label}": float(result.returns.mean()) for label, result in evaluations.items()}
+        means = {label: of_episodes(result.returns) for label, result in evaluations.items()}
+        metrics = {f"eval/{label}": mean.estimate for label, mean in means.items()}
+        metrics |= {f"eval_low/{label}": mean.low for label, mean in means.items()}
+        metrics |= {f"eval_high/{label}": mean.high for label, mean in means.items()}
         metrics["eval_env_steps"] = float(sum(result.env_steps for result in evaluations.values()))
         return {**metrics, "time/eval": time.perf_counter() - began}
 

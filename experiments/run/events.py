@@ -5,14 +5,21 @@ Read next: `run.reporting`, which tells them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
+
+from regista.experiments.run.progress import count
 
 QUIET_UPDATES = 10  # without the end of an episode
 NARROW_UPDATES, NARROW = 5, 0.25  # share of the bins of θ that as many random levels would reach
 INVALID_UPDATES, INVALID = 3, 0.25  # share of proposals that describe no level
 FORGOTTEN = 0.5  # share of what had been gained on a test scene
 GAINED = 0.1  # share of a return, of which a gain is more than chance
+STEPS = "/gradient_steps"
+TEACHER = "adversary"
+SELDOM = {TEACHER: 0.05}  # share of the updates in which one learns; below this it is said
+SELDOM_STUDENT = 0.5
 
 
 class Event(NamedTuple):
@@ -22,50 +29,108 @@ class Event(NamedTuple):
     text: str
 
 
+class Estimate(NamedTuple):
+    """A mean return on a test scene, and the ends of its 95% interval."""
+
+    value: float
+    low: float
+    high: float
+
+
 class Watch:
     """Follows the rows of metrics.csv; an event is told when it begins, and again when it has been over meanwhile.
 
     It depends on nothing but these rows, so a run that is continued shows it those that are there already.
+
+    Args:
+        total: env_steps of the run; None: not known.
+        limit: steps after which an episode is over at the latest; None: not known.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, total: int | None = None, limit: int | None = None) -> None:
+        self.limit, self.learning = limit, Learning(total)
         self._lasts: dict[tuple[str, str], int] = {}  # updates for which this has been so
         self._first: dict[str, float] = {}  # return on a test scene, at first and at best
-        self._best: dict[str, float] = {}
+        self._best: dict[str, Estimate] = {}
         self._forgotten: set[str] = set()
 
     def look(self, row: Mapping[str, float]) -> list[Event]:
         """Return what begins with this row."""
         lasts = {}
         events = list(self._forgetting(row))
-        for event, about, updates, text in _signs(row):
+        for event, about, updates, text in _signs(row, self.limit):
             lasts[event, about] = self._lasts.get((event, about), 0) + 1
             if lasts[event, about] == updates:
                 events.append(Event(event, text))
         self._lasts = lasts
-        return events
+        return events + self.learning.look(row)
 
     def _forgetting(self, row: Mapping[str, float]) -> Iterator[Event]:
-        """Yield the test scenes, if they were played, on which most of what had been gained is lost."""
+        """Yield the test scenes, if they were played, on which most of what had been gained is lost.
+
+        The two returns must differ by more than chance: their intervals have nothing in common.
+        """
         for name, value in row.items():
             if not name.startswith("eval/") or value != value:
                 continue
+            scene = name.removeprefix("eval/")
+            now = Estimate(value, *(row.get(f"eval_{end}/{scene}", math.nan) for end in ("low", "high")))
             first = self._first.setdefault(name, value)
-            best = self._best[name] = max(value, self._best.get(name, value))
-            gained = best - first
-            lost = gained > GAINED * max(abs(best), abs(first)) and best - value > FORGOTTEN * gained
+            best = self._best[name] = max(now, self._best.get(name, now), key=lambda estimate: estimate.value)
+            gained = best.value - first
+            fell = gained > GAINED * max(abs(best.value), abs(first)) and best.value - value > FORGOTTEN * gained
+            lost = fell and now.high < best.low
             if lost and name not in self._forgotten:
-                yield Event("forgetting", f"return on {name[5:]}: {value:.2f}, after {best:.2f} at best")
+                yield Event("forgetting", f"return on {scene}: {_spelled(now)}, after {_spelled(best)} at best")
             (self._forgotten.add if lost else self._forgotten.discard)(name)
 
 
-def _signs(row: Mapping[str, float]) -> Iterator[tuple[str, str, int, str]]:
+class Learning:
+    """Counts in how many updates each student and teacher has taken gradient steps; says so where that is seldom."""
+
+    def __init__(self, total: int | None = None) -> None:
+        self.total = total
+        self.updates: dict[str, int] = {}
+        self.learned: dict[str, int] = {}
+        self._done = 0.0  # env_steps of the last row
+
+    def look(self, row: Mapping[str, float]) -> list[Event]:
+        """Count a row; return who has not learned at half of the run, and who hardly has at its end."""
+        for column, steps in row.items():
+            if column.endswith(STEPS) and steps == steps:
+                name = column.removesuffix(STEPS)
+                self.updates[name] = self.updates.get(name, 0) + 1
+                self.learned[name] = self.learned.get(name, 0) + (steps > 0)
+        before, self._done = self._done, row.get("env_steps", self._done)
+        if self.total is None:
+            return []
+        if before < self.total <= self._done:
+            return list(self.seldom())
+        if before < self.total / 2 <= self._done:
+            return [event for event in self.seldom() if event.event == "no learning"]
+        return []
+
+    def seldom(self) -> Iterator[Event]:
+        """Yield who has learned in no update so far, or in few."""
+        for name, updates in self.updates.items():
+            share = self.learned[name] / updates
+            if not share:
+                text = f"{name} has taken no gradient step in {updates} updates ({count(self._done)} env_steps)"
+                yield Event("no learning", text)
+            elif share < SELDOM.get(name, SELDOM_STUDENT):
+                text = (
+                    f"{name} has taken gradient steps in only {self.learned[name]} of {updates} updates ({share:.0%})"
+                )
+                yield Event("little learning", text)
+
+
+def _signs(row: Mapping[str, float], limit: int | None) -> Iterator[tuple[str, str, int, str]]:
     """Yield what is so in an update: event, what it is about, for how many updates it must be so, a sentence."""
     for name, value in row.items():
         if name.startswith("episodes/") and value == 0:
             student = name.partition("/")[2]
-            text = f"no episode of {student} has ended in {QUIET_UPDATES} updates: is there a limit of steps?"
-            yield "no episode", student, QUIET_UPDATES, text
+            text = f"no episode of {student} has ended in {QUIET_UPDATES} updates"
+            yield "no episode", student, QUIET_UPDATES, text + _open_episode(row.get(f"open/{student}"), limit)
     coverage = row.get("theta_coverage", 1.0)
     if coverage < NARROW:
         text = f"levels cover {coverage:.0%} of what as many random ones would, for {NARROW_UPDATES} updates"
@@ -75,3 +140,17 @@ def _signs(row: Mapping[str, float]) -> Iterator[tuple[str, str, int, str]]:
     if share > INVALID:
         text = f"{share:.0%} of the proposals describe no valid level; random ones were played in their place"
         yield "invalid proposals", "", INVALID_UPDATES, text
+
+
+def _open_episode(steps: float | None, limit: int | None) -> str:
+    """Return how long the longest open episode is, and how long it can get, as the end of a sentence."""
+    known = f"the limit is {limit:_}" if limit else "the environment declares no limit"
+    return (
+        f"; {known}"
+        if not steps or steps != steps
+        else f"; the longest open one has {steps:_.0f} steps so far, {known}"
+    )
+
+
+def _spelled(estimate: Estimate) -> str:
+    return f"{estimate.value:.2f} [{estimate.low:.2f}, {estimate.high:.2f}]"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
@@ -29,8 +28,8 @@ if TYPE_CHECKING:
     Write = Callable[[Interval | None], str]  # how a cell is written
 
 INTERVALS = (
-    "95 % intervals: over runs and their episodes, wide where runs are few; "
-    "for a single run or a baseline, over its episodes alone"
+    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run or a baseline, "
+    "over its episodes alone, Wilson's of rates and Student's t of returns and CVaR10; none below 5 runs, or 5 episodes"
 )
 OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
 OF_PAIRS = "P(better): that the mean of a run is above that of a run of {first}"
@@ -40,7 +39,10 @@ OF_LEVELS = (
 
 
 class Entry(NamedTuple):
-    """One number of a table: `measure` of a method on a scene, "" for all; nan where there is no interval."""
+    """One number of a table: `measure` of a method on a scene, "" for all.
+
+    Without an interval its ends are nan, and `interval`, which says how it is estimated, is empty.
+    """
 
     method: str
     measure: str
@@ -48,6 +50,17 @@ class Entry(NamedTuple):
     estimate: float
     low: float
     high: float
+    interval: str
+
+
+OF_RUNS = {"IQM, stratified": "bootstrap over runs and scenes", "P(better)": "Newcombe"}
+OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # of rates: Wilson's
+
+
+def entry(method: str, measure: str, scene: str, found: Interval, runs: int) -> Entry:
+    """Return one number of a table, estimated from so many runs."""
+    kind = OF_RUNS.get(measure, "bootstrap over runs") if runs > 1 else OF_ONE_RUN.get(measure, "Wilson")
+    return Entry(method, measure, scene, *found, kind if found.known else "")
 
 
 @dataclass(frozen=True)
@@ -94,27 +107,28 @@ class Report:
         for scene in self.scenes:
             for name in self.methods:
                 rows = select(self.results, name, scene)
-                yield Entry(name, "return", scene, *estimate.mean_return(rows))
-                yield Entry(name, "goals", scene, *estimate.goal_rate(rows))
+                yield entry(name, "return", scene, estimate.mean_return(rows), len(rows))
+                yield entry(name, "goals", scene, estimate.goal_rate(rows), len(rows))
                 if name in self.others():
                     gain = estimate.advantage(rows, select(self.results, self.first, scene))
-                    yield Entry(name, "return minus first", scene, *gain)
+                    yield entry(name, "return minus first", scene, gain, len(rows))
 
     def _of_all_scenes(self) -> Iterable[Entry]:
         scores = {name: estimate.scores(self.results, name) for name in self.methods}
         for name, score in scores.items():
-            yield Entry(name, "mean", "", *estimate.mean_score(score))
-            yield Entry(name, "IQM", "", *estimate.iqm_score(score))
-            yield Entry(name, "IQM, stratified", "", *estimate.iqm_stratified(score))
+            found = {"mean": estimate.mean_score(score), "IQM": estimate.iqm_score(score)}
+            found["IQM, stratified"] = estimate.iqm_stratified(score)
             if name in self.others():
-                yield Entry(name, "mean minus first", "", *estimate.score_advantage(score, scores[self.first]))
-                yield Entry(name, "P(better)", "", *estimate.chance_of_better(score, scores[self.first]))
+                found["mean minus first"] = estimate.score_advantage(score, scores[self.first])
+                found["P(better)"] = estimate.chance_of_better(score, scores[self.first])
+            for measure, interval in found.items():
+                yield entry(name, measure, "", interval, len(score.rates))
 
     def _of_levels(self) -> Iterable[Entry]:
         for name in self.methods if self.levels else ():
             rows = [row for row in self.levels if row.method == name]
-            yield Entry(name, "random levels", "", *estimate.level_rate(rows))
-            yield Entry(name, "CVaR10", "", *estimate.level_cvar(rows))
+            yield entry(name, "random levels", "", estimate.level_rate(rows), len(rows))
+            yield entry(name, "CVaR10", "", estimate.level_cvar(rows), len(rows))
 
     # ------------------------------------------------------------ tables
 
@@ -149,7 +163,7 @@ class Report:
 
         for entry in self.entries:
             if entry[:3] == (method, measure, scene):
-                return Interval(*entry[3:])
+                return Interval(*entry[3:6])
         return None
 
     def _training(self, method: str) -> list[str]:
@@ -216,8 +230,8 @@ def two_digits(interval: Interval | None) -> str:
 def _spelled(interval: Interval | None, write: Callable[[float], str]) -> str:
     if interval is None:
         return ""
-    low, high = interval.low, interval.high
-    return write(interval.estimate) + ("" if math.isnan(low) else f" [{write(low)}, {write(high)}]")
+    ends = f" [{write(interval.low)}, {write(interval.high)}]" if interval.known else ""
+    return write(interval.estimate) + ends
 
 
 # ---------------------------------------------------------------- files

@@ -68,7 +68,8 @@ class Reporters:
     """
 
     def __init__(self, run: RunFolder, upomdp: Any) -> None:
-        self.tables, self.watch = Tables(run, upomdp), Watch()
+        self.tables = Tables(run, upomdp)
+        self.watch = Watch(run.config.total_env_steps, upomdp.max_episode_steps)
         self.others: dict[str, Reporter] = {}
         for row in _rows(read_columns(run.metrics.path)):
             self.watch.look(row)

@@ -2,7 +2,8 @@
 
 A `Result` is one policy on one scene, a `LevelResult` one policy on levels drawn at random. Several runs of a method
 are several rows; their interval resamples whole runs, since one trained policy is tested on all scenes, and within them
-the luck of their episodes. A single run's interval is over its episodes alone: it says nothing of the next run.
+the luck of their episodes. A single run's interval is over its episodes alone: it says nothing of the next run. Fewer
+than five runs, or episodes of a single run, have no interval.
 Read next: `run.report`, which makes tables of it.
 """
 
@@ -128,12 +129,12 @@ def goal_rate(rows: Sequence[Result] | Sequence[Counted]) -> Interval:
 
 
 def mean_return(rows: Sequence[Result]) -> Interval:
-    """Estimate the mean return of a method on a scene: bootstrap over runs, or normal for a single run."""
-    from ued.statistics import Interval, bootstrap
+    """Estimate the mean return of a method on a scene: bootstrap over runs, or Student's t for a single run."""
+    from ued.statistics import bootstrap, student_t
 
     values, errors = _returns(rows)
     if len(rows) == 1:
-        return Interval(values[0], values[0] - 1.96 * errors[0], values[0] + 1.96 * errors[0])
+        return student_t(values[0], errors[0], rows[0].episodes)
     return bootstrap(values, _rng(), errors=errors).interval()
 
 
@@ -174,11 +175,10 @@ def iqm_score(mine: Scores) -> Interval:
 
 
 def iqm_stratified(mine: Scores) -> Interval:
-    """Estimate the same with rliable's interval, which takes a run's scenes for independent; nan for a single run."""
+    """Estimate the same with rliable's interval, which takes a run's scenes for independent."""
     from ued.statistics import stratified
 
-    interval = stratified(mine.rates, _rng())
-    return interval if len(mine.rates) > 1 else interval._replace(low=np.nan, high=np.nan)
+    return stratified(mine.rates, _rng())
 
 
 def score_advantage(mine: Scores, reference: Scores) -> Interval:
@@ -207,12 +207,15 @@ def level_rate(rows: Sequence[LevelResult]) -> Interval:
 
 
 def level_cvar(rows: Sequence[LevelResult]) -> Interval:
-    """Estimate the goal rate on the worst tenth of levels drawn at random, resampling runs."""
-    from ued.statistics import Interval, bootstrap
+    """Estimate the goal rate on the worst tenth of levels drawn at random, resampling runs.
+
+    Of a single run by Student's t over the levels of that tenth.
+    """
+    from ued.statistics import bootstrap, student_t
 
     values, errors = np.array([[row.cvar10, row.cvar10_error] for row in rows]).T
     if len(rows) == 1:
-        return _as_share(Interval(values[0], values[0] - 1.96 * errors[0], values[0] + 1.96 * errors[0]))
+        return _as_share(student_t(values[0], errors[0], int(WORST * rows[0].levels)))
     return _as_share(bootstrap(values, _rng(), errors=errors).interval())
 
 
@@ -230,7 +233,7 @@ def goal_rates(rows: Sequence[Result] | Sequence[Counted]) -> tuple[np.ndarray, 
 def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
     """Return each run's mean return `[R]` and its standard error `[R]`."""
     values = np.array([row.mean_return for row in rows])
-    return values, np.array([row.return_std / np.sqrt(row.episodes) for row in rows])
+    return values, np.array([row.return_std / np.sqrt(max(row.episodes - 1, 1)) for row in rows])
 
 
 def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Interval:

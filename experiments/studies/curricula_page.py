@@ -38,9 +38,9 @@ HEADINGS = {
 }
 NOTE = (
     "Goals in % of episodes on held-out levels, the mean of their parts, and how far above {first} that is; bold "
-    "where the 95 % interval, over whole runs and their episodes, excludes 0. Below, P: that a run is above one of "
-    "{first}; at equal time: the mean return over the game's scenes once the quickest method has ended, less that of "
-    "{first}."
+    "where the 95% interval, bootstrap over whole runs and their episodes (5 at least), excludes 0. Below, P: "
+    "that a run is above one of {first}; at equal time: the mean return over the game's scenes once the quickest "
+    "method has ended, less that of {first}."
 )
 
 
@@ -217,7 +217,7 @@ def in_points(interval: Interval) -> str:
 def spell(interval: Interval, form: str) -> str:
     """Return an estimate with its interval, if it has one."""
     middle, low, high = (form.format(value) for value in interval)
-    return middle if np.isnan(interval.low) else f"{middle} [{low}, {high}]"
+    return f"{middle} [{low}, {high}]" if interval.known else middle
 
 
 def draw_curves(games: Sequence[Game], path: Path) -> None:

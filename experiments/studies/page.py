@@ -33,7 +33,10 @@ REAL_ENGINE = (
     "defense/3vs3_cross_from_side by far: our simulator makes these two easy. So defense/2vs2 and "
     "defense/2vs2_high_pass lie low not because they are harder here, but because less is learned of them."
 )
-INTERVALS = "95 % intervals: over runs and their episodes; of one run over its episodes alone"
+INTERVALS = (
+    "95% intervals: bootstrap over runs and their episodes; of one run Student's t over its episodes alone; "
+    "none below 5 runs, or 5 episodes"
+)
 
 FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
 TABLE_4_1 = tuple(row.game for row in published() if row.agent == "light_cnn")
@@ -351,7 +354,7 @@ def _runs(rows: Sequence[Row]) -> str:
 def _cell(interval: Interval | None) -> str:
     if interval is None:
         return ""
-    known = interval.low == interval.low
+    known = interval.known
     return f"{interval.estimate:+.2f}" + (f" [{interval.low:+.2f}, {interval.high:+.2f}]" if known else "")
 
 

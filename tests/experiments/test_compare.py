@@ -36,6 +36,7 @@ from regista.experiments.run.results import (
     level_cvar,
     level_rate,
     mean_return,
+    mean_score,
     summarise_levels,
 )
 from regista.experiments.run.signals import StopRequest
@@ -147,36 +148,69 @@ def row(method, seed, goals, scene="easy", trained=(1000, 10)):
 def test_a_single_run_has_wilson_and_several_have_the_bootstrap():
     single = goal_rate([row("dr", 0, 50)])
     assert single == pytest.approx((0.5, 0.4038, 0.5962), abs=1e-3)
-    several = goal_rate([row("dr", seed, goals) for seed, goals in enumerate((36, 40, 44))])
-    assert several.estimate == pytest.approx(0.4)
-    assert several.low == pytest.approx(0.4 - 4.303 * 0.04 / 3**0.5, abs=0.05)  # Student's t, a little more for luck
-    assert several.high == pytest.approx(0.4 + 4.303 * 0.04 / 3**0.5, abs=0.05)
-    assert mean_return([row("dr", 0, 50)]).high == pytest.approx(0.5 + 1.96 * 0.04)
+    several = goal_rate([row("dr", seed, goals) for seed, goals in enumerate((34, 37, 40, 43, 46))])
+    reach = 2.776 * 0.0474 / 5**0.5  # Student's t, and a little more for luck
+    assert several == pytest.approx((0.4, 0.4 - reach, 0.4 + reach), abs=0.03)
+    assert mean_return([row("dr", 0, 50)]).high == pytest.approx(0.5 + 1.984 * 0.4 / 99**0.5, abs=1e-4)
+
+
+def two_values(method):
+    """Return two runs of a method: 36 and 44 goals of 100."""
+    return [row(method, seed, goals) for seed, goals in enumerate((36, 44))]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_fewer_than_five_values_have_no_interval(count):
+    """Of two runs the smallest and the largest were once called a 95% interval; so were a run's two episodes."""
+    runs = [row("dr", seed, 36 + 2 * seed) for seed in range(count)]
+    few = [replace(runs[0], episodes=count, goals=1, mean_return=1 / count)]
+    found = [goal_rate(few), mean_return(few), level_cvar([LevelResult("dr", 0, 10 * count, 4, 0.5, 0.2, 0.05)])]
+    if count > 1:
+        many = [row("paired", seed, 60) for seed in range(9)]
+        levels = [LevelResult("dr", seed, 200, 4, 0.5, 0.2, 0.05) for seed in range(count)]
+        found += [goal_rate(runs), mean_return(runs), advantage(many, runs), advantage(runs, many)]
+        found += [level_rate(levels), level_cvar(levels)]
+        scores = Scores(np.full((count, 3), 0.5), np.full((count, 3), 0.1))
+        found += [mean_score(scores), iqm_score(scores), iqm_stratified(scores), chance_of_better(scores, scores)]
+    for interval in found:
+        assert not interval.known and np.isnan([interval.low, interval.high]).all() and interval.estimate >= -1
+
+
+def test_a_table_of_two_runs_shows_no_interval_and_says_so(tmp_path):
+    report = Report([*two_values("dr"), *two_values("paired")])
+    text = report.text()
+    table, note = text.split("[95% intervals", 1)
+    assert "[" not in table and "40%" in table and "none below 5 runs, or 5 episodes" in note
+    assert "[" not in note.split("\n\n")[1].split("\n[")[0]
+    report.save(tmp_path)
+    with open(tmp_path / "table.csv") as file:
+        entries = list(csv.DictReader(file))
+    assert entries and all((entry["low"], entry["high"], entry["interval"]) == ("", "", "") for entry in entries)
 
 
 def test_runs_that_agree_by_chance_are_not_certain():
     for interval in (
-        goal_rate([row("dr", 0, 50), row("dr", 1, 50)]),
-        mean_return([row("dr", 0, 50), row("dr", 1, 50)]),
+        goal_rate([row("dr", seed, 50) for seed in range(5)]),
+        mean_return([row("dr", seed, 50) for seed in range(5)]),
     ):
         assert interval.estimate == 0.5
-        assert 0.03 < interval.high - interval.estimate < 0.12  # 1.96 standard errors of 200 episodes are 0.07
-    always = goal_rate([row("dr", 0, 100), row("dr", 1, 100)])
-    assert 0.97 < always.low < 0.99 and always.estimate == always.high == 1.0
+        assert 0.03 < interval.high - interval.estimate < 0.06  # 1.96 standard errors of 500 episodes are 0.044
+    always = goal_rate([row("dr", seed, 100) for seed in range(5)])
+    assert 0.97 < always.low < 0.995 and always.estimate == always.high == 1.0
 
 
 def test_the_advantage_of_a_better_method_is_positive():
-    better = [row("paired", seed, 80 + seed) for seed in range(3)]
-    worse = [row("dr", seed, 40 - seed) for seed in range(3)]
+    better = [row("paired", seed, 80 + seed) for seed in range(5)]
+    worse = [row("dr", seed, 40 - seed) for seed in range(5)]
     gain = advantage(better, worse)
-    assert gain.estimate == pytest.approx(0.42) and gain.low > 0.3
+    assert gain.estimate == pytest.approx(0.44) and gain.low > 0.3
 
 
 def two_methods():
     results = [
         row(method, seed, goals, scene)
         for method, goals in (("dr", 40), ("paired", 60))
-        for seed in (0, 1)
+        for seed in range(5)
         for scene in ("easy", "hard")
     ]
     return results + [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
@@ -187,7 +221,7 @@ def test_the_table_has_methods_and_scenes():
     cells = [[cell.strip() for cell in line if cell.strip()] for line in lines]
     assert cells[0] == ["method", "easy", "hard", "runs", "env_steps", "updates"]
     assert [line[0] for line in cells[2:9]] == ["dr", "goals", "paired", "goals", "− dr", "shoot", "goals"]
-    assert cells[4][2].startswith("+0.60 [+0.") and cells[4][4:] == ["2", "1_000", "10"]
+    assert cells[4][2].startswith("+0.60 [+0.") and cells[4][4:] == ["5", "1_000", "10"]
     assert cells[6][1].startswith("+0.20 [+0.") and cells[7][-3:] == ["1", "–", "–"]
     assert cells[8] == ["goals", "10% [6%, 17%]", "0% [0%, 4%]"]
     second = cells.index(["method", "mean", "IQM", "IQM, stratified", "mean − dr", "P(better than dr)"])
@@ -202,13 +236,21 @@ def test_markdown_and_csv_have_the_same_numbers(tmp_path):
     widths = {line.count("|") for line in lines if line.startswith("| ")}
     assert widths == {8, 9}  # 7 and 8 columns
     assert any(
-        line.startswith("| paired | 60% [") and line.endswith("| 50% [43%, 57%] | 20% [10%, 30%] |") for line in lines
+        line.startswith("| paired | 60% [") and line.endswith("| 50% [43%, 57%] | 20% [6%, 34%] |") for line in lines
     )
     with open(tmp_path / "table.csv") as file:
         entries = {(row["method"], row["measure"], row["scene"]): row for row in csv.DictReader(file)}
     assert float(entries["paired", "mean minus first", ""]["estimate"]) == pytest.approx(0.2)
     assert entries["paired", "P(better)", ""]["low"] < entries["paired", "P(better)", ""]["estimate"]
     assert float(entries["shoot", "goals", "easy"]["high"]) == pytest.approx(0.1744, abs=1e-3)  # Wilson of 10 in 100
+    kinds = {
+        measure: entries["paired", measure, ""]["interval"] for measure in ("mean", "P(better)", "IQM, stratified")
+    }
+    assert list(kinds.values()) == ["bootstrap over runs", "Newcombe", "bootstrap over runs and scenes"]
+    assert (entries["shoot", "goals", "easy"]["interval"], entries["shoot", "return", "easy"]["interval"]) == (
+        "Wilson",
+        "t",
+    )
     assert len(read_rows(tmp_path / "levels.csv")) == 3
 
 
@@ -217,9 +259,8 @@ def test_scores_of_all_scenes():
     found = Scores(np.array([[0.0, 0.5, 1.0], [0.2, 0.6, 0.7]]), np.zeros((2, 3)))
     assert iqm_score(found).estimate == pytest.approx((0.5 * 0.2 + 0.5 + 0.6 + 0.5 * 0.7) / 3)
     assert iqm_score(found).estimate == iqm_stratified(found).estimate
-    assert iqm_stratified(found).low < iqm_stratified(found).high
-    one = Scores(found.rates[:1], found.errors[:1])
-    assert np.isnan(iqm_stratified(one).low) and np.isnan(iqm_score(one).low)
+    several = Scores(np.tile(found.rates, (3, 1)), np.tile(found.errors, (3, 1)))
+    assert iqm_stratified(several).low < iqm_stratified(several).high
     other = Scores(np.array([[0.4], [0.4], [0.6]]) + np.zeros((3, 3)), np.zeros((3, 3)))
     assert chance_of_better(found, other).estimate == pytest.approx(2 / 3)  # both have the mean 0.5
 
@@ -247,9 +288,9 @@ def test_the_worst_levels_are_found_by_other_episodes():
 def test_levels_of_one_and_of_several_runs():
     one = LevelResult("dr", 0, 100, 10, 0.5, 0.05, 0.05)
     assert level_rate([one]) == pytest.approx((0.5, 0.469, 0.531), abs=1e-3)
-    assert level_cvar([one]) == pytest.approx((0.05, 0.0, 0.148))
-    several = [replace(one, seed=seed, goal_rate=rate) for seed, rate in enumerate((0.4, 0.5, 0.6))]
-    assert level_rate(several).low < 0.4 and level_cvar(several).estimate == pytest.approx(0.05)
+    assert level_cvar([one]) == pytest.approx((0.05, 0.0, 0.05 + 2.262 * 0.05), abs=1e-4)  # t of ten levels
+    several = [replace(one, seed=seed, goal_rate=rate) for seed, rate in enumerate((0.4, 0.45, 0.5, 0.55, 0.6))]
+    assert level_rate(several).low < 0.42 and level_cvar(several).estimate == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize("flags", [["--levels", "5"], ["--level-episodes", "3"], ["--level-episodes", "0"]])

@@ -14,13 +14,14 @@ from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod, ProbeUPOMDP
 from ued.learning.learner import episode_metrics
 from ued.learning.worker import Episodes
+from ued.statistics import of_episodes
 
 SHORT = ["--total-env-steps", "8000", "--eval-every", "4000", "--eval-episodes", "4", "--no-record"]
 
 
-def told(rows):
+def told(rows, **known):
     """Return what a watch says of these rows: (row, event)."""
-    watch = Watch()
+    watch = Watch(**known)
     return [(number, event.event) for number, row in enumerate(rows, 1) for event in watch.look(row)]
 
 
@@ -30,11 +31,68 @@ def test_no_episode_is_told_once_until_one_has_ended():
     assert told(rows) == [(QUIET_UPDATES, "no episode"), (2 * QUIET_UPDATES + 6, "no episode")]
 
 
+@pytest.mark.parametrize(
+    ("limit", "words"), [(1000, "the limit is 1_000"), (None, "the environment declares no limit")]
+)
+def test_no_episode_says_how_long_the_longest_one_is_and_what_its_limit_is(limit, words):
+    watch = Watch(limit=limit)
+    events = [
+        event
+        for update in range(1, QUIET_UPDATES + 1)
+        for event in watch.look({"episodes/student": 0.0, "open/student": 64.0 * update})
+    ]
+    expected = f"no episode of student has ended in 10 updates; the longest open one has 640 steps so far, {words}"
+    assert [event.text for event in events] == [expected]
+    watch = Watch(limit=limit)  # of a run that did not note the length yet
+    older = [event for _ in range(QUIET_UPDATES) for event in watch.look({"episodes/student": 0.0})]
+    assert [event.text for event in older] == [f"no episode of student has ended in 10 updates; {words}"]
+
+
+def steps_of(name, *steps, each=100):
+    """Return rows of so many gradient steps, `each` env_steps apart."""
+    return [{f"{name}/gradient_steps": float(n), "env_steps": each * k} for k, n in enumerate(steps, 1)]
+
+
+def test_who_learns_nothing_is_told_at_half_of_the_run_and_at_its_end():
+    for name in ("student", "adversary"):
+        assert told(steps_of(name, *[0] * 10), total=1000) == [(5, "no learning"), (10, "no learning")]
+    assert told(steps_of("student", *[0] * 7, 8, 8, 8), total=1000) == [(5, "no learning"), (10, "little learning")]
+    assert told(steps_of("student", 0, *[8] * 9), total=1000) == []
+    assert told(steps_of("adversary", 0, 0, 0, 0, 8, 0, 0, 0, 0, 8), total=1000) == []  # it waits for many levels
+    assert told(steps_of("student", 0, 0, 0), total=1000) == []  # not over yet
+    watch = Watch(total=300)
+    (event,) = [event for row in steps_of("student", 8, 0, 0) for event in watch.look(row)]
+    assert event.text == "student has taken gradient steps in only 1 of 3 updates (33%)"
+
+
+def evaluated(value, error=0.05):
+    """Return the row of an evaluation: a mean return with its interval."""
+    return {"eval/hard": value, "eval_low/hard": value - error, "eval_high/hard": value + error}
+
+
+def goals(scored, episodes):
+    """Return the row of an evaluation in which so many episodes have a goal."""
+    found = of_episodes(np.repeat([1.0, 0.0], [scored, episodes - scored]))
+    return dict(zip(("eval/hard", "eval_low/hard", "eval_high/hard"), found, strict=True))
+
+
 def test_forgetting_is_losing_half_of_what_was_gained():
     returns = [0.2, 0.8, 0.6, float("nan"), 0.4, float("nan"), 0.3, 0.7, 0.1]
-    assert told([{"eval/hard": value} for value in returns]) == [(5, "forgetting"), (9, "forgetting")]
-    assert told([{"eval/hard": value} for value in (0.5, 0.4, 0.1)]) == []  # nothing had been gained
-    assert told([{"eval/hard": value} for value in (-1290.0, -1253.0, -1287.0)]) == []  # nor more than by chance
+    assert told([evaluated(value) for value in returns]) == [(5, "forgetting"), (9, "forgetting")]
+    assert told([evaluated(value) for value in (0.5, 0.4, 0.1)]) == []  # nothing had been gained
+    assert told([evaluated(value) for value in (-1290.0, -1253.0, -1287.0)]) == []  # nor more than by chance
+
+
+def test_a_goal_fewer_is_not_forgotten():
+    """One goal in 16 episodes after two: the intervals of both have most in common."""
+    assert told([goals(0, 16), goals(2, 16), goals(1, 16), goals(0, 16)]) == []
+    assert told([goals(0, 16), goals(14, 16), goals(2, 16)]) == [(3, "forgetting")]
+    assert told([goals(0, 4), goals(4, 4), goals(0, 4)]) == []  # too few episodes for an interval
+    assert told([goals(0, 500), goals(100, 500), goals(30, 500)]) == [(3, "forgetting")]
+
+
+def test_returns_are_forgotten_where_they_differ_by_more_than_episodes_do():
+    assert told([evaluated(value, error=0.5) for value in (0.2, 0.8, 0.1)]) == []
 
 
 def test_collapse_and_invalid_proposals():
@@ -46,10 +104,13 @@ def test_collapse_and_invalid_proposals():
 
 def test_a_continued_run_says_what_it_would_have_said(tmp_path, capsys):
     run = SimpleNamespace(metrics=SimpleNamespace(path=tmp_path / "metrics.csv"))
-    run.config = SimpleNamespace(minigame="1v1Free")
-    (tmp_path / "metrics.csv").write_text("update,eval/hard\n1,0.2\n2,0.8\n3,\n")
+    run.config = SimpleNamespace(minigame="1v1Free", total_env_steps=100)
+    rows = "1,0.2,0.1,0.3,\n2,0.8,0.7,0.9,8\n3,,,,0\n"
+    header = "update,eval/hard,eval_low/hard,eval_high/hard,student/gradient_steps\n"
+    (tmp_path / "metrics.csv").write_text(header + rows)
     reporters = Reporters(run, ProbeUPOMDP())
-    assert [event.event for event in reporters.watch.look({"eval/hard": 0.3})] == ["forgetting"]
+    assert [event.event for event in reporters.watch.look(evaluated(0.3))] == ["forgetting"]
+    assert reporters.watch.learning.updates == {"student": 2} and reporters.watch.learning.learned == {"student": 1}
 
 
 def test_rolling_returns_outlast_updates_without_an_episode():

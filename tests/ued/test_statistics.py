@@ -5,7 +5,17 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 
-from ued.statistics import bootstrap, cvar, iqm, probability_of_improvement, spearman, stratified, wilson
+from ued.statistics import (
+    bootstrap,
+    cvar,
+    iqm,
+    of_episodes,
+    probability_of_improvement,
+    spearman,
+    stratified,
+    student_t,
+    wilson,
+)
 
 
 def test_iqm_is_the_mean_of_the_middle_half():
@@ -28,9 +38,9 @@ def test_whole_runs_are_resampled():
     assert interval.estimate == pytest.approx(runs.mean())
 
 
-@pytest.mark.parametrize("runs", [2, 3, 20])
+@pytest.mark.parametrize("runs", [5, 7, 20])
 def test_the_interval_covers_the_truth_about_as_often_as_it_says(runs):
-    """Plain resampling would cover it in 50 % of the cases with two runs, in 75 % with three."""
+    """Plain resampling would cover it in 84% of the cases with five runs."""
     rng = np.random.default_rng(2)
     hits = 0
     for _ in range(200):
@@ -48,16 +58,27 @@ def test_it_is_as_wide_as_student_has_it():
 
 
 def test_the_luck_within_runs_counts_too():
-    equal, errors = np.full(4, 0.5), np.full(4, 0.1)
+    equal, errors = np.full(5, 0.5), np.full(5, 0.1)
     assert bootstrap(equal, np.random.default_rng(0)).interval() == (0.5, 0.5, 0.5)
     _, low, high = bootstrap(equal, np.random.default_rng(0), errors=errors).interval()
-    assert (high - low) / 2 == pytest.approx(1.96 * 0.1 / 2, rel=0.1)
+    assert (high - low) / 2 == pytest.approx(1.96 * 0.1 / 5**0.5, rel=0.1)
 
 
-def test_one_run_has_no_interval():
-    interval = bootstrap(np.array([[0.5, 0.7]]), np.random.default_rng(0)).interval()
-    assert interval.estimate == pytest.approx(0.6)
-    assert np.isnan(interval.low) and np.isnan(interval.high)
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_few_values_have_no_interval(count):
+    rng, values = np.random.default_rng(0), np.arange(count) / 10
+    intervals = [
+        bootstrap(values, rng).interval(),
+        wilson(1, count),
+        student_t(0.5, 0.1, count),
+        of_episodes(values),
+        of_episodes(np.ones(count)),
+        probability_of_improvement(values, np.arange(9.0)),
+        probability_of_improvement(np.arange(9.0), values),
+        stratified(values[:, None], rng),
+    ]
+    assert all(np.isnan([interval.low, interval.high]).all() and not interval.known for interval in intervals)
+    assert intervals[0].estimate == pytest.approx(values.mean())
     with pytest.raises(ValueError, match="at least one run"):
         bootstrap(np.zeros((0, 3)), np.random.default_rng(0))
 
@@ -78,6 +99,20 @@ def test_wilson():
         assert interval.estimate == successes / trials
     with pytest.raises(ValueError, match="got 3 of 2"):
         wilson(3, 2)
+
+
+@pytest.mark.parametrize(("count", "quantile"), [(5, 2.7764), (6, 2.5706), (11, 2.2281), (31, 2.0423), (1001, 1.9623)])
+def test_students_t_has_the_published_quantiles(count, quantile):
+    interval = student_t(1.0, 0.5, count)
+    assert (interval.high - 1.0) / 0.5 == pytest.approx(quantile, abs=2e-3) and interval.estimate == 1.0
+    assert interval.high - 1.0 == pytest.approx(1.0 - interval.low)
+
+
+def test_returns_of_0_and_1_have_wilsons_interval_and_others_students():
+    goals = np.array([1.0] * 15 + [0.0] * 133)
+    assert of_episodes(goals) == wilson(15, 148)
+    returns = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    assert of_episodes(returns) == pytest.approx(student_t(3.0, returns.std(ddof=1) / 5**0.5, 5))
 
 
 def test_cvar_is_the_mean_of_the_worst():
@@ -113,9 +148,9 @@ def test_the_probability_of_improvement_counts_pairs():
 
 
 def test_the_probability_of_improvement_of_few_runs_is_uncertain_even_if_all_are_better():
-    few = probability_of_improvement(np.array([2.0, 3.0]), np.array([0.0, 1.0]))
+    few = probability_of_improvement(np.arange(5.0) + 5, np.arange(5.0))
     many = probability_of_improvement(np.arange(20.0) + 20, np.arange(20.0))
-    assert few.low < 0.5 < many.low < 1.0 == few.high == many.high
+    assert few.low < 0.65 < many.low < 1.0 == few.high == many.high
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.7, 1.5])
@@ -130,7 +165,7 @@ def test_the_interval_of_the_probability_of_improvement_covers_it(shift):
 
 def test_the_stratified_interval_takes_tasks_of_a_run_for_independent():
     """Runs that are good or bad at all tasks: each task resampled apart evens them out, whole runs do not."""
-    runs = np.array([[0.0], [1.0], [0.0], [1.0]]) + np.zeros((4, 50))
+    runs = np.array([[0.0], [1.0], [0.0], [1.0], [0.0], [1.0]]) + np.zeros((6, 50))
     narrow = stratified(runs, np.random.default_rng(0))
     wide = bootstrap(runs, np.random.default_rng(0), iqm).interval()
     assert narrow.estimate == wide.estimate == iqm(runs) == 0.5
@@ -138,8 +173,9 @@ def test_the_stratified_interval_takes_tasks_of_a_run_for_independent():
 
 
 def test_the_stratified_interval_of_one_task_resamples_its_runs():
-    """Two runs with 0 and 1: the mean of two draws is 0, 0.5 or 1 with probability 1/4, 1/2, 1/4."""
-    assert stratified(np.array([[0.0], [1.0]]), np.random.default_rng(0)) == (0.5, 0.0, 1.0)
+    """Half of the runs 0 and half 1: a resample of six has another interquartile mean each time, from 0 to 1."""
+    interval = stratified(np.array([[0.0], [1.0]] * 3), np.random.default_rng(0))
+    assert interval == (0.5, 0.0, 1.0)
 
 
 def test_rank_correlation_is_that_of_the_ranks():

@@ -115,6 +115,7 @@ class Learner:
         ended = self.worker.pop_episodes()
         self.recent = np.append(self.recent, ended.returns)[-RECENT:]
         episodes = episode_metrics(self.name, ended, self.recent)
+        episodes[f"open/{self.name}"] = float(self.worker.lengths.max())
         losses |= action_shares(self.rollout, self.upomdp)
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 

@@ -46,7 +46,7 @@ class PPO(Resumable):
     ) -> dict[str, float]:
         """Learn from the steps of a rollout that are meant for it; return the means of the losses over all minibatches.
 
-        Minibatches are as large as if all steps were; where none is, nothing changes and there are no losses.
+        Minibatches are as large as if all steps were; where none is, nothing changes and `gradient_steps` is 0.
         `env_steps` so far anneal the learning rate; `advantages` (see `gae`) may be known already; `regularizer` is
         another policy to stay close to. Raises `FloatingPointError` for a gradient that is not finite.
         """
@@ -58,7 +58,7 @@ class PPO(Resumable):
         old = Batch.of(rollout, advantages, targets).to(self.student.device)  # T * N rows
         sequences = self.student.actor_memory.sequences(rollout.train).to(self.student.device)  # [S, L] of these rows
         if not len(sequences):
-            return {}
+            return {"gradient_steps": 0.0}
         minibatch_size = -(-len(old.value) // sequences.shape[1] // config.num_minibatches)
         logs: list[dict[str, float]] = []
         for _ in range(config.update_epochs):
@@ -73,6 +73,7 @@ class PPO(Resumable):
         self.student.normaliser.track(old.observation if learned.all() else old.observation[learned])
         self.updates += 1
         metrics = {name: sum(log[name] for log in logs) / len(logs) for name in logs[0]}
+        metrics |= {"gradient_steps": float(len(logs))}
         metrics["explained_variance"] = explained_variance(old.value[learned], old.target[learned])
         metrics["learning_rate"] = self.optimizer.param_groups[0]["lr"]
         return metrics

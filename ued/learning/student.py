@@ -7,15 +7,15 @@ what each agent sees, or from what all see together (MAPPO, Yu et al. 2022).
 It remembers nothing within an episode, or has a GRU. Whoever lets it play keeps what it remembers, a row of
 `memory_width` numbers for each environment, and sets it to 0 where an episode begins; see `learning.memory`.
 
-Observations are normalised by running statistics that the student carries (and its checkpoint with it), rather than by
+Observations are normalized by running statistics that the student carries (and its checkpoint with it), rather than by
 a fixed scaling: the same student then learns from any Gymnasium environment, whatever the units of its observations.
+Images are scaled to [0, 1]; see `learning.pixels`.
 Read next: `learning.rollout`.
 """
 
 from __future__ import annotations
 
 import copy
-import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
@@ -28,6 +28,7 @@ from torch import Tensor, nn
 from ued.config import PPOConfig
 from ued.learning.memory import Past, make_memory
 from ued.learning.networks import Policy, PolicyHead, Team, linear, torso
+from ued.learning.pixels import Pixels
 
 CLIP = 10.0  # standard deviations
 
@@ -72,26 +73,6 @@ class Normaliser(nn.Module):
         )
         self.mean.add_((delta * rows / total).float())
         self.count.copy_(total)
-
-
-class Pixels(nn.Module):
-    """Scale images to [0, 1] by the bounds of their space; there is nothing to learn of their statistics.
-
-    Those without bounds stay as they are.
-    """
-
-    def __init__(self, space: Box) -> None:
-        super().__init__()
-        low, high = float(space.low.min()), float(space.high.max())
-        bounded = math.isfinite(low) and math.isfinite(high) and high > low
-        self.low, self.reach = (low, high - low) if bounded else (0.0, 1.0)
-
-    def forward(self, observation: Tensor) -> Tensor:
-        observation = observation.float()
-        return (observation - self.low if self.low else observation) / self.reach
-
-    def track(self, observation: Tensor) -> None:
-        """Do nothing: see the class."""
 
 
 class Student(nn.Module):

@@ -11,11 +11,13 @@ Read next: `methods.plr`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from ued.config import BufferConfig, PLRConfig, RepairedConfig
 from ued.level_space import LevelSpace, level_dtype
+from ued.levels.budget import Budget
 from ued.levels.ranking import Ranking
 from ued.levels.record import NONE, Origin, make_records, number
 from ued.resumable import Resumable
@@ -51,12 +53,13 @@ class LevelBuffer(Resumable):
     Args:
         space: what levels there are.
         config: capacity, priorities, staleness.
+        budget: of the run; see `is_ready`.
     """
 
-    state_fields = ("slots", "now", "next_id")
+    state_fields = ("slots", "now", "next_id", "replays")
 
-    def __init__(self, space: LevelSpace, config: BufferConfig) -> None:
-        self.space, self.config = space, config
+    def __init__(self, space: LevelSpace, config: BufferConfig, budget: Budget | None = None) -> None:
+        self.space, self.config, self.budget = space, config, budget or Budget()
         self._slots = np.zeros(config.capacity, slot_dtype(level_dtype(space.theta_dim)))
         self._count = 0
         self._rows: dict[bytes, int] = {}  # which row holds a level, by its key
@@ -66,6 +69,7 @@ class LevelBuffer(Resumable):
         self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores have changed since it was asked
         self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
+        self.replays = False  # whether replay has begun, where the budget says when
 
     def __len__(self) -> int:
         return self._count
@@ -88,12 +92,22 @@ class LevelBuffer(Resumable):
         """Share of the capacity in use."""
         return self._count / self.config.capacity
 
-    def is_ready(self, min_fill: float) -> bool:
-        """Return whether so many levels were offered as fill this share of the capacity.
+    def is_ready(self, min_fill: float | None) -> bool:
+        """Return whether as many levels were offered as fill this share of the capacity; None: as the budget says.
 
-        Not whether it is filled: of a few programs without parameters, say, there are fewer levels than that.
+        The share is of levels offered, not kept: a few programs without parameters, for example, never fill a buffer.
+        By the budget, replay that has begun goes on, also if the budget is extended.
         """
-        return self._count > 0 and self.now >= min_fill * self.config.capacity
+        if not self._count:
+            return False
+        if min_fill is not None:
+            return self.now >= min_fill * self.config.capacity
+        self.replays = self.replays or self.budget.allows_replay(self.now, self.config.capacity)
+        return self.replays
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` returned; older states do not say whether replay has begun."""
+        super().load_state_dict({"replays": False} | state)
 
     # ------------------------------------------------------------ what is replayed
 

@@ -6,12 +6,15 @@ the policy; `methods.minimax`, the shortest use.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ued.config import TeacherConfig
 from ued.curriculum import LevelSpace, need_vector
 from ued.level_space import level_dtype, whole
 from ued.levels.adversary import Adversary, Proposals
+from ued.levels.budget import Budget
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.parameters import categories_of
 from ued.resumable import Resumable
@@ -27,14 +30,23 @@ class Teacher(Resumable):
         config: the adversary; how many levels are random; what an invalid proposal costs.
         students, episodes: S and n of the level records.
         seed: of its random streams.
+        budget: of the run, which says when it learns; see `AdversaryConfig.min_batch`.
 
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    state_fields: tuple[str, ...] = ("adversary", "pending_proposals", "mix")
+    state_fields: tuple[str, ...] = ("adversary", "pending_proposals", "mix", "learned_at")
 
-    def __init__(self, space: LevelSpace, config: TeacherConfig, students: int, episodes: int, seed: int) -> None:
-        self.space, self.config = space, config
+    def __init__(
+        self,
+        space: LevelSpace,
+        config: TeacherConfig,
+        students: int,
+        episodes: int,
+        seed: int,
+        budget: Budget | None = None,
+    ) -> None:
+        self.space, self.config, self.budget = space, config, budget or Budget.of(space)
         seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
@@ -50,6 +62,7 @@ class Teacher(Resumable):
         ]
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), students, episodes, own)
         self.pending_proposals = np.zeros(0, self.dtype)  # scored, but too few yet for the adversary to learn from
+        self.learned_at = 0  # env_steps
 
     def propose(self, count: int) -> np.ndarray:
         """Return `count` level records: the adversary's proposals, some random levels among them."""
@@ -85,7 +98,8 @@ class Teacher(Resumable):
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Note the score `[L]` of these levels `[L]`; let the adversary learn from its own among them.
 
-        It waits until there are enough of them. Returns the means of its losses, none while it waits.
+        It waits until there are enough of them. Returns its gradient steps and the means of its losses, none while it
+        waits.
         """
         levels["score"] = score
         proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
@@ -94,9 +108,20 @@ class Teacher(Resumable):
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
         self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
-        if len(self.pending_proposals) < self.config.adversary.min_batch:
-            return {}
+        if not self._is_enough(len(self.pending_proposals)):
+            return {"adversary/gradient_steps": 0.0}
+        self.learned_at = self.budget.spent
         batch, self.pending_proposals = self.pending_proposals, self.pending_proposals[:0]
         drawn = Proposals(*(np.ascontiguousarray(batch[name]) for name in ("z", "raw", "log_prob")))
         losses = self.adversary.learn(drawn, batch["score"])
-        return {f"adversary/{name}": value for name, value in losses.items()}
+        steps = {"adversary/gradient_steps": float(self.config.adversary.update_epochs)}
+        return steps | {f"adversary/{name}": value for name, value in losses.items()}
+
+    def _is_enough(self, waiting: int) -> bool:
+        """Return whether the adversary learns from so many levels."""
+        least = self.config.adversary.min_batch
+        return self.budget.allows_lesson(waiting, self.learned_at) if least is None else waiting >= least
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Take back what `state_dict` returned; older states do not say when the adversary last learned."""
+        super().load_state_dict({"learned_at": 0} | state)

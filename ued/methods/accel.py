@@ -16,6 +16,7 @@ import numpy as np
 
 from ued.config import ACCELConfig
 from ued.curriculum import LevelSpace
+from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
@@ -36,7 +37,7 @@ class ACCEL(Method):
     def begin(self, config: ACCELConfig | None, seed: int) -> None:
         if not self.upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        self.curriculum = ACCELLevels(self.upomdp, config or ACCELConfig(), seed)
+        self.curriculum = ACCELLevels(self.upomdp, config or ACCELConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
@@ -60,8 +61,8 @@ class ACCELLevels(PLRLevels):
     config: ACCELConfig
     state_fields = (*PLRLevels.state_fields, "children")
 
-    def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0) -> None:
-        super().__init__(space, config, seed, robust=True)
+    def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
+        super().__init__(space, config, seed, robust=True, budget=budget)
         self.children = np.zeros(0, self.dtype)  # not yet looked at
 
     def propose(self, count: int) -> np.ndarray:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ued.config import MinimaxConfig
 from ued.curriculum import LevelSpace
+from ued.levels.budget import Budget
 from ued.levels.queue import LevelQueue
 from ued.levels.record import mean_returns
 from ued.levels.teacher import Teacher
@@ -26,7 +27,7 @@ class Minimax(Method):
     """
 
     def begin(self, config: MinimaxConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed)
+        self.curriculum = self.teacher = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed, self.budget)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
@@ -42,8 +43,8 @@ class Minimax(Method):
 class MinimaxLevels(Teacher):
     """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
 
-    def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0) -> None:
-        super().__init__(space, config, 1, config.episodes_per_level, seed)
+    def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None) -> None:
+        super().__init__(space, config, 1, config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Pay the adversary the student's mean return, negated."""

@@ -23,6 +23,7 @@ from ued.curriculum import LevelSpace
 from ued.learning.learner import Learner
 from ued.learning.ppo import KLRegularizer
 from ued.levels import scores
+from ued.levels.budget import Budget
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
@@ -38,7 +39,7 @@ class Paired(Method):
 
     def begin(self, config: PairedConfig | None, seed: int) -> None:
         self.config = config or PairedConfig()
-        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed)
+        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         add_students(self, self.config)
 
@@ -82,8 +83,8 @@ class PairedLevels(Teacher):
 
     config: PairedConfig
 
-    def __init__(self, space: LevelSpace, config: PairedConfig, seed: int = 0) -> None:
-        super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed)
+    def __init__(self, space: LevelSpace, config: PairedConfig, seed: int = 0, budget: Budget | None = None) -> None:
+        super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Pay the adversary the regret that its levels caused."""

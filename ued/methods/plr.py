@@ -18,6 +18,7 @@ from ued.config import PLRConfig
 from ued.curriculum import LevelSpace, RandomLevelPool
 from ued.level_space import level_dtype
 from ued.levels import scores
+from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
@@ -32,7 +33,7 @@ class PLR(Method):
     robust = False
 
     def begin(self, config: PLRConfig | None, seed: int) -> None:
-        self.curriculum = PLRLevels(self.upomdp, config or PLRConfig(), seed, self.robust)
+        self.curriculum = PLRLevels(self.upomdp, config or PLRConfig(), seed, self.robust, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
@@ -63,16 +64,19 @@ class PLRLevels(Resumable):
         config: what makes a level worth it, and how often it is replayed.
         seed: of the choices between replay and new, and among levels.
         robust: students learn from replayed levels alone.
+        budget: of the run, which says when replay begins; see `PLRConfig.min_fill`.
     """
 
     state_fields: tuple[str, ...] = ("buffer", "pool", "rng")
 
-    def __init__(self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True) -> None:
+    def __init__(
+        self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True, budget: Budget | None = None
+    ) -> None:
         self.space, self.config, self.robust = space, config, robust
         best = ("best", np.float64)  # the best return ever made on the level
         level = level_dtype(space.theta_dim)
         self.dtype = level_record_dtype(level, episodes=config.episodes_per_level, extra=[best])
-        self.buffer = LevelBuffer(space, config.buffer)
+        self.buffer = LevelBuffer(space, config.buffer, budget or Budget.of(space))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from ued.config import RepairedConfig
 from ued.curriculum import LevelSpace
+from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
@@ -30,7 +31,7 @@ class Repaired(Method):
 
     def begin(self, config: RepairedConfig | None, seed: int) -> None:
         self.config = config or RepairedConfig()
-        self.curriculum = self.teacher = RepairedLevels(self.upomdp, self.config, seed)
+        self.curriculum = self.teacher = RepairedLevels(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         add_students(self, self.config)
 
@@ -56,9 +57,9 @@ class RepairedLevels(PairedLevels):
     config: RepairedConfig
     state_fields = (*PairedLevels.state_fields, "buffer", "rng")
 
-    def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0) -> None:
-        super().__init__(space, config, seed)
-        self.buffer = LevelBuffer(space, config.buffer)
+    def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0, budget: Budget | None = None) -> None:
+        super().__init__(space, config, seed, budget)
+        self.buffer = LevelBuffer(space, config.buffer, self.budget)
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:

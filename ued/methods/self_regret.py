@@ -17,6 +17,7 @@ import numpy as np
 from ued.config import SelfRegretConfig
 from ued.curriculum import LevelSpace
 from ued.levels import scores
+from ued.levels.budget import Budget
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
 from ued.method import Method
@@ -29,7 +30,7 @@ class SelfRegret(Method):
     """
 
     def begin(self, config: SelfRegretConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed)
+        self.curriculum = self.teacher = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
@@ -45,8 +46,10 @@ class SelfRegret(Method):
 class SelfRegretLevels(Teacher):
     """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
 
-    def __init__(self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0) -> None:
-        super().__init__(space, config, 1, 2 * config.episodes_per_level, seed)
+    def __init__(
+        self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0, budget: Budget | None = None
+    ) -> None:
+        super().__init__(space, config, 1, 2 * config.episodes_per_level, seed, budget)
         self.rule = config.regret
 
     def self_regret(self, records: np.ndarray) -> np.ndarray:

@@ -196,7 +196,7 @@ class ScenicUPOMDP(UPOMDP):
 
     def __init__(self, program: ScenicProgram, role: Role, num_envs: int = 1) -> None:
         super().__init__(check_count(num_envs), role.observation_space, role.action_space, program.draws)
-        self.program, self.role = program, role
+        self.program, self.role, self.max_episode_steps = program, role, role.max_steps
         self.workers = [Worker(Player(program, role)) for _ in range(num_envs)]
         self._observations = np.zeros((num_envs, *role.observation_space.shape), role.observation_space.dtype)
 
