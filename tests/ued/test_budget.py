@@ -33,12 +33,10 @@ class Waiting(UPOMDP):
         self.steps[where] = 0
         return self._seen()
 
-    def _step(self, actions):
+    def _advance(self, actions):
         reward = (actions == (self.levels["theta"][:, 0] > 0)).astype(float) / LONG
         self.steps += 1
-        final, ended = self._seen(), self.steps >= LONG
-        self.steps[ended] = 0
-        return self._seen(), reward, np.zeros(self.num_envs, bool), ended, {"final_obs": final, "_final_obs": ended}
+        return self._seen(), reward, np.zeros(self.num_envs, bool), self.steps >= LONG, {}
 
     def copy(self):
         twin = Waiting(self.num_envs)
@@ -46,11 +44,11 @@ class Waiting(UPOMDP):
         return twin
 
     def get_state(self):
-        return {"levels": self.levels.copy(), "steps": self.steps.copy(), "rng": self.np_random.bit_generator.state}
+        return {**self.level_state(), "steps": self.steps.copy()}
 
     def set_state(self, state):
-        self.levels[:], self.steps[:] = state["levels"], state["steps"]
-        self.np_random.bit_generator.state = state["rng"]
+        self.set_level_state(state, "steps")
+        self.steps[:] = state["steps"]
         return self._seen()
 
 
