@@ -60,9 +60,7 @@ class CompareConfig(Checked):
     )
     out: Path | None = setting(None, "folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also write the curves of all runs to this recording")
-    preset: Literal["fast", "thesis"] = setting(
-        "fast", "settings to start from: fast, or thesis (images, its network): a day on one core"
-    )
+    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (images: a day)")
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")

@@ -39,9 +39,7 @@ class TrainFlags:
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
-    preset: Literal["fast", "thesis"] = setting(
-        "fast", "settings to start from: fast, or thesis (images, its network): a day on one core"
-    )
+    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (images: a day)")
     connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")

@@ -7,6 +7,7 @@ adapters, through a kill and a resume.
 import hashlib
 import pickle
 from collections import defaultdict
+from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -196,12 +197,13 @@ def layout(upomdp, index, seen):
 def trained(method, adapter, updates=6):
     """Train, kill half-way and resume in environments of its own; return how all episodes began."""
     watch, settings = Watch(), SETTINGS.get(method)
-    first = METHODS[method].load()(ADAPTERS[adapter](), PPO, settings, seed=3)
+    ppo = replace(PPO, num_steps=256) if adapter == "football" else PPO  # whose episodes are longer
+    first = METHODS[method].load()(ADAPTERS[adapter](), ppo, settings, seed=3)
     watch.over(first)
     for _ in range(updates):
         first.update()
     state = pickle.loads(pickle.dumps(first.state_dict(episodes=first.upomdp.gives_state)))
-    second = METHODS[method].load()(ADAPTERS[adapter](), PPO, settings, seed=3)
+    second = METHODS[method].load()(ADAPTERS[adapter](), ppo, settings, seed=3)
     watch.over(second)
     second.load_state_dict(state)
     for _ in range(updates):
