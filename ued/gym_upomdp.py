@@ -20,7 +20,7 @@ from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
 from ued.episode_limit import episode_limit
-from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seeds
+from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seed
 from ued.parameters import Theta, ThetaMap
 from ued.upomdp import UPOMDP, check_count
 
@@ -196,8 +196,8 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     def _play(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode of the present level."""
         (seed,), (theta,) = self.level["seed"].tolist(), self.level["theta"]
-        luck = luck_seeds(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
-        observation, info = self.begin(Start(theta.copy(), seed, int(luck)), options)
+        luck = luck_seed(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
+        observation, info = self.begin(Start(theta.copy(), seed, luck), options)
         return observation, {**info, "theta": theta.copy(), "level_seed": seed}
 
 

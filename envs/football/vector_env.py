@@ -25,7 +25,7 @@ from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from scenic_lite import Program, load
-from scenic_lite.kernels.rng import streams
+from scenic_lite.kernels.rng import stream
 from ued.level_space import whole
 from ued.upomdp import UPOMDP, check_count
 
@@ -150,10 +150,8 @@ class FootballVectorEnv(UPOMDP):
 
     def _begin(self, where: np.ndarray) -> None:
         """Begin episodes in the environments `where` `[k]`, whose starts are in the batch, with the luck of each."""
-        starts = self._batch.starts
-        same = starts["deterministic"][where]  # every episode repeats the stream of the start
-        starts["random"][where] = np.where(same, starts["random"][where], streams(self.luck_seeds(where)))
-        self._engine.begin(self._batch, where, self._settings)
+        luck = np.array([stream(seed) for seed in self.luck_seeds(where).tolist()], np.uint64)
+        self._engine.begin(self._batch, where, luck, self._settings)
         self._started = True
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:

@@ -20,7 +20,7 @@ import ued
 from ued.curriculum import ThetaSpace
 from ued.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
 from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
-from ued.level_space import SEEDS, luck_seeds
+from ued.level_space import SEEDS, luck_seed
 from ued.methods import METHODS
 from ued.methods.plr import PLRLevels
 from ued.mixture import Mixture
@@ -296,7 +296,7 @@ def test_reset_is_given_the_seed_of_the_level_itself_in_every_episode():
 def test_luck_may_be_all_that_reset_draws_or_have_a_seed_of_its_own():
     batch, calls = given(luck=True)
     level = batch.levels["seed"][0]
-    assert [seed for seed, _ in calls] == [int(luck_seeds(level, 0, episode)) for episode in range(5)]
+    assert [seed for seed, _ in calls] == [luck_seed(int(level), 0, episode) for episode in range(5)]
     assert calls[0][0] == level and len({seed for seed, _ in calls}) == 5
     batch, calls = given(luck="weather")
     assert {seed for seed, _ in calls} == {int(batch.levels["seed"][0])}
