@@ -135,6 +135,11 @@ class LevelSpace:
             levels["seed"] = self._stream.integers(0, SEEDS, len(theta), dtype=np.uint64)
         return levels
 
+    def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
+        """Give levels `[n]` these seeds `[n]`, but where a seed follows from θ."""
+        if self.seeds is None:
+            levels["seed"] = seeds
+
     def key_of(self, level: np.void) -> bytes:
         """Return what tells a level from all others: its program and θ, and its seed.
 

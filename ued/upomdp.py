@@ -13,6 +13,7 @@ which makes a UPOMDP of any Gymnasium environment.
 
 from __future__ import annotations
 
+import copy
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -329,7 +330,12 @@ class UPOMDP(LevelSpace, VectorEnv):
         if not ended.any():
             return observations, rewards, terminated, truncated, info
         last = dict(info)
-        info |= {"final_obs": observations, "_final_obs": ended, "final_info": last, "_final_info": ended}
+        info |= {
+            "final_obs": copy.deepcopy(observations),  # which may be the environment's own array
+            "_final_obs": ended,
+            "final_info": last,
+            "_final_info": ended,
+        }
         return self.start_next(ended), rewards, terminated, truncated, info
 
     def advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:

@@ -115,8 +115,11 @@ class FootballVectorEnv(UPOMDP):
         return all(self.lineup.num_agents)
 
     @property
-    def max_episode_steps(self) -> int:  # type: ignore[override]
-        """The program's `game_duration`."""
+    def max_episode_steps(self) -> int | None:  # type: ignore[override]
+        """The program's `game_duration`; the longest there may be where it is random, None where nobody says."""
+        if "game_duration" in self.lineup.random_settings:
+            named = [draw for draw in self.draws if draw.name == "game_duration"]
+            return int(named[0].high) if named and np.isfinite(named[0].high) else None
         return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
 
     @property

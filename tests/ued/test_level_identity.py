@@ -389,3 +389,74 @@ def test_stable_baselines_and_torchrl_play_levels_with_layouts():
     assert all(len({start.layout for start in of_level}) == 1 for of_level in watch.starts.values())
     lucks = [start.luck for key in map(batch.key_of, pool) for start in watch.starts[key]]
     assert len(lucks) == len(set(lucks)) > 20
+
+
+# ---------------------------------------------------------------- edges
+
+
+def test_members_of_a_mixture_keep_the_seeds_that_their_levels_are():
+    method = METHODS["accel"].load()(
+        Mixture([GymUPOMDP(Rooms, None, ued.Seeds(5), 4), GymUPOMDP(Rooms, None, ued.Seeds(5, 100), 4)], ["a", "b"]),
+        PPO,
+        SETTINGS["accel"],
+        seed=0,
+    )
+    for _ in range(8):
+        method.update()
+        levels = method.last.records["level"]
+        values = method.upomdp.describe(levels["theta"])
+        assert [row["seed"] for row in values] == levels["seed"].tolist()
+
+
+def test_levels_of_no_seeded_episodes_are_told_apart_by_theta():
+    batch = GymUPOMDP(Rooms, put, {"rooms": ued.Integer(1, 2)}, 4, seed_episodes=False)
+    method = METHODS["plr"].load()(batch, PPO, ued.PLRConfig(buffer=BUFFER), seed=0)
+    for _ in range(4):
+        method.update()
+    assert len(method.buffer) == 2
+
+
+class Lent(Track):
+    """Hands out its own array, and writes into it again."""
+
+    def _look(self):
+        self.room = getattr(self, "room", np.zeros((self.num_envs, 3), np.float32))
+        self.room[:] = super()._look()
+        return self.room
+
+
+def test_final_observations_are_those_of_the_end():
+    batch = Lent(2)
+    batch.reset(seed=0)
+    for _ in range(6):
+        observations, _, terminated, _, info = batch.step(np.zeros(2, int))
+        if terminated.any():
+            assert (info["final_obs"][terminated, 2] == 3).all() and (observations[terminated, 2] == 0).all()
+            return
+    raise AssertionError("no episode has ended")
+
+
+def test_what_a_luck_function_returns_is_seen_first():
+    batch = GymUPOMDP(Rooms, put, {"rooms": (1, 6)}, 1, luck=lambda env, seed: np.full(4, 0.5, np.float32))
+    assert (batch.reset(seed=0)[0] == 0.5).all()
+
+
+def test_a_level_of_another_kind_is_refused_by_a_wrapper():
+    env = UPOMDPWrapper(Rooms(), put, {"rooms": (1, 6)})
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="one record of"):
+        env.reset(options={"level": np.zeros(1, ued.level_dtype(3))})
+    with pytest.raises(ValueError, match="visit must be"):
+        env.reset(options={"visit": -1})
+
+
+def test_a_feed_goes_on_with_its_visits():
+    def feed():
+        return CurriculumFeed(
+            PLRLevels(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
+        )
+
+    one, other = feed(), feed()
+    turns = [int(one.next()["turn"][0]) for _ in range(3)]
+    other.load_state_dict(one.state_dict())
+    assert turns == [0, 1, 2] and other.next()["turn"][0] == 3
