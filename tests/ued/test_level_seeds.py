@@ -1,4 +1,4 @@
-"""What environments are given when they are reset: seeds of levels, luck, levels of a curriculum; one reset an episode."""
+"""What environments are given when they are reset: seeds of levels, luck, levels of a curriculum; one reset each."""
 
 import numpy as np
 import pytest
