@@ -61,6 +61,7 @@ FLOORS = {
         "statistics",
         "files",
         "checkpoint",
+        "cells",  # of columns with finitely many values
         "parameters",  # what the columns of theta are
         "upomdp",  # the seam
         "gym_upomdp",

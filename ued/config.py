@@ -136,17 +136,21 @@ class DRConfig(Checked):
 class AdversaryConfig(Checked):
     """Settings of the adversary and its learning."""
 
-    learning_rate: float = setting(1e-2, "step size of Adam", ">0")
+    learning_rate: float = setting(5e-3, "step size of Adam", ">0")
     ent_coef: float = setting(
-        0.03, "weight of the entropy of theta (nats, all dimensions) against normalised regret", ">=0"
+        0.03,
+        "weight of the entropy of theta (nats, all columns, relative to what the program draws) against normalized regret",
+        ">=0",
     )
-    update_epochs: int = setting(20, "gradient steps for each batch of levels", ">=1")
+    update_epochs: int = setting(8, "gradient steps for each batch of levels", ">=1")
     clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1", ">0")
     vf_coef: float = setting(0.5, "weight of the baseline's loss", ">=0")
     max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0")
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0")
-    distribution: Literal["squashed", "beta"] = setting(
-        "squashed", "of theta: a Gaussian squashed by tanh, or a Beta distribution of each column"
+    distribution: Literal["program", "tanh_gaussian", "beta"] = setting(
+        "program",
+        "of theta: program begins as what the program draws, choices at their weights, and takes any shape; tanh_gaussian "
+        "(the thesis) and beta have one hump for each column, and options that stand amid a list are hard to find",
     )
     context: Literal["random", "observation"] = setting(
         "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
@@ -161,7 +165,13 @@ class AdversaryConfig(Checked):
     def thesis(cls) -> AdversaryConfig:
         """Return the settings of the thesis (Table 4.2)."""
         return cls(
-            learning_rate=8e-5, ent_coef=0.01, update_epochs=5, clip_coef=0.27, max_grad_norm=0.5, context_size=16
+            learning_rate=8e-5,
+            ent_coef=0.01,
+            update_epochs=5,
+            clip_coef=0.27,
+            max_grad_norm=0.5,
+            context_size=16,
+            distribution="tanh_gaussian",
         )
 
 

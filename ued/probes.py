@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.parameters import Column, Range, middle_of
+from ued.cells import middle_of
+from ued.parameters import Column, Range
 from ued.upomdp import UPOMDP, check_theta, set_stream
 
 ACTIONS = 4

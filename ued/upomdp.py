@@ -109,7 +109,7 @@ class LevelSpace:
         family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
         program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
             where there is one only; see `mixture`.
-        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
+        program_draws: the columns of θ of each of them, behind column 0, which chooses; empty likewise.
         theta_map: what `valid` and `describe` go by, such as a program or a `parameters.ThetaMap`; None: all levels are
             valid, and a column's values lie evenly between its low and its high.
     """
@@ -117,7 +117,7 @@ class LevelSpace:
     draws: tuple[Parameter, ...]
     family: LevelFamily | None = None
     program_names: tuple[str, ...] = ()
-    program_dims: tuple[int, ...] = ()
+    program_draws: tuple[tuple[Parameter, ...], ...] = ()
     theta_map: ThetaProgram | None = None
 
     @property

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ued.parameters import index_in
+from ued.cells import index_in
 
 if TYPE_CHECKING:
     from regista.envs.football.view.render import FootballPainter

@@ -41,7 +41,7 @@ from scenic_lite.scene.naming import (
     name_arguments,
     name_objects,
     title_of,
-    title_of_option,
+    titles_of_options,
 )
 from scenic_lite.scene.scenes import ScenePlan, Scenes, info_of, refuse_huge
 from scenic_lite.scene.theta import theta_of
@@ -171,7 +171,7 @@ class Program:
         for draw, column in zip(self.draws, self.layout.columns, strict=True):
             value = registers[self._shown.slot(column.shown)][0]
             value = value.item() if hasattr(value, "item") else value
-            values[draw.name] = title_of_option(column.options, value) if column.options else value
+            values[draw.name] = titles_of_options(column.options)[value] if column.options else value
         return values
 
     @cached_property
@@ -349,7 +349,10 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
     columns = [column for column in state.columns if id(column) in used]
     name_arguments(objects)
     draws = tuple(
-        Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))
+        Draw(
+            name, column.draw_kind, column.low, column.high, place_in_program(column, state),
+            titles_of_options(column.listed), column.weights,
+        )
         for name, column in zip(column_names(columns), columns, strict=True)
     )
     return ThetaLayout(file, columns, draws)

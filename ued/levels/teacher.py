@@ -12,7 +12,6 @@ from ued.config import TeacherConfig
 from ued.curriculum import LevelSpace, need_vector
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.parameters import categories_of
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, level_dtype, whole
@@ -39,8 +38,8 @@ class Teacher(Resumable):
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
         if space.theta_dim:  # else the adversary says that there is nothing to choose
             need_vector(space)
-        cells = categories_of(space.draws)
-        self.adversary = Adversary(cells, config.adversary, torch_generator(seeds.next()), size, space.program_dims)
+        generator = torch_generator(seeds.next())
+        self.adversary = Adversary(space.draws, config.adversary, generator, size, space.program_draws)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
