@@ -171,8 +171,9 @@ class ThetaDistribution(nn.Module):
     @staticmethod
     def _log_bumps(x: Tensor, shares: Tensor, means: Tensor, scales: Tensor) -> Tensor:
         """Return log of twice the density of x `[B, R]`: relative to the uniform on [-1, 1]."""
-        at, high, low = (torch.sigmoid((end - means) / scales) for end in (x[..., None], 1.0, -1.0))
-        density = at * (1 - at) / (scales * (high - low))  # [B, R, K]; a logistic's is at (1 - at) / scale
+        ends = torch.stack([x, torch.ones_like(x), -torch.ones_like(x)])[..., None]
+        at, high, low = torch.sigmoid((ends - means) / scales)  # logistic cumulative distributions [B, R, K]
+        density = at * (1 - at) / (scales * (high - low))
         return (2 * (shares * density).sum(-1) + SMALL).log()
 
     # ------------------------------------------------------------ programs of a mixture
