@@ -21,11 +21,11 @@ import torch
 
 from ued.config import AdversaryConfig
 from ued.levels.adversary import Adversary
-from ued.parameters import Choice, Column, Parameter, Range, numbered
+from ued.parameters import Choice, Column, Parameter, Range, numbered, snap
 from ued.seeding import torch_generator
 
 RESULTS = Path(__file__).with_suffix(".csv")
-UPDATES, LEVELS = 180, 80
+UPDATES, LEVELS = 90, 80
 NOISE = 0.3  # standard deviation of what a level pays around its mean
 BESIDE = 5  # columns that pay nothing
 ENTROPIES, SEEDS = (0.03, 0.1), 20
@@ -51,8 +51,7 @@ def options(*weights: float) -> Bandit:
     """Pay 1 for the option of the least weight."""
     choice = Choice(*range(len(weights)), weights=weights)
     place = choice.place(int(np.argmin(weights)))
-    columns = (Column("option", choice), *numbered("beside", BESIDE))
-    return Bandit(columns, band(place - 1e-6, place + 1e-6) if len(set(weights)) > 1 else band(-1, 1))
+    return Bandit((Column("option", choice), *numbered("beside", BESIDE)), band(place - 1e-6, place + 1e-6))
 
 
 def bandits() -> dict[str, Bandit]:
@@ -72,17 +71,10 @@ def learned(bandit: Bandit, config: AdversaryConfig, seed: int, updates: int = U
     shares = np.empty(updates)
     for update in range(updates):
         proposals = adversary.propose(LEVELS)
-        paid = bandit.pays(_values(bandit, adversary.theta(proposals)))
+        paid = bandit.pays(snap(adversary.theta(proposals), bandit.draws))
         shares[update] = (paid > 0).mean()
         adversary.learn(proposals, paid + NOISE * rng.normal(size=LEVELS))
     return shares, adversary
-
-
-def _values(bandit: Bandit, theta: np.ndarray) -> np.ndarray:
-    """Return θ with choices in the middle of their cells, whatever it was drawn from."""
-    from ued.parameters import snap
-
-    return snap(theta, bandit.draws)
 
 
 def main() -> int:

@@ -89,7 +89,7 @@ class ThetaDistribution(nn.Module):
         self.value = linear(hidden, 1, 0.0, generator)
         self.logits = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # A
         self.seen = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # what a choice adds to later h
-        self.bumps = linear(hidden, 3 * len(self.reals) * COMPONENTS, 0.0, generator)
+        self.bumps = linear(hidden, 3 * len(self.reals) * COMPONENTS, 0.0, generator) if self.reals else None
         self.first_shares = torch.tensor(FIRST_SHARES).log()
         self.first_means = torch.atanh(torch.tensor(FIRST_MEANS) / MOST_MEAN)
 
@@ -102,16 +102,8 @@ class ThetaDistribution(nn.Module):
             noise = -torch.empty_like(logits).exponential_(generator=generator).log()  # Gumbel's
             index = (logits + noise).argmax(-1).float()
             self._put(raw, index, self.choices[j])
-        shares, means, scales = self._bumps(self._all_seen(h, raw)[:, -1])  # [B, R, K]
-        bump = torch.multinomial(shares.flatten(0, 1), 1, generator=generator).view(len(z), -1, 1)
-        mean, scale = means.gather(2, bump)[..., 0], scales.gather(2, bump)[..., 0]  # [B, R]
-        low, high = torch.sigmoid((-1 - mean) / scale), torch.sigmoid((1 - mean) / scale)
-        quantile = low + (high - low) * torch.empty_like(mean).uniform_(generator=generator)
-        drawn = (mean + scale * torch.logit(quantile, 1e-6)).clamp(-1.0, 1.0)
-        for r, part in enumerate(self.reals if self.mixed else ()):
-            self._put(raw, drawn[:, r], part)
-        if not self.mixed:
-            raw[:, self.real_at] = drawn
+        if self.reals:
+            self._draw_reals(self._all_seen(h, raw)[:, -1], raw, generator)
         return raw, self(z, raw)[0]
 
     def forward(self, z: Tensor, raw: Tensor) -> tuple[Tensor, Tensor]:
@@ -161,8 +153,23 @@ class ThetaDistribution(nn.Module):
 
     # ------------------------------------------------------------ real numbers
 
+    def _draw_reals(self, seen: Tensor, raw: Tensor, generator: torch.Generator) -> None:
+        """Draw the real numbers into `raw`, each from one of its bumps by the inverse of its distribution."""
+        shares, means, scales = self._bumps(seen)  # [B, R, K]
+        bump = torch.multinomial(shares.flatten(0, 1), 1, generator=generator).view(len(raw), -1, 1)
+        mean, scale = means.gather(2, bump)[..., 0], scales.gather(2, bump)[..., 0]  # [B, R]
+        low, high = torch.sigmoid((-1 - mean) / scale), torch.sigmoid((1 - mean) / scale)
+        quantile = low + (high - low) * torch.empty_like(mean).uniform_(generator=generator)
+        drawn = (mean + scale * torch.logit(quantile, 1e-6)).clamp(-1.0, 1.0)
+        if self.mixed:
+            for r, part in enumerate(self.reals):
+                self._put(raw, drawn[:, r], part)
+        else:
+            raw[:, self.real_at] = drawn
+
     def _bumps(self, seen: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Return shares, means and scales of all bumps: `[B, R, K]` each."""
+        assert self.bumps is not None
         share, mean, scale = self.bumps(seen).view(len(seen), 3, len(self.reals), COMPONENTS).unbind(1)
         log_scale = (math.log(FIRST_SCALE) + scale).clamp(*LOG_SCALE_RANGE)
         shares, means = (self.first_shares + share).softmax(-1), MOST_MEAN * torch.tanh(self.first_means + mean)
