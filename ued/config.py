@@ -139,7 +139,7 @@ class AdversaryConfig(Checked):
     learning_rate: float = setting(3e-3, "step size of Adam", ">0")
     ent_coef: float = setting(
         0.03,
-        "weight of the entropy of theta (nats, all columns, relative to what the program draws) against normalized regret",
+        "weight of the entropy of theta (nats, relative to what the program draws) against normalized regret",
         ">=0",
     )
     update_epochs: int = setting(8, "gradient steps for each batch of levels", ">=1")
@@ -149,8 +149,8 @@ class AdversaryConfig(Checked):
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0")
     distribution: Literal["program", "tanh_gaussian", "beta"] = setting(
         "program",
-        "of theta: program begins as what the program draws, choices at their weights, and takes any shape; tanh_gaussian "
-        "(the thesis) and beta have one hump for each column, and options that stand amid a list are hard to find",
+        "of theta: program begins as what the program draws, choices at their weights, and takes any shape; "
+        "tanh_gaussian (the thesis) and beta have one hump for each column, which seldom finds options amid a list",
     )
     context: Literal["random", "observation"] = setting(
         "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
@@ -217,8 +217,9 @@ class PairedConfig(TeacherConfig):
     )
     roles: Literal["population", "flexible", "fixed"] = setting(
         "population",
-        "regret is the best student's minus all students' mean (population), the better one's minus the other's "
-        "(flexible), or the antagonist's minus the protagonist's (fixed; always so where the antagonist is scripted)",
+        "whose regret: population (the default) is the best student's return minus the mean of all students'; flexible "
+        "the better student's minus the other's; fixed, as in the paper, the antagonist's minus the protagonist's "
+        "(always so where the antagonist is scripted)",
     )
     students: int = setting(2, "how many; more than two make a population without an antagonist")
     clip_regret: bool = setting(False, "count a negative regret as 0")

@@ -16,7 +16,7 @@ from gymnasium.spaces import Box, flatdim
 
 from ued import parameters
 from ued.cells import index_in
-from ued.parameters import Choice, Column, Parameter, Range, snap
+from ued.parameters import Choice, Column, Range, snap
 from ued.upomdp import UPOMDP, check_theta, level_dtype, set_stream
 
 

@@ -96,6 +96,8 @@ def title_of(value: Value) -> str:
         return value.title()
     if isinstance(value, Vector) and value.fixed:
         return repr(value)
+    if isinstance(value, ThetaColumn) and np.isfinite([value.low, value.high]).all():
+        return f"{value.low:g} to {value.high:g}"
     return str(value) if isinstance(value, int | float | str) else describe_kind(value)
 
 

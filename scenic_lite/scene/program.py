@@ -350,8 +350,13 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
     name_arguments(objects)
     draws = tuple(
         Draw(
-            name, column.draw_kind, column.low, column.high, place_in_program(column, state),
-            titles_of_options(column.listed), column.weights,
+            name,
+            column.draw_kind,
+            column.low,
+            column.high,
+            place_in_program(column, state),
+            titles_of_options(column.listed),
+            column.weights,
         )
         for name, column in zip(column_names(columns), columns, strict=True)
     )

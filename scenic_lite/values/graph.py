@@ -84,8 +84,8 @@ class ThetaColumn(RandomExpr):
 
     `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
     program's units; `owner` says to whom the value belongs until a variable gives it a better name. `pruning` may turn
-    it into a node of other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`, its
-    options, in the order in which the program lists them.
+    it into a node of other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`,
+    its options, in the order in which the program lists them.
     """
 
     __slots__ = (

@@ -190,7 +190,9 @@ def test_it_resumes_to_the_same_numbers():
 
 def test_weights_of_another_distribution_are_refused_in_a_sentence():
     state = Adversary(3, AdversaryConfig(distribution="tanh_gaussian"), torch_generator(0)).state_dict()
-    with pytest.raises(ValueError, match=r"^the saved adversary has other weights \(.*hump.weight.*'program' over these 3"):
+    with pytest.raises(
+        ValueError, match=r"^the saved adversary has other weights \(.*hump.weight.*'program' over these 3"
+    ):
         Adversary(3, AdversaryConfig(), torch_generator(0)).load_state_dict(state)
 
 

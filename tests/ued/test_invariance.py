@@ -1,4 +1,4 @@
-"""How a program is written changes nothing: the order of options, the direction of a range, a range cut in two, names."""
+"""How a program is written changes nothing: order of options, direction of a range, a range cut in two, names."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ from ued.config import AdversaryConfig
 from ued.levels.adversary import Adversary
 from ued.levels.diagnostics import theta_metrics
 from ued.mixture import Mixture
-from ued.parameters import Choice, Column, Integer, Range, cells_in, edit, numbered, snap
+from ued.parameters import Choice, Column, Integer, cells_in, edit, numbered, snap
 from ued.seeding import torch_generator
 
 SEEDS, UPDATES, LEVELS, NOISE = 20, 16, 64, 0.3
@@ -55,7 +55,9 @@ def test_permuted_options_learn_the_same_from_the_same_draws():
         assert two.learn(twin, score) == pytest.approx(losses, abs=1e-4)
     with torch.inference_mode():
         z = torch.as_tensor(proposals.z)
-        densities = [adversary.network(z, torch.as_tensor(part.raw))[0] for adversary, part in ((one, proposals), (two, twin))]
+        densities = [
+            adversary.network(z, torch.as_tensor(part.raw))[0] for adversary, part in ((one, proposals), (two, twin))
+        ]
     assert densities[0].numpy() == pytest.approx(densities[1].numpy(), abs=1e-3)
     assert np.abs(densities[0].numpy()).max() > 0.2
 

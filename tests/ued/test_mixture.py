@@ -6,10 +6,10 @@ import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PLRConfig, PPOConfig, RobustPLR
+from ued import parameters as kinds
 from ued.config import AdversaryConfig
 from ued.evaluation import evaluate
 from ued.levels.adversary import Adversary
-from ued import parameters as kinds
 from ued.mixture import Mixture
 from ued.parameters import Column
 from ued.probes import Frontier

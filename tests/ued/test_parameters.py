@@ -27,7 +27,7 @@ from ued import (
     ThetaSpace,
 )
 from ued.levels.diagnostics import theta_metrics
-from ued.parameters import ThetaMap, cells_in, edit, snap
+from ued.parameters import ThetaMap, edit, snap
 from ued.upomdp import UPOMDP
 
 KINDS = {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}

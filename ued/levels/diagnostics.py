@@ -11,11 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ued.levels.record import Origin, mean_returns, solved
 from ued.cells import index_in
+from ued.levels.record import Origin, mean_returns, solved
 from ued.parameters import Parameter, choice_in
 
 BINS = 10  # of each column of θ that is a real number
+MOST_CHOICES, MOST_OPTIONS = 4, 8  # of which metrics tell one by one
 
 
 def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
@@ -80,7 +81,7 @@ def theta_metrics(theta: np.ndarray, draws: Sequence[Parameter] | None = None) -
 
 
 def _binned(theta: np.ndarray, draws: Sequence[Parameter] | None) -> tuple[np.ndarray, np.ndarray]:
-    """Return the bin `[L, D]` of each entry of θ, and of each column the share of random levels in a bin `[D, most]`."""
+    """Return the bin `[L, D]` of each entry of θ, and for each column the share of random levels by bin `[D, most]`."""
     cells = [choice_in(draw) for draw in draws] if draws is not None else [None] * theta.shape[1]
     bins = np.array([BINS if known is None else known.count for known in cells])
     index = index_in(theta, bins)
@@ -90,6 +91,30 @@ def _binned(theta: np.ndarray, draws: Sequence[Parameter] | None) -> tuple[np.nd
             index[:, column] = known.index(theta[:, column])
             shares[column, : known.count] = known.shares
     return index, shares
+
+
+def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, float]:
+    """Return of each option of the first choices among `draws` how scored level records `[L]` went about it.
+
+    choice_ratio/COLUMN/OPTION: share of it among the adversary's levels, over its weight in the program: below 1 it is
+    proposed less often than random levels have it. choice_score/COLUMN/OPTION: mean score of all levels with it, nan
+    where there are none.
+    """
+    theta, proposed = levels["level"]["theta"], levels["origin"] == Origin.PROPOSED
+    metrics, known = (
+        {},
+        [(column, cells) for column, draw in enumerate(draws) if (cells := choice_in(draw)) is not None],
+    )
+    shown = [pair for pair in known if not pair[1].ordered and 1 < pair[1].count <= MOST_OPTIONS]
+    for column, cells in shown[:MOST_CHOICES]:
+        index = cells.index(theta[:, column])
+        for k, weight in enumerate(cells.shares):
+            where = f"{draws[column].name}/{cells.names[k] if cells.names else k}"
+            mine = index == k
+            share = mine[proposed].mean() if proposed.any() else np.nan
+            metrics[f"choice_ratio/{where}"] = float(share / weight)
+            metrics[f"choice_score/{where}"] = float(levels["score"][mine].mean()) if mine.any() else np.nan
+    return metrics
 
 
 def regret_split(levels: np.ndarray, has_antagonist: bool) -> dict[str, float]:

@@ -11,6 +11,7 @@ import numpy as np
 from ued.config import TeacherConfig
 from ued.curriculum import LevelSpace, need_vector
 from ued.levels.adversary import Adversary, Proposals
+from ued.levels.diagnostics import choice_metrics
 from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
@@ -83,9 +84,11 @@ class Teacher(Resumable):
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Note the score `[L]` of these levels `[L]`; let the adversary learn from its own among them.
 
-        It waits until there are enough of them. Returns the means of its losses, none while it waits.
+        It waits until there are enough of them. Returns how often it proposes the options of choices, and what they
+        scored, see `choice_metrics`; and the means of its losses, none while it waits.
         """
         levels["score"] = score
+        metrics = choice_metrics(levels, self.space.draws)
         proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
             refused = levels[levels["origin"] == Origin.REPLACED]  # what was played in their place is not theirs
@@ -93,8 +96,8 @@ class Teacher(Resumable):
             proposals = np.concatenate([proposals, refused])
         self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
         if len(self.pending_proposals) < self.config.adversary.min_batch:
-            return {}
+            return metrics
         batch, self.pending_proposals = self.pending_proposals, self.pending_proposals[:0]
         drawn = Proposals(*(np.ascontiguousarray(batch[name]) for name in ("z", "raw", "log_prob")))
         losses = self.adversary.learn(drawn, batch["score"])
-        return {f"adversary/{name}": value for name, value in losses.items()}
+        return metrics | {f"adversary/{name}": value for name, value in losses.items()}

@@ -107,7 +107,7 @@ class ThetaDistribution(nn.Module):
         return raw, self(z, raw)[0]
 
     def forward(self, z: Tensor, raw: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the score to expect `[B]`, in normalized units."""
+        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the score to expect `[B]`, normalized."""
         h = self._read(z)
         seen = self._all_seen(h, raw)  # [B, C + 1, H]
         density = z.new_zeros(len(z))
