@@ -105,10 +105,7 @@ def titles_of_options(options: Sequence[Value]) -> tuple[str, ...]:
     """Return how each of several options is shown: by its number too, if others look the same."""
     titles = [title_of(option) for option in options]
     times = Counter(titles)
-    return tuple(
-        f"{title} (no. {index} of {len(titles)})" if times[title] > 1 else title
-        for index, title in enumerate(titles, 1)
-    )
+    return tuple(f"{t} (no. {k} of {len(titles)})" if times[t] > 1 else t for k, t in enumerate(titles, 1))
 
 
 def name_arguments(objects: list[Instance]) -> None:

@@ -349,14 +349,8 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
     columns = [column for column in state.columns if id(column) in used]
     name_arguments(objects)
     draws = tuple(
-        Draw(
-            name,
-            column.draw_kind,
-            column.low,
-            column.high,
-            place_in_program(column, state),
-            titles_of_options(column.listed),
-            column.weights,
+        Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))._replace(
+            options=titles_of_options(column.listed), weights=column.weights
         )
         for name, column in zip(column_names(columns), columns, strict=True)
     )
