@@ -2,7 +2,7 @@
 
 The band lies at the end of a range, at a quarter, in its middle, or there are two of them, which pay 1 and 0.7; or it
 is the option of weight 1 among others of weight 25, listed first, in the middle or last. Five columns that pay nothing
-stand beside. An adversary learns as in a football run of 3M steps: 180 times from 80 levels. By
+stand beside. An adversary learns as in a football run of 1.5M steps: 90 times from 80 levels. By
 `python -m regista.experiments.benchmarks.adversary_bandit`, which writes `adversary_bandit.csv` beside this file: of
 each adversary, entropy coefficient and band the share of seeds whose last 1,000 proposals lie in it for at least a
 quarter, and the mean of these shares. Read next: `ued.levels.theta_distribution`.

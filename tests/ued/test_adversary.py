@@ -211,3 +211,10 @@ def test_the_thesis_settings_and_refused_ones():
     assert config.distribution == "tanh_gaussian" and AdversaryConfig().distribution == "program"
     with pytest.raises(ValueError, match="update_epochs must be at least 1, got 0"):
         dataclasses.replace(config, update_epochs=0)
+
+
+@pytest.mark.parametrize("distribution", ["program", "tanh_gaussian", "beta"])
+def test_no_proposals_are_an_empty_array(distribution):
+    adversary = Adversary(MIXED, AdversaryConfig(distribution=distribution), torch_generator(0))
+    proposals = adversary.propose(0)
+    assert adversary.theta(proposals).shape == (0, 4) and proposals.log_prob.shape == (0,)

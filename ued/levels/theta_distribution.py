@@ -156,7 +156,7 @@ class ThetaDistribution(nn.Module):
     def _draw_reals(self, seen: Tensor, raw: Tensor, generator: torch.Generator) -> None:
         """Draw the real numbers into `raw`, each from one of its bumps by the inverse of its distribution."""
         shares, means, scales = self._bumps(seen)  # [B, R, K]
-        bump = torch.multinomial(shares.flatten(0, 1), 1, generator=generator).view(len(raw), -1, 1)
+        bump = torch.multinomial(shares.flatten(0, 1), 1, generator=generator).view(*means.shape[:2], 1)
         mean, scale = means.gather(2, bump)[..., 0], scales.gather(2, bump)[..., 0]  # [B, R]
         low, high = torch.sigmoid((-1 - mean) / scale), torch.sigmoid((1 - mean) / scale)
         quantile = low + (high - low) * torch.empty_like(mean).uniform_(generator=generator)
