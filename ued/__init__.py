@@ -36,7 +36,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range", "Seeds"),
     "ued.policy": ("load_policy",),
     "ued.task": ("Task",),
-    "ued.level_space": ("ThetaError", "level_dtype", "luck_seeds"),
+    "ued.level_space": ("ThetaError", "level_dtype", "luck_seed"),
     "ued.upomdp": ("UPOMDP",),
 }
 

@@ -25,7 +25,7 @@ from ued.learning.ppo import PPO as PPO
 from ued.learning.student import Student as Student
 from ued.level_space import ThetaError as ThetaError
 from ued.level_space import level_dtype as level_dtype
-from ued.level_space import luck_seeds as luck_seeds
+from ued.level_space import luck_seed as luck_seed
 from ued.levels.adversary import Adversary as Adversary
 from ued.levels.batch import LevelBatch as LevelBatch
 from ued.levels.buffer import LevelBuffer as LevelBuffer

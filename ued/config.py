@@ -207,7 +207,7 @@ class DRConfig(Checked):
 class AdversaryConfig(Checked):
     """Settings of the adversary and its learning."""
 
-    learning_rate: float = setting(3e-3, "step size of Adam", ">0", most=10)
+    learning_rate: float = setting(1e-2, "step size of Adam", ">0", most=10)
     ent_coef: float = setting(
         0.03,
         "weight of the entropy of theta (nats, relative to what the program draws) against normalized regret",

@@ -14,9 +14,10 @@ import numpy as np
 
 from ued.curriculum import Curriculum
 from ued.gym_upomdp import UPOMDPWrapper, told_success
+from ued.resumable import Resumable
 
 
-class CurriculumFeed:
+class CurriculumFeed(Resumable):
     """Hands a curriculum's levels to environments one at a time, and brings it those that are through.
 
     The trainer's critic is not known here, so scores that need values are out of reach; and the trainer learns from
@@ -26,6 +27,8 @@ class CurriculumFeed:
         curriculum: what chooses the levels.
         batch: level records that are collected before the curriculum learns from them.
     """
+
+    state_fields = ("curriculum", "visits")
 
     def __init__(self, curriculum: Curriculum, batch: int = 16) -> None:
         if batch < 1:

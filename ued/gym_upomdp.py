@@ -7,9 +7,11 @@ is what methods train on. Read next: `learning.rollout`.
 from __future__ import annotations
 
 import copy
+import ctypes
 import math
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple
@@ -20,7 +22,7 @@ from gymnasium.spaces import Box, Dict
 from gymnasium.vector import AutoresetMode
 
 from ued.episode_limit import episode_limit
-from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seeds
+from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seed
 from ued.parameters import Theta, ThetaMap
 from ued.upomdp import UPOMDP, check_count
 
@@ -31,6 +33,9 @@ SeedRule = bool | Callable[[int], int | None]
 # What of an episode is luck: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
 # draws, or what a function does with an environment that has been reset, and a seed.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
+
+
+PR_SET_PDEATHSIG = 1  # of prctl(2): the signal that a process gets when the one that made it dies
 
 
 class LevelError(RuntimeError):
@@ -76,7 +81,8 @@ class _Levelled(gymnasium.Wrapper):
         with self._telling("reset"):
             observation, info = self.env.reset(seed=given, options=options or None)
             if callable(self.luck):
-                self.luck(self.env, start.luck)
+                seen = self.luck(self.env, start.luck)
+                observation = observation if seen is None else seen
             return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -136,7 +142,7 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         check_luck(luck, seed_episodes)
         _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
         self.draws, self.family, self.seeds = self.theta_map.draws, self.theta_map.family, self.theta_map.seeds
-        self.seed_is_luck = luck is True
+        self.seed_is_luck = luck is True or seed_episodes is False
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.level = np.zeros(1, level_dtype(self.theta_dim))
         self.visit = self.episode = 0
@@ -161,12 +167,16 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         options = dict(options or {})
         self.level = self._level_of(options.pop("level", None), options.pop("theta", None), seed)
         self.visit, self.episode = int(options.pop("visit", 0)), 0
+        if not 0 <= self.visit < 2**63:
+            raise ValueError(f"visit must be a whole number from 0 on, got {self.visit}")
         return self._play(options)
 
     def _level_of(self, level: Any, theta: Any, seed: int | None) -> np.ndarray:
         """Return the level `[1]` that a reset is to start; see `reset`."""
         if level is not None:
-            level = np.array(level, self.level.dtype).reshape(1)
+            level = np.atleast_1d(np.array(level))
+            if level.dtype != self.level.dtype or level.shape != (1,):
+                raise ValueError(f"a level must be one record of {self.level.dtype}, got {level.dtype} {level.shape}")
             check_theta(level["theta"], self.theta_dim)
         else:
             level = self.sample_levels(1) if theta is None else self.make_levels(check_theta(theta, self.theta_dim, 1))
@@ -196,8 +206,8 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     def _play(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode of the present level."""
         (seed,), (theta,) = self.level["seed"].tolist(), self.level["theta"]
-        luck = luck_seeds(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
-        observation, info = self.begin(Start(theta.copy(), seed, int(luck)), options)
+        luck = luck_seed(seed, self.visit, self.episode + (0 if self.seed_is_luck else 1))
+        observation, info = self.begin(Start(theta.copy(), seed, luck), options)
         return observation, {**info, "theta": theta.copy(), "level_seed": seed}
 
 
@@ -297,7 +307,7 @@ class GymUPOMDP(UPOMDP):
         luck: what of an episode is luck, which is new in each episode of a level: nothing (False), so that all episodes
             of a level start alike; all that `reset(seed=)` draws (True), for environments whose reset adds a little
             noise to what θ describes; what an environment draws from a second seed, under this key of the reset's
-            options; or what `luck(env, seed)` does after each reset.
+            options; or what `luck(env, seed)` does after each reset: what it returns, if not None, is seen first.
 
     What goes wrong in an environment is raised as a `LevelError` that tells the level.
     """
@@ -324,7 +334,7 @@ class GymUPOMDP(UPOMDP):
         self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
         self.family, self.seeds = self.theta_map.family, self.theta_map.seeds
-        self.seed_is_luck = luck is True
+        self.seed_is_luck = luck is True or seed_episodes is False
         self.vectorization: Literal["sync", "async"] = vectorization
         self._theta, self._valid = theta, valid
         self.vector = self._vectorize(check_count(num_envs))
@@ -344,6 +354,8 @@ class GymUPOMDP(UPOMDP):
             def make() -> gymnasium.Env:
                 if os.getpid() != owner:  # a worker is ended by SIGTERM, whatever the handler that it was forked with
                     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+                    if sys.platform == "linux":  # and by the death of whoever started it, though a step hangs
+                        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")

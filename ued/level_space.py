@@ -2,7 +2,7 @@
 
 A level is a row (program, seed, θ). θ `[D]` in [-1, 1] are the free parameters. The seed is the level's own: whatever
 an environment draws when it lays out its world comes from it, so a level that is played again is the level that was
-scored. What differs from episode to episode is luck; `luck_seeds` says where it comes from.
+scored. What differs from episode to episode is luck; `luck_seed` says where it comes from.
 
 Letters: `D` dimensions of θ, `n` levels. Read next: `parameters`, the columns of θ; `upomdp`, which plays levels.
 """
@@ -17,6 +17,7 @@ from ued import parameters
 from ued.parameters import LevelFamily, Parameter, Seeds, ThetaProgram
 
 MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
+BITS = 2**64 - 1
 SEEDS = 2**31  # seeds of levels and of luck are below: every `reset` takes them, and a table of float64 holds them
 
 
@@ -55,20 +56,17 @@ def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
     return array
 
 
-def luck_seeds(seeds: Any, visits: Any = 0, episodes: Any = 0) -> np.ndarray:
-    """Return seeds of the luck of episodes, a fixed function of level seed, visit and episode number: uint64 `[n]`.
+def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
+    """Return the seed of an episode's luck, a fixed function of level seed, visit and number of the episode.
 
     Whoever plays a visit of a level has the same luck in its k-th episode; another visit brings other luck. The first
     episode of visit 0 has the seed of the level itself. It is the seed xor 31 bits of a hash of the two numbers
     (SplitMix64's finalizer: Steele, Lea and Flood, OOPSLA 2014).
     """
-    with np.errstate(over="ignore"):
-        state = np.asarray(visits).astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)
-        state = state + np.asarray(episodes).astype(np.uint64) * np.uint64(0xD1342543DE82EF95)
-        state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        state = (state ^ (state >> np.uint64(31))) & np.uint64(SEEDS - 1)
-    return np.asarray(seeds).astype(np.uint64) ^ state
+    state = (visit * 0x9E3779B97F4A7C15 + episode * 0xD1342543DE82EF95) & BITS
+    state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & BITS
+    state = (state ^ state >> 27) * 0x94D049BB133111EB & BITS
+    return seed ^ (state ^ state >> 31) & SEEDS - 1
 
 
 class LevelSpace:
@@ -136,6 +134,11 @@ class LevelSpace:
         else:
             levels["seed"] = self._stream.integers(0, SEEDS, len(theta), dtype=np.uint64)
         return levels
+
+    def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
+        """Give levels `[n]` these seeds `[n]`, but where a seed follows from θ."""
+        if self.seeds is None:
+            levels["seed"] = seeds
 
     def key_of(self, level: np.void) -> bytes:
         """Return what tells a level from all others: its program and θ, and its seed.

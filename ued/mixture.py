@@ -100,6 +100,8 @@ class Mixture(UPOMDP):
         for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
             levels["theta"][mine, own] = snap(levels["theta"][mine, own], member.draws)
+            if member.seeds is not None:
+                levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
         return levels
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
@@ -108,6 +110,12 @@ class Mixture(UPOMDP):
             mine, columns = program == k, (self.draws[0], *own, *self.draws[1 + len(own) :])
             edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
         return edited
+
+    def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
+        for k, member in enumerate(self.members):
+            if member.seeds is None:
+                mine = levels["program"] == k
+                levels["seed"][mine] = seeds[mine]
 
     # ------------------------------------------------------------ the environments
 

@@ -13,6 +13,7 @@ which makes a UPOMDP of any Gymnasium environment.
 
 from __future__ import annotations
 
+import copy
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -22,7 +23,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
-from ued.level_space import SEEDS, LevelSpace, check_theta, level_dtype, luck_seeds
+from ued.level_space import SEEDS, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.parameters import Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
@@ -216,7 +217,9 @@ class UPOMDP(LevelSpace, VectorEnv):
         Where levels have layouts, they differ from the seeds of these in every episode.
         """
         first = 0 if self.seed_is_luck else 1
-        return luck_seeds(self.levels["seed"][where], self.visits[where], self.episodes[where] + first)
+        seeds, visits, episodes = self.levels["seed"][where], self.visits[where], self.episodes[where] + first
+        rows = zip(seeds.tolist(), visits.tolist(), episodes.tolist(), strict=True)  # a few, of which ints are quicker
+        return np.array([luck_seed(*row) for row in rows], np.uint64)
 
     def copy(self) -> UPOMDP:
         """Return a second, independent UPOMDP of the same kind in the same state."""
@@ -276,9 +279,9 @@ class UPOMDP(LevelSpace, VectorEnv):
     def _numbers(value: Any, shape: tuple[int, ...]) -> np.ndarray:
         """Return visits or episodes as int64 of this shape. Raises ValueError for other ones."""
         numbers = np.asarray(value)
-        if numbers.dtype.kind not in "iu" or numbers.shape not in ((), shape) or (numbers < 0).any():
+        if numbers.dtype.kind not in "iu" or numbers.shape not in ((), shape) or min(numbers.ravel().tolist()) < 0:
             raise ValueError(f"visits and episodes must be {list(shape)} whole numbers from 0 on, got {value!r:.100}")
-        return np.broadcast_to(numbers.astype(np.int64), shape)
+        return numbers
 
     def _mask(self, where: Any) -> np.ndarray:
         """Return which environments are meant: bool `[N]`, all for None. Raises ValueError for what is no mask."""
@@ -327,7 +330,12 @@ class UPOMDP(LevelSpace, VectorEnv):
         if not ended.any():
             return observations, rewards, terminated, truncated, info
         last = dict(info)
-        info |= {"final_obs": observations, "_final_obs": ended, "final_info": last, "_final_info": ended}
+        info |= {
+            "final_obs": copy.deepcopy(observations),  # which may be the environment's own array
+            "_final_obs": ended,
+            "final_info": last,
+            "_final_info": ended,
+        }
         return self.start_next(ended), rewards, terminated, truncated, info
 
     def advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:

@@ -34,7 +34,7 @@ class Batch(NamedTuple):
     """N matches with all that they remember, and what each starts from when its episode begins."""
 
     matches: np.ndarray  # MATCH [N]
-    starts: np.ndarray  # MATCH [N], the stream of random numbers of the episode included
+    starts: np.ndarray  # MATCH [N]
     registers: np.ndarray  # [N, R] float64, of the program's behaviors and monitors
     start_registers: np.ndarray  # [N, R] float64
     commands: np.ndarray  # [N, O] float64, what the program's objects want in this step
@@ -178,10 +178,13 @@ def close_row(batch, outcome, seen, settings, index):
 
 
 @kernel
-def begin(batch, where, settings):
-    """Put the matches `where` (indices `[k]`) at their start, with the luck of the stream that this holds."""
-    for index in where:
+def begin(batch, where, luck, settings):
+    """Put the matches `where` (indices `[k]`) at their start, with the random streams `luck` uint64 `[k]`."""
+    for at in range(len(where)):
+        index = where[at]
         batch.matches[index] = batch.starts[index]
+        if not batch.matches[index].deterministic:  # else every episode repeats the stream of the start
+            batch.matches[index].random = luck[at]
         for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
             batch.registers[index, register] = batch.start_registers[index, register]
         # What differs from episode to episode: the engine, and in what movement the whistle finds everybody.

@@ -19,8 +19,11 @@ from scenic_lite.dynamics.machine.bytecode import Code
 class Engine(Protocol):
     """What a batch of matches needs of whatever plays it."""
 
-    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
-        """Put the matches `where` (indices `[k]`) at the start that `batch.starts` holds."""
+    def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
+        """Put the matches `where` (indices `[k]`) at the start that `batch.starts` holds.
+
+        `luck` `[k]` are their random streams, but where every episode of a match repeats one.
+        """
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on with actions `[N, A]`, as `batch.step_batch`."""
@@ -45,9 +48,9 @@ class Simulator:
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_compiled": None}  # machine code cannot be sent to another process
 
-    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+    def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
         """Put the matches `where` at their start."""
-        begin(batch, where, settings)
+        begin(batch, where, luck, settings)
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on.

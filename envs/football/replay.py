@@ -114,7 +114,9 @@ class Recorder:
 
         The record is one of single episodes from then on: a match that has ended stands still when it is replayed.
         """
+        self.env.idle[:] = self._over
         result = self.env.advance(actions)
+        self.env.idle[:] = False
         self._actions.append(np.array(actions, np.int64))
         self._lengths += ~self._over
         self._over |= result[2] | result[3]

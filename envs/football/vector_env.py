@@ -25,7 +25,7 @@ from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from scenic_lite import Program, load
-from scenic_lite.kernels.rng import streams
+from scenic_lite.kernels.rng import stream
 from ued.level_space import whole
 from ued.upomdp import UPOMDP, check_count
 
@@ -115,8 +115,11 @@ class FootballVectorEnv(UPOMDP):
         return all(self.lineup.num_agents)
 
     @property
-    def max_episode_steps(self) -> int:  # type: ignore[override]
-        """The program's `game_duration`."""
+    def max_episode_steps(self) -> int | None:  # type: ignore[override]
+        """The program's `game_duration`; the longest there may be where it is random, None where nobody says."""
+        if "game_duration" in self.lineup.random_settings:
+            named = [draw for draw in self.draws if draw.name == "game_duration"]
+            return int(named[0].high) if named and np.isfinite(named[0].high) else None
         return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
 
     @property
@@ -150,10 +153,8 @@ class FootballVectorEnv(UPOMDP):
 
     def _begin(self, where: np.ndarray) -> None:
         """Begin episodes in the environments `where` `[k]`, whose starts are in the batch, with the luck of each."""
-        starts = self._batch.starts
-        same = starts["deterministic"][where]  # every episode repeats the stream of the start
-        starts["random"][where] = np.where(same, starts["random"][where], streams(self.luck_seeds(where)))
-        self._engine.begin(self._batch, where, self._settings)
+        luck = np.array([stream(seed) for seed in self.luck_seeds(where).tolist()], np.uint64)
+        self._engine.begin(self._batch, where, luck, self._settings)
         self._started = True
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:

@@ -60,9 +60,9 @@ class GrfEngine:
         self._workers.enter()
         self.close = weakref.finalize(self, _let_go, self._workers, self._played)
 
-    def begin(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
+    def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
         """Put the matches `where` at their start."""
-        begin(batch, where, settings)
+        begin(batch, where, luck, settings)
         self._kick_off(batch, where, settings)
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:

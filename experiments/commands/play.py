@@ -71,6 +71,9 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{config.record}: a record ends in .npz")
     if config.level is None:
         return play_match(config, _match_of_program(config))
+    usual = PlayConfig()
+    if (config.control, config.reading) != (usual.control, usual.reading):
+        raise UsageError("a level of a run is played as the run has it: without --control and settings of the program")
     from regista.experiments.run.level_stage import LevelStage
 
     assert config.id is not None

@@ -104,6 +104,8 @@ def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
 
 def check(origin: Origin, config: TrainConfig) -> None:
     """Raise `CommandError` where the student is of another network, or sees or moves something else."""
+    if is_football(config) != is_football(origin.config):
+        raise CommandError(f"{origin.path} was trained on {origin.config.minigame}, which is seen otherwise")
     pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN if is_football(config)]
     pairs += [(f"ppo.{name}", origin.config.ppo, config.ppo) for name in NETWORK]
     for name, its, ours in pairs:

@@ -93,13 +93,26 @@ class Watchdog:
         _leave(asked)
 
 
+_fork = threading.local()  # the signals that the forking thread had blocked
+
+
+def _hold_signals() -> None:
+    """Let no signal come between a fork and `_forget_pipe`: it would be written into the pipe of the other process."""
+    _fork.blocked = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+
+
+def _release_signals() -> None:
+    signal.pthread_sigmask(signal.SIG_SETMASK, _fork.blocked)
+
+
 def _forget_pipe() -> None:
     """Let a forked process write its signals to nobody: they are not ours."""
     with suppress(ValueError):
         signal.set_wakeup_fd(-1)
+    _release_signals()
 
 
-os.register_at_fork(after_in_child=_forget_pipe)
+os.register_at_fork(before=_hold_signals, after_in_parent=_release_signals, after_in_child=_forget_pipe)
 
 
 def _say(word: str) -> None:

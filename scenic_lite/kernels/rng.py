@@ -16,6 +16,7 @@ import numpy.typing as npt
 from scenic_lite.kernels.jit import kernel
 
 _A, _B, _C = np.uint64(13), np.uint64(7), np.uint64(17)
+_FIRST, _BITS = 0x9E3779B97F4A7C15, 2**64 - 1
 _TO_53_BITS = np.uint64(11)
 _UNIT = 2.0**-53
 _TWO_PI = 2.0 * math.pi
@@ -23,11 +24,15 @@ _TWO_PI = 2.0 * math.pi
 
 def streams(seeds: npt.ArrayLike) -> np.ndarray:
     """Hash seeds [N] into starting states [N] uint64, none of them the forbidden 0."""
-    state = np.atleast_1d(np.asarray(seeds)).astype(np.uint64) + np.uint64(0x9E3779B97F4A7C15)
-    state = (state ^ (state >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-    state = (state ^ (state >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-    state = state ^ (state >> np.uint64(31))
-    return np.where(state == 0, np.uint64(0x9E3779B97F4A7C15), state)
+    return np.array([stream(seed) for seed in np.atleast_1d(np.asarray(seeds)).astype(np.uint64).tolist()], np.uint64)
+
+
+def stream(seed: int) -> int:
+    """Hash a seed of 64 bits into a starting state, never the forbidden 0."""
+    state = seed + _FIRST & _BITS
+    state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & _BITS
+    state = (state ^ state >> 27) * 0x94D049BB133111EB & _BITS
+    return state ^ state >> 31 or _FIRST
 
 
 @kernel

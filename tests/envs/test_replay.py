@@ -47,6 +47,18 @@ def test_a_film_of_a_replay_ends_with_the_end(tmp_path):
     assert [int(matches["step"][0]) for matches in course] == [*range(5, 30), *range(16)]
 
 
+def test_a_record_of_single_episodes_stands_still_at_their_ends(tmp_path):
+    env = FootballVectorEnv(ALONE + "param game_duration = DiscreteRange(5, 20)\n", 3)
+    env.reset(seed=1)
+    recorder, over = Recorder(env), np.zeros(3, bool)
+    while not over.all():
+        _, _, terminated, truncated, _ = recorder.advance(np.full(3, 5))
+        over |= terminated | truncated
+    recorder.save(tmp_path / "match.npz")
+    *_, last = replay(tmp_path / "match.npz", endings=True)
+    assert same(last, env.matches) and len(set(load_record(tmp_path / "match.npz").lengths.tolist())) > 1
+
+
 def test_foreign_and_damaged_files_are_refused(tmp_path):
     recorded(tmp_path / "match.npz", ALONE, 20)
     data = (tmp_path / "match.npz").read_bytes()

@@ -27,9 +27,9 @@ def block(place: str) -> None:
 class SlowFrontier(Frontier):
     """The probe, which may block in a step."""
 
-    def step(self, actions: Any) -> Any:
+    def advance(self, actions: Any) -> Any:
         block("step")
-        return super().step(actions)
+        return super().advance(actions)
 
 
 def make(num_envs: int) -> SlowFrontier:

@@ -105,6 +105,5 @@ class ACCELLevels(PLRLevels):
     def _children_of(self, parents: np.ndarray, theta: np.ndarray) -> np.ndarray:
         """Return levels `[k]` of these θ with the seeds of their parents `[k]`."""
         levels = self.space.make_levels(theta)
-        if self.space.seeds is None:
-            levels["seed"] = parents["seed"]
+        self.space.keep_seeds(levels, parents["seed"])
         return levels

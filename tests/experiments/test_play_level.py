@@ -1,0 +1,93 @@
+"""A row of levels.csv is a level: `regista play --level` and `ued.read_level` find what was played."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import ued
+from regista.experiments.__main__ import main
+from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.level_stage import LevelStage
+
+SMALL = ["--total-env-steps", "1024", "--num-envs", "4", "--num-steps", "64", "--eval-every", "0", "--no-record"]
+TASK = """
+import gymnasium
+import numpy as np
+import ued
+
+class Cave(gymnasium.Env):
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
+    observation_space = gymnasium.spaces.Box(0, 1, (3,), np.float32)
+    action_space = gymnasium.spaces.Discrete(2)
+    render_mode = "rgb_array"
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.walls, self.t = self.np_random.random(3).astype(np.float32), 0
+        return self.walls, {}
+
+    def step(self, action):
+        self.t += 1
+        return self.walls, float(action), self.t >= 4, False, {}
+
+    def render(self):
+        return np.full((16, 16, 3), int(255 * self.walls[0]), np.uint8)
+
+def put(env, values):
+    pass
+
+def make(num_envs):
+    return ued.GymUPOMDP(Cave, put, {"depth": (0, 1)}, num_envs)
+
+caves = ued.Task(make)
+"""
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("caves")
+    (folder / "caves.py").write_text(TASK)
+    words = ["train", f"{folder / 'caves.py'}:caves", "--method", "plr", *SMALL, "--out", str(folder / "run")]
+    assert main(words) == 0
+    return folder / "run"
+
+
+def rows(run):
+    with open(run / "levels.csv", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_row_is_the_level_to_the_last_bit(run):
+    seen: dict[str, set[tuple[str, str]]] = {}
+    for row in rows(run):
+        seen.setdefault(row["id"], set()).add((row["seed"], row["theta/depth"]))
+        level = ued.read_level(run, int(row["id"]), int(row["turn"]))
+        assert int(level["seed"][0]) == int(row["seed"]) and level["theta"][0, 0] == float(row["theta/depth"])
+    assert all(len(levels) == 1 for levels in seen.values())
+    stage = LevelStage.of_run(run, int(rows(run)[3]["id"]), None, EngineConfig())
+    walls = np.random.default_rng(int(rows(run)[3]["seed"])).random(3).astype(np.float32)
+    assert (stage.env.vector.envs[0].unwrapped.walls == walls).all()
+
+
+def test_a_level_is_played_and_filmed(run, tmp_path, capsys):
+    row = rows(run)[5]
+    assert main(["play", "--level", str(run), "--id", row["id"], "--video", str(tmp_path / "cave.gif")]) == 0
+    shown = capsys.readouterr().out
+    assert f"seed {row['seed']}, visit {row['turn']}: depth = " in shown and "4 steps by random actions" in shown
+    assert (tmp_path / "cave.gif").stat().st_size > 0
+
+
+def test_what_is_no_level_is_said(run, capsys):
+    assert main(["play", "--level", str(run), "--id", "999999"]) != 0
+    assert "has no level 999999" in capsys.readouterr().err
+    assert main(["play", "--level", str(run)]) == 2
+    assert main(["play", "1v1Free", "--level", str(run), "--id", "1"]) == 2
+    assert main(["play", "--level", str(run), "--id", "1", "--control", "all"]) == 2
+    with pytest.raises(KeyError, match="has no level"):
+        ued.read_level(run, 10**9)
+
+
+def test_a_task_is_no_start_for_football(run, tmp_path, capsys):
+    assert main(["train", "1v1Free", "--from", str(run), "--out", str(tmp_path / "out"), *SMALL]) != 0
+    assert "which is seen otherwise" in capsys.readouterr().err
