@@ -62,6 +62,7 @@ FLOORS = {
         "statistics",
         "files",
         "checkpoint",
+        "cells",  # of columns with finitely many values
         "parameters",  # what the columns of theta are
         "level_space",  # levels, and which there are
         "upomdp",  # the seam

@@ -43,7 +43,8 @@ EXCEPTIONS = {
     "regista/bare_names.py": set(),
     "envs/grf/worker.py": {"numpy", "gfootball", "gfootball_engine"},  # it runs where nothing else of ours is
     "envs/football/parallel_env.py": {"envs", "scenic_lite", "ued.upomdp", "numpy", "gymnasium", "pettingzoo"},
-    "ued/parameters.py": {"numpy"},
+    "ued/cells.py": {"numpy"},
+    "ued/parameters.py": {"numpy", "ued.cells"},
     "ued/level_space.py": {"numpy", "ued.parameters"},
     "ued/upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters"},
     "ued/gym_upomdp.py": {

@@ -209,15 +209,20 @@ class AdversaryConfig(Checked):
 
     learning_rate: float = setting(1e-2, "step size of Adam", ">0", most=10)
     ent_coef: float = setting(
-        0.03, "weight of the entropy of theta (nats, all dimensions) against normalised regret", ">=0", most=1e6
+        0.03,
+        "weight of the entropy of theta (nats, relative to what the program draws) against normalized regret",
+        ">=0",
+        most=1e6,
     )
-    update_epochs: int = setting(20, "gradient steps for each batch of levels", ">=1", most=10_000)
+    update_epochs: int = setting(8, "gradient steps for each batch of levels", ">=1", most=10_000)
     clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1", ">0", most=1e6)
     vf_coef: float = setting(0.5, "weight of the baseline's loss", ">=0", most=1e6)
     max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0", most=1e12)
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
-    distribution: Literal["squashed", "beta"] = setting(
-        "squashed", "of theta: a Gaussian squashed by tanh, or a Beta distribution of each column"
+    distribution: Literal["program", "tanh_gaussian", "beta"] = setting(
+        "program",
+        "of theta: program begins as what the program draws, choices at their weights, and takes any shape; "
+        "tanh_gaussian (the thesis) and beta have one hump for each column, which seldom finds options amid a list",
     )
     context: Literal["random", "observation"] = setting(
         "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
@@ -248,6 +253,7 @@ class AdversaryConfig(Checked):
             max_grad_norm=0.5,
             context_size=16,
             hidden_size=512,
+            distribution="tanh_gaussian",
         )
 
 
@@ -294,8 +300,9 @@ class PairedConfig(TeacherConfig):
     )
     roles: Literal["population", "flexible", "fixed"] = setting(
         "population",
-        "regret is the best student's minus all students' mean (population), the better one's minus the other's "
-        "(flexible), or the antagonist's minus the protagonist's (fixed; always so where the antagonist is scripted)",
+        "whose regret: population (the default) is the best student's return minus the mean of all students'; flexible "
+        "the better student's minus the other's; fixed, as in the paper, the antagonist's minus the protagonist's "
+        "(always so where the antagonist is scripted)",
     )
     students: int = setting(2, "how many; more than two make a population without an antagonist", most=64, least=2)
     clip_regret: bool = setting(False, "count a negative regret as 0")

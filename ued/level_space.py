@@ -79,7 +79,7 @@ class LevelSpace:
         family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
         program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
             where there is one only; see `mixture`.
-        program_dims: how many columns of θ each of them has `[K]`, behind column 0, which chooses; empty likewise.
+        program_draws: the columns of θ of each of them, behind column 0, which chooses; empty likewise.
         seeds: where levels are nothing but seeds, which ones; a level's seed follows from its θ then.
         seed_is_luck: θ alone fixes how an episode starts, and a level's seed is of its luck; else the seed is of its
             layout, and two levels of the same θ differ.
@@ -92,7 +92,7 @@ class LevelSpace:
     seeds: Seeds | None = None
     seed_is_luck: bool = False
     program_names: tuple[str, ...] = ()
-    program_dims: tuple[int, ...] = ()
+    program_draws: tuple[tuple[Parameter, ...], ...] = ()
     theta_map: ThetaProgram | None = None
 
     @property

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, flatdim
 
+from ued import parameters
+from ued.cells import index_in
 from ued.level_space import check_theta, level_dtype
-from ued.parameters import Choice, Column, Range, index_in, snap
+from ued.parameters import Choice, Column, Range, snap
 from ued.upomdp import UPOMDP
 
 
@@ -38,12 +40,12 @@ class Mixture(UPOMDP):
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
         _check(members, names)
         self.members, self.program_names, self.only = tuple(members), tuple(names), only
-        self.program_dims = tuple(member.theta_dim for member in members)
+        self.program_draws = tuple(tuple(member.draws) for member in members)
         first = members[0]
         self.num_agents = first.num_agents
         self.sizes = [flatdim(member.agent_observation_space) for member in members]
         self.width = max(self.sizes)
-        widest = max(self.program_dims)
+        widest = max(map(len, self.program_draws))
         draws = [Column("program", Choice(*names))]
         draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
         seen = (self.width + len(members),)
@@ -101,6 +103,13 @@ class Mixture(UPOMDP):
             if member.seeds is not None:
                 levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
         return levels
+
+    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+        edited, program = theta.copy(), self.program_of(theta)
+        for k, own in enumerate(self.program_draws):  # the columns behind mean what the member's mean
+            mine, columns = program == k, (self.draws[0], *own, *self.draws[1 + len(own) :])
+            edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
+        return edited
 
     def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
         for k, member in enumerate(self.members):

@@ -2,10 +2,10 @@
 
     {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
 
-A column with finitely many values cuts [-1, 1] into as many equal cells; every θ in a cell is the same value, and
-levels hold the middle of it, so that equal levels are equal. Methods ask a column for its `cells`: edits move to
-another value, an adversary draws a value, entropy counts values.
-Read next: `upomdp`, the seam; `gym_upomdp`, which puts values into environments.
+A column with finitely many values cuts [-1, 1] into cells, each as wide as its value is likely. Every θ in a cell is
+the same value, and levels hold the middle of it, so that equal levels are equal. Methods ask for these `Cells`: edits
+and adversaries draw values, entropy counts them. None of them goes by the order of a choice's options.
+Read next: `cells`; `upomdp`, the seam; `gym_upomdp`, which puts values into environments.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from numbers import Real
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
+
+from ued.cells import Cells, cut, index_in, middle_of
 
 MOST_CATEGORIES = 32  # values of an `Integer` that are told apart one by one; beyond, it is a range in steps
 
@@ -111,18 +113,29 @@ class Integer:
 
 
 class Choice:
-    """One of several values of any type, without an order."""
+    """One of several values of any type, without an order.
 
-    def __init__(self, *values: Any) -> None:
+    Args:
+        values: what is chosen from; all different.
+        weights: how likely random levels have each value, as positive numbers of any sum; None: all alike.
+
+    Raises `ValueError` for no values, equal ones, and weights that do not match them.
+    """
+
+    def __init__(self, *values: Any, weights: Sequence[float] | None = None) -> None:
         if not values:
             raise ValueError("a Choice needs at least one value")
+        if weights is not None and (len(weights) != len(values) or not _finite(*weights) or min(weights) <= 0):
+            raise ValueError(f"a Choice of {len(values)} values needs as many positive weights, got {weights!r}")
         for index, value in enumerate(values):
             if any(_equal(value, other) for other in values[:index]):
                 raise ValueError(f"the values of a Choice must differ, got {value!r} twice")
         self.values = values
+        self.weights = () if weights is None else tuple(float(weight) for weight in weights)
 
     def __repr__(self) -> str:
-        return f"Choice({', '.join(map(repr, self.values))})"
+        weighted = f", weights={self.weights}" if self.weights else ""
+        return f"Choice({', '.join(map(repr, self.values))}{weighted})"
 
     @property
     def low(self) -> float:
@@ -138,11 +151,11 @@ class Choice:
 
     def value(self, x: float) -> Any:
         """Return what x in [-1, 1] stands for."""
-        return self.values[int(index_in(x, self.cells))]
+        return self.values[int(cut(self.cells, self.weights).index(x))]
 
     def place(self, value: Any) -> float:
         """Return the x in [-1, 1] in the middle of those that stand for a value."""
-        return middle_of(self.values.index(value), self.cells)
+        return float(cut(self.cells, self.weights).middle(self.values.index(value)))
 
 
 def _equal(one: Any, other: Any) -> bool:
@@ -364,40 +377,42 @@ def axis_of(draw: Parameter) -> Axis:
 # ---------------------------------------------------------------- columns with finitely many values
 
 
-def cells_of(draws: Sequence[Parameter]) -> np.ndarray:
-    """Return how many values each column has: int `[D]`, 0 for a real number."""
-    return np.array([kind.cells if (kind := kind_of(draw)) else 0 for draw in draws], np.int64)
+def cells_in(draw: Parameter) -> Cells | None:
+    """Return the cells of a column; None for a real number.
+
+    One without a `kind` of this file must say `weights` (and `options`, their names), or "integers" between fixed ends.
+    """
+    kind, weights = getattr(draw, "kind", None), getattr(draw, "weights", ())
+    if isinstance(kind, Integer):
+        return Cells(kind.cells, None, True)
+    if isinstance(kind, Choice):
+        return cut(kind.cells, kind.weights, names=[str(value) for value in kind.values])
+    if weights:
+        return cut(len(weights), weights, names=getattr(draw, "options", ()))
+    if isinstance(kind, str) and kind == "integers" and math.isfinite(draw.low) and math.isfinite(draw.high):
+        return Cells(int(draw.high) - int(draw.low) + 1, None, True)
+    return None
 
 
-def unordered(draws: Sequence[Parameter]) -> np.ndarray:
-    """Return which columns are choices, whose values have no order: bool `[D]`."""
-    return np.array([isinstance(kind_of(draw), Choice) for draw in draws], bool)
-
-
-def categories_of(draws: Sequence[Parameter]) -> np.ndarray:
-    """Return the same `[D]`, 0 for an `Integer` of so many values that they are not told apart one by one."""
-    cells = cells_of(draws)
-    return np.where(~unordered(draws) & (cells > MOST_CATEGORIES), 0, cells)
-
-
-def index_in(theta: np.ndarray | float, cells: np.ndarray | int) -> np.ndarray:
-    """Return which value each entry of θ `[..., D]` stands for, of columns with these many (none 0): int `[..., D]`."""
-    return np.minimum(np.asarray((theta + 1) / 2 * cells).astype(np.int64), cells - 1)
-
-
-def middle_of(index: Any, cells: Any) -> Any:
-    """Return the middle of the cells with these indices, numbers, arrays or tensors `[..., D]`: the θ of a value."""
-    return (2 * index + 1) / cells - 1
+def choice_in(draw: Parameter) -> Cells | None:
+    """Return the cells of a column whose values are told apart one by one: not of a long row of integers."""
+    cells = cells_in(draw)
+    return None if cells is None or (cells.ordered and cells.count > MOST_CATEGORIES) else cells
 
 
 def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
     """Return θ `[n, D]` with each entry of a column of finitely many values in the middle of its cell."""
-    cells = cells_of(draws)
-    some = cells > 0
-    if not some.any():
+    known = [(column, cells) for column, draw in enumerate(draws) if (cells := cells_in(draw)) is not None]
+    if not known:
         return theta
     theta = theta.copy()
-    theta[:, some] = middle_of(index_in(theta[:, some], cells[some]), cells[some])
+    even = [(column, cells.count) for column, cells in known if cells.edges is None]
+    if even:
+        columns, counts = np.array(even).T
+        theta[:, columns] = middle_of(index_in(theta[:, columns], counts), counts)
+    for column, cells in known:
+        if cells.edges is not None:
+            theta[:, column] = cells.middle(cells.index(theta[:, column]))
     return theta
 
 
@@ -407,24 +422,29 @@ def edit(
     """Return edited copies of θ `[k, D]`: `num_edits` columns are changed in each, each as its kind is.
 
     A real number moves by up to `edit_size`, within [-1, 1]; an integer by at least one and at most that share of its
-    values; a choice to any other value.
+    values. A choice becomes one of its other options, drawn by their weights, in whatever order they are listed.
     """
-    edited, cells, choices = theta.copy(), cells_of(draws), unordered(draws)
+    edited, cells = theta.copy(), [cells_in(draw) for draw in draws]
+    counts = np.array([0 if known is None else known.count for known in cells])
     rows = np.arange(len(theta))
     for _ in range(num_edits):
         columns = rng.integers(0, theta.shape[1], len(theta))
         moves = rng.uniform(-edit_size, edit_size, len(theta))
-        counted = cells[columns] > 0
-        edited[rows, columns] += np.where(counted, 0.0, moves)
-        for row in np.flatnonzero(counted & (cells[columns] > 1)):
-            column = columns[row]
-            share = 1.0 if choices[column] else edit_size / 2
-            edited[row, column] = _other_value(edited[row, column], int(cells[column]), share, rng)
+        edited[rows, columns] += np.where(counts[columns] > 0, 0.0, moves)
+        for row in np.flatnonzero(counts[columns] > 1):
+            known = cells[columns[row]]
+            assert known is not None
+            edited[row, columns[row]] = _other_value(edited[row, columns[row]], known, edit_size / 2, rng)
     return np.clip(edited, -1.0, 1.0)
 
 
-def _other_value(x: float, cells: int, share: float, rng: np.random.Generator) -> float:
-    """Return the θ of another of so many values, at most this share of them away."""
-    index, reach = int(index_in(x, cells)), max(1, round(share * cells))
-    other = int(rng.integers(max(0, index - reach), min(cells - 1, index + reach)))
-    return middle_of(other + (other >= index), cells)
+def _other_value(x: float, cells: Cells, share: float, rng: np.random.Generator) -> float:
+    """Return the θ of another value: of ordered ones at most this share of them away, else of any, by weight."""
+    index = int(cells.index(x))
+    if not cells.ordered:
+        weights = cells.shares.copy()
+        weights[index] = 0.0
+        return float(cells.middle(int(rng.choice(cells.count, p=weights / weights.sum()))))
+    reach = max(1, round(share * cells.count))
+    other = int(rng.integers(max(0, index - reach), min(cells.count - 1, index + reach)))
+    return float(cells.middle(other + (other >= index)))

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
+from ued.cells import middle_of
 from ued.level_space import check_theta
-from ued.parameters import Column, Range, middle_of
+from ued.parameters import Column, Range
 from ued.upomdp import UPOMDP
 
 ACTIONS = 4

@@ -87,7 +87,9 @@ def main(argv: Sequence[str]) -> int:
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
     football = build.is_football(runs[0].config)
-    show(report, runs, build.make_painter(programs[build.TRAINING_SCENE]) if football else None, folder, config.rrd)
+    program = programs[build.TRAINING_SCENE]
+    painter = build.make_painter(program) if football else None
+    show(report, runs, painter, folder, config.rrd, getattr(program, "draws", ()))
     page(report, runs, ["compare", *argv], folder)
     return 0
 
@@ -103,14 +105,21 @@ def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
     return runs
 
 
-def show(report: Report, runs: Sequence[RunFolder], painter: Any, folder: Path, rrd: Path | None = None) -> None:
+def show(
+    report: Report,
+    runs: Sequence[RunFolder],
+    painter: Any,
+    folder: Path,
+    rrd: Path | None = None,
+    draws: Sequence[Any] = (),
+) -> None:
     """Print the tables; write them, all numbers and pictures, and the curves of all runs to a recording at `rrd`."""
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     name = build.short_name(runs[0].config.minigame)
     with read_from(f"the tables of a run in {folder} are"):
-        draw(Comparison(name, by_method, report.results, painter, report.word), folder)
+        draw(Comparison(name, by_method, report.results, painter, report.word, draws), folder)
     report.save(folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
@@ -142,7 +151,7 @@ def draw(comparison: Comparison, folder: Path) -> None:
     plots.learning_curves(comparison.runs, folder / "learning_curves.png")
     if comparison.painter is None:
         return theta_plots.levels(comparison.runs, folder / "levels.png")
-    level_plots.levels(comparison.runs, comparison.painter, folder / "levels.png")
+    level_plots.levels(comparison.runs, comparison.painter, folder / "levels.png", comparison.draws)
     overview(comparison, folder / "overview.png")
 
 

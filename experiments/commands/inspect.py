@@ -5,6 +5,7 @@
     regista inspect 1v1Free --png scenes.png --n 12 --seed 3
     regista inspect mine.scenic --engine scenic3            # as Scenic itself reads it
     regista inspect mine.scenic --rrd scenes.rrd
+    regista inspect --adversary runs/paired                 # what a run's adversary proposed, column by column
 
 Read next: `scenic_lite.scene.program`, which is what is shown; `pictures.scene_view`, how scenes are drawn.
 """
@@ -54,12 +55,17 @@ class InspectConfig(Checked):
     )
     engine: Literal["regista", "scenic3"] = setting("regista", "what reads it: regista, or scenic3, Scenic 3 itself")
     mode_2d: bool = setting(False, "of scenic3: in its 2D compatibility mode, as the driving domain wants it")
+    adversary: Path | None = setting(
+        None, "instead of a program: a run folder, of which it prints what the adversary proposed beside the program"
+    )
     reading: ProgramConfig = group(ProgramConfig, "the program")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
+    if config.adversary is not None:
+        return inspect_adversary(config.adversary, config)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
     if tasks.is_task(config.program):
@@ -92,6 +98,28 @@ def main(argv: Sequence[str]) -> int:
         if config.rrd is not None:
             write_recording(program, theta, config.rrd, football)
             print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
+    return 0
+
+
+def inspect_adversary(folder: Path, config: InspectConfig) -> int:
+    """Print what the adversary of a run proposed, and draw it with `--png`."""
+    from regista.experiments.run import proposals
+    from regista.experiments.run.folder import RunFolder
+
+    run = RunFolder.open(folder)
+    if config.program:
+        raise UsageError("inspect takes a program or --adversary RUN, not both")
+    scene = build.load_scenes(run.config)[build.TRAINING_SCENE]
+    upomdp = None if hasattr(scene, "draws") else build.make_upomdp(scene, 1, None, 0, 1)
+    columns = proposals.read_proposals(folder, scene.draws if upomdp is None else upomdp.draws)
+    if upomdp is not None:
+        upomdp.close()
+    print(proposals.render_proposals(folder, columns))
+    if config.png is not None:
+        from regista.experiments.pictures.level_plots import draw_proposals
+
+        draw_proposals(columns, config.png)
+        print(f"\nproposals drawn to {config.png}")
     return 0
 
 

@@ -13,14 +13,17 @@ import numpy as np
 
 from regista.envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
 from regista.experiments.pictures import plots
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
 from regista.experiments.run.table import read_columns
+from ued.parameters import Parameter
 from ued.recorder.shades import smooth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 CELL = 1.0  # m
-PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}
+MOST_CHOICES = 2  # columns of bars beside the pitches
 
 
 def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
@@ -29,26 +32,72 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
         return np.zeros((0, 0))
-    update, count = table["update"], table["update"].max(initial=1.0)
-    inside = (update > period[0] * count) & (update - 1 < period[1] * count)  # some part of the update
-    return np.stack(columns, 1)[inside]
+    return np.stack(columns, 1)[within(table["update"], period)]
 
 
-def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path) -> None:
-    """Draw methods x periods: the density of where the players of both teams began."""
+def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
+    """Draw methods x periods: the density of where the players of both teams began.
+
+    Behind them, of an adversary's first choices among `draws`: how often it proposed each option, and the program's
+    weights.
+    """
     import matplotlib.pyplot as plt
 
     width = painter.bounds[1] - painter.bounds[0]
     height = painter.bounds[3] - painter.bounds[2]
+    choices = {method: choices_of(paths, draws) for method, paths in runs.items()}
+    wide = len(PERIODS) + max(map(len, choices.values()), default=0)
     with plots.style():
-        size = (3.3 * len(PERIODS), 3.3 * len(runs) * height / width + 0.6)
-        figure, grid = plt.subplots(len(runs), len(PERIODS), figsize=size, squeeze=False)
+        size = (3.3 * wide, 3.3 * len(runs) * height / width + 0.6)
+        figure, grid = plt.subplots(len(runs), wide, figsize=size, squeeze=False)
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
-            for axes, (period, span) in zip(line, PERIODS.items(), strict=True):
+            for axes, column in zip(line[len(PERIODS) :], choices[method], strict=False):
+                draw_shares(axes, column)
+            for axes in line[len(PERIODS) + len(choices[method]) :]:
+                axes.axis("off")
+            for axes, (period, span) in zip(line, PERIODS.items(), strict=False):
                 draw_levels(axes, painter, [read_theta(run, span) for run in paths])
                 axes.set_title(f"{plots.title(method)}: {period}")
         team_legend(figure)
         figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))
+        plots.save(figure, path)
+
+
+def choices_of(paths: Sequence[Path], draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
+    """Return the first choices among the columns of θ, with shares averaged over runs; none without an adversary."""
+    try:
+        runs = [read_proposals(path, draws) for path in paths] if draws else []
+    except CommandError:
+        return []
+    columns = [several for several in zip(*runs, strict=True) if several[0].choice and len(several[0].names) > 1]
+    return [
+        several[0]._replace(proposed=np.mean([column.proposed for column in several], 0))
+        for several in columns[:MOST_CHOICES]
+    ]
+
+
+def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
+    """Draw bars: the share of each value among proposals of each period, and a line at its share in random levels."""
+    places, width = np.arange(len(column.names)), 0.8 / len(PERIODS)
+    for k, (period, share) in enumerate(zip(PERIODS, column.proposed, strict=True)):
+        axes.bar(places + (k - 1) * width, share, width, color=str(0.8 - 0.3 * k), label=period)
+    axes.hlines(column.program, places - 0.45, places + 0.45, color="#e4572e", label="the program's weight")
+    axes.set_xticks(places, [name[:18] for name in column.names], rotation=20, ha="right", fontsize=7)
+    axes.set_title(f"proposed: {column.title}")
+    axes.legend(fontsize=6)
+
+
+def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
+    """Draw bars for all columns of θ."""
+    import matplotlib.pyplot as plt
+
+    with plots.style():
+        rows = -(-len(columns) // 3)
+        figure, grid = plt.subplots(rows, 3, figsize=(11, 2.8 * rows), squeeze=False, layout="constrained")
+        for axes in grid.flat[len(columns) :]:
+            axes.axis("off")
+        for axes, column in zip(grid.flat, columns, strict=False):
+            draw_shares(axes, column)
         plots.save(figure, path)
 
 

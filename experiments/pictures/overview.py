@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import PERIODS, draw_levels, read_theta, team_legend
+from regista.experiments.pictures.level_plots import draw_levels, read_theta, team_legend
 from regista.experiments.run import build
+from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
 
 if TYPE_CHECKING:
@@ -29,13 +30,17 @@ HEADING_LENGTH = 105  # characters in a line of the heading
 
 @dataclass(frozen=True)
 class Comparison:
-    """What a comparison has brought: run folders by method, all results, how to draw levels, what successes are."""
+    """What a comparison has brought: run folders by method, all results, how to draw levels, what successes are.
+
+    `draws`: the columns of θ, as far as they are known.
+    """
 
     minigame: str
     runs: Mapping[str, Sequence[Path]]
     results: Sequence[Result]
     painter: Any
     word: str = "goals"
+    draws: Sequence[Any] = ()
 
 
 def overview(comparison: Comparison, path: Path) -> None:

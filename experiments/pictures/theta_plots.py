@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import PERIODS, read_theta
+from regista.experiments.pictures.level_plots import read_theta
+from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.table import read_columns
 
 if TYPE_CHECKING:

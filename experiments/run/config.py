@@ -172,6 +172,7 @@ OF_MACHINES = 1_024  # threads of the largest machine
 
 # Settings that older runs know nothing of, and what they did: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
+RENAMED = {"squashed": "tanh_gaussian"}  # distributions of an adversary, as older runs call them
 
 
 def run_class(data: Any) -> type:
@@ -215,6 +216,10 @@ def load(kind: type[Config] | None, path: Path) -> Config:
     data = _json(path)
     if isinstance(data, dict):
         data.pop(ABOUT, None)
+        for section in data.values():
+            adversary = section.get("adversary") if isinstance(section, dict) else None
+            if isinstance(adversary, dict) and adversary.get("distribution") in list(RENAMED):
+                adversary["distribution"] = RENAMED[adversary["distribution"]]
     return from_dict(kind or run_class(data), data, str(path))
 
 

@@ -20,6 +20,9 @@ STEPS = "/gradient_steps"
 TEACHER = "adversary"
 SELDOM = {TEACHER: 0.05}  # share of the updates in which one learns; below this it is said
 SELDOM_STUDENT = 0.5
+MEMORY = 0.95  # of the averages of options, per update
+NEGLECT_UPDATES = 30
+HIGH, NEGLECTED = 1.5, 0.8  # score over the mean of the options; proposals over the program's weight
 
 
 class Event(NamedTuple):
@@ -53,17 +56,32 @@ class Watch:
         self._first: dict[str, float] = {}  # return on a test scene, at first and at best
         self._best: dict[str, Estimate] = {}
         self._forgotten: set[str] = set()
+        self._options = Averages()
 
     def look(self, row: Mapping[str, float]) -> list[Event]:
         """Return what begins with this row."""
         lasts = {}
         events = list(self._forgetting(row))
-        for event, about, updates, text in _signs(row, self.limit):
+        for event, about, updates, text in (*_signs(row, self.limit), *self._neglect(row)):
             lasts[event, about] = self._lasts.get((event, about), 0) + 1
             if lasts[event, about] == updates:
                 events.append(Event(event, text))
         self._lasts = lasts
         return events + self.learning.look(row)
+
+    def _neglect(self, row: Mapping[str, float]) -> Iterator[tuple[str, str, int, str]]:
+        """Yield the options that score high, and that the adversary proposes less often than the program draws them."""
+        options = [name.partition("/")[2] for name in row if name.startswith("choice_ratio/")]
+        for name in options:
+            self._options.add(name, row[f"choice_ratio/{name}"], row.get(f"choice_score/{name}", float("nan")))
+        for name in options:
+            column = name.rpartition("/")[0]
+            scores = [self._options.score[other] for other in options if other.rpartition("/")[0] == column]
+            mean, score, ratio = sum(scores) / len(scores), self._options.score[name], self._options.ratio[name]
+            if score > HIGH * mean > 0 and ratio < NEGLECTED:
+                text = f"{name} scores {score:.2f}, the mean option {mean:.2f}"
+                text += f", but is proposed {ratio:.2f} times as often as random levels have it"
+                yield "neglected option", name, NEGLECT_UPDATES, text
 
     def _forgetting(self, row: Mapping[str, float]) -> Iterator[Event]:
         """Yield the test scenes, if they were played, on which most of what had been gained is lost.
@@ -122,6 +140,21 @@ class Learning:
                     f"{name} has taken gradient steps in only {self.learned[name]} of {updates} updates ({share:.0%})"
                 )
                 yield Event("little learning", text)
+
+
+class Averages:
+    """Decaying averages over updates, by option: how often it is proposed for its weight, and what it scores."""
+
+    def __init__(self) -> None:
+        self.ratio: dict[str, float] = {}
+        self.score: dict[str, float] = {}
+
+    def add(self, name: str, ratio: float, score: float) -> None:
+        """Take in an update; nan: nothing was proposed, or nothing scored."""
+        for averages, value, first in ((self.ratio, ratio, 1.0), (self.score, score, 0.0)):
+            before = averages.setdefault(name, value if value == value else first)
+            if value == value:
+                averages[name] = MEMORY * before + (1 - MEMORY) * value
 
 
 def _signs(row: Mapping[str, float], limit: int | None) -> Iterator[tuple[str, str, int, str]]:

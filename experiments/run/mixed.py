@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ued.cells import index_in
 from ued.level_space import level_dtype
-from ued.parameters import index_in
 
 if TYPE_CHECKING:
     from regista.envs.football.view.render import FootballPainter

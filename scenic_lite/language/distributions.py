@@ -114,6 +114,7 @@ def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[fl
     column = scope.draw("choice", scope.place(node))
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
+    column.listed, column.weights = tuple(options), tuple((scaled / scaled.sum()).tolist())
     return shown_choice(column, RandomExpr(Cut(shares[:-1]), (column,)), options)
 
 
@@ -241,7 +242,7 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
     if column is None:
         raise ScenicError("type", "only a value drawn directly from a distribution can be resampled")
     fresh = scope.draw(column.draw_kind, scope.place(node), column.offset, column.span)
-    fresh.options = column.options
+    fresh.options, fresh.listed, fresh.weights = column.options, column.listed, column.weights
     again = fresh.show(replaced(column.shown, {id(column): fresh}), column.low, column.high)
     return choose(again, value.options) if isinstance(value, RandomChoice) else again
 

@@ -5,6 +5,7 @@ Read next: `scene.program`.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -20,7 +21,8 @@ class Draw(NamedTuple):
     """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
 
     `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
-    the value in the program's units (of the index, for a choice; nan where they are themselves random).
+    the value in the program's units (of the index, for a choice; nan where they are themselves random). Of a choice,
+    `options` are the titles of what it is among, and `weights` the share of [-1, 1] of each, in the same order.
     """
 
     name: str
@@ -28,6 +30,8 @@ class Draw(NamedTuple):
     low: float
     high: float
     place: SourceSpan
+    options: tuple[str, ...] = ()
+    weights: tuple[float, ...] = ()
 
 
 class ThetaLayout:
@@ -92,14 +96,16 @@ def title_of(value: Value) -> str:
         return value.title()
     if isinstance(value, Vector) and value.fixed:
         return repr(value)
+    if isinstance(value, ThetaColumn) and np.isfinite([value.low, value.high]).all():
+        return f"{value.low:g} to {value.high:g}"
     return str(value) if isinstance(value, int | float | str) else describe_kind(value)
 
 
-def title_of_option(options: Sequence[Value], index: int) -> str:
-    """Return how a chosen option is shown: by its number too, if others look the same."""
+def titles_of_options(options: Sequence[Value]) -> tuple[str, ...]:
+    """Return how each of several options is shown: by its number too, if others look the same."""
     titles = [title_of(option) for option in options]
-    alike = titles.count(titles[index]) > 1
-    return f"{titles[index]} (no. {index + 1} of {len(titles)})" if alike else titles[index]
+    times = Counter(titles)
+    return tuple(f"{t} (no. {k} of {len(titles)})" if times[t] > 1 else t for k, t in enumerate(titles, 1))
 
 
 def name_arguments(objects: list[Instance]) -> None:

@@ -157,7 +157,7 @@ class Program:
         for draw, column in zip(self.draws, self.layout.columns, strict=True):
             value = registers[self._shown.slot(column.shown)][0]
             value = value.item() if hasattr(value, "item") else value
-            values[draw.name] = naming.title_of_option(column.options, value) if column.options else value
+            values[draw.name] = naming.titles_of_options(column.options)[value] if column.options else value
         return values
 
     @cached_property
@@ -335,7 +335,9 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
     columns = [column for column in state.columns if id(column) in used]
     naming.name_arguments(objects)
     draws = tuple(
-        naming.Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))
+        naming.Draw(name, column.draw_kind, column.low, column.high, place_in_program(column, state))._replace(
+            options=naming.titles_of_options(column.listed), weights=column.weights
+        )
         for name, column in zip(naming.column_names(columns), columns, strict=True)
     )
     return naming.ThetaLayout(file, columns, draws)

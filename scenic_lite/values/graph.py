@@ -86,10 +86,13 @@ class ThetaColumn(RandomExpr):
 
     `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
     program's units; `owner` says to whom the value belongs until a variable gives it a better name. `pruning` may turn
-    it into a node of other columns: then it has an operation.
+    it into a node of other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`,
+    its options, in the order in which the program lists them.
     """
 
-    __slots__ = ("draw_kind", "high", "low", "name", "offset", "options", "owner", "place", "shown", "span")
+    __slots__ = (
+        "draw_kind", "high", "listed", "low", "name", "offset", "options", "owner", "place", "shown", "span", "weights"
+    )  # fmt: skip
 
     def __init__(self, draw_kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> None:
         super().__init__(None, ())
@@ -104,6 +107,8 @@ class ThetaColumn(RandomExpr):
         self.name = ""
         self.owner: Any = None
         self.options: tuple = ()  # of a choice among structured values, whose index is shown
+        self.listed: tuple = ()
+        self.weights: tuple[float, ...] = ()
 
     def show(self, value: Value, low: float = -math.inf, high: float = math.inf) -> Value:
         """Take a value and its limits (nan: they differ from scene to scene) for what is drawn; return the value."""

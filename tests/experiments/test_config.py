@@ -132,3 +132,11 @@ def test_what_is_to_be_run_is_told_to_the_processes_that_train(tmp_path):
         run = RunFolder.create_or_extend(tmp_path / "run", config)
         assert run.words[-2:] == ["--grf-python", "/opt/ours/python"]
     assert RunFolder.open(tmp_path / "run").words == ["train", "--resume", str(tmp_path / "run")]
+
+
+def test_a_run_with_the_former_name_of_the_gaussian_is_read(tmp_path):
+    path = tmp_path / "config.json"
+    config = TrainConfig()
+    configs.save(config, path)
+    path.write_text(path.read_text().replace('"distribution": "program"', '"distribution": "squashed"'))
+    assert configs.load(None, path).paired.adversary.distribution == "tanh_gaussian"

@@ -391,5 +391,6 @@ def test_every_metric_is_explained_in_the_docs():
         "time/eval",
         "time/elapsed",
     }  # of `regista train`
+    elsewhere |= {"choice_ratio/COLUMN/OPTION", "choice_score/COLUMN/OPTION"}  # of choices: test_proposals.py
     elsewhere |= {"program/NAME", "program_success/NAME"}  # and tests/ued/test_mixture.py those of mixtures
     assert logged == explained - elsewhere

@@ -6,10 +6,12 @@ import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PLRConfig, PPOConfig, RobustPLR
+from ued import parameters as kinds
 from ued.config import AdversaryConfig
 from ued.evaluation import evaluate
-from ued.levels.adversary import AdversaryNetwork
+from ued.levels.adversary import Adversary
 from ued.mixture import Mixture
+from ued.parameters import Column
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)
@@ -176,11 +178,12 @@ def test_minigames_of_football_in_one_batch():
 
 
 def test_an_adversary_chooses_among_programs_without_parameters():
-    network = AdversaryNetwork(np.zeros(1, np.int64), AdversaryConfig(), torch.Generator().manual_seed(0), 1, (0, 0, 0))
-    policy, _ = network(torch.zeros(64, 1))
-    raw = policy.sample(torch.Generator().manual_seed(0)).detach()
-    assert len(np.unique(network.theta(raw.numpy())[:, 0])) == 3
-    assert torch.allclose(policy.log_prob(raw).exp(), torch.tensor(1 / 3), atol=0.05)
+    draws, generator = [Column("program", kinds.Choice("a", "b", "c"))], torch.Generator().manual_seed(0)
+    adversary = Adversary(draws, AdversaryConfig(), generator, program_draws=((), (), ()))
+    proposals = adversary.propose(64)
+    assert len(np.unique(adversary.theta(proposals)[:, 0])) == 3
+    assert not proposals.log_prob.any()  # as likely as the mixture draws each
+    assert adversary.learn(proposals, (proposals.raw[:, 0] == 1).astype(float))["grad_norm"] > 0
 
 
 def test_programs_without_columns_are_replayed_although_they_never_fill_a_buffer():

@@ -27,7 +27,7 @@ from ued import (
     ThetaSpace,
 )
 from ued.levels.diagnostics import theta_metrics
-from ued.parameters import ThetaMap, cells_of, edit, snap
+from ued.parameters import ThetaMap, edit, snap
 from ued.upomdp import UPOMDP
 
 KINDS = {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
@@ -102,7 +102,8 @@ def test_the_adversary_is_categorical_where_the_parameter_is():
     method = Paired(bandit(), SMALL, PairedConfig(dr_fraction=0.0), seed=0)
     teacher = method.curriculum
     network = teacher.adversary.network
-    assert network.heads == [2, 2, 1, 5 + 2]  # mean and deviation of the real numbers, the value, logits
+    assert [(part.column, part.cells.count) for part in network.choices] == [(2, 5), (3, 2)]
+    assert [part.column for part in network.reals] == [0, 1]
     records = teacher.propose(200)
     theta = records["level"]["theta"]
     assert (theta[:, 2:] == snap(theta, method.upomdp.draws)[:, 2:]).all()
@@ -116,7 +117,7 @@ def test_the_adversary_is_categorical_where_the_parameter_is():
     assert score.mean() > 0.8 and losses["adversary/entropy"] < 4 * np.log(2)
 
 
-@pytest.mark.parametrize("distribution", ["squashed", "beta"])
+@pytest.mark.parametrize("distribution", ["program", "tanh_gaussian", "beta"])
 def test_a_fresh_adversary_has_nearly_the_entropy_of_the_uniform(distribution):
     config = PairedConfig(dr_fraction=0.0, adversary=AdversaryConfig(distribution=distribution, update_epochs=1))
     teacher = Paired(bandit(), SMALL, config, seed=0).curriculum
@@ -128,10 +129,10 @@ def test_a_fresh_adversary_has_nearly_the_entropy_of_the_uniform(distribution):
 def test_entropy_and_coverage_count_the_values_of_a_column():
     space = ThetaSpace(KINDS)
     theta = space.sample_levels(2000)["theta"]
-    metrics = theta_metrics(theta, cells_of(space.draws))
+    metrics = theta_metrics(theta, space.draws)
     assert metrics["theta_entropy"] == pytest.approx(4 * np.log(2), abs=0.02) and metrics["theta_coverage"] == 1.0
     half = theta[theta[:, 3] > 0]  # one value of two: log 2 less, and one cell of 10 + 10 + 5 + 2
-    metrics = theta_metrics(half, cells_of(space.draws))
+    metrics = theta_metrics(half, space.draws)
     assert metrics["theta_entropy"] == pytest.approx(3 * np.log(2), abs=0.03)
     assert metrics["theta_coverage"] == pytest.approx(26 / 27, abs=1e-3)
 

@@ -1,5 +1,8 @@
 """Scores by hand: negative returns, episodes that are missing, and what a trainer has to tell."""
 
+import itertools
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -77,3 +80,25 @@ def test_with_equal_students_max_minus_mean_measures_chance():
     one, other = ((rng.random((60_000, n)) < p).astype(float) for _ in range(2))
     assert regret(one, other, "max_mean").mean() == pytest.approx(1 - (1 - p) ** n - p, abs=0.01)
     assert regret(one, other, "mean_mean").mean() == pytest.approx(0.0, abs=0.01)
+
+
+def mean_regret(role, p, rule, episodes=2):
+    """Return the exact mean regret of two students who both succeed with probability p in each episode."""
+    outcomes = np.array(list(itertools.product((0.0, 1.0), repeat=2 * episodes)))  # [2^(2 n), 2 n]
+    chance = np.where(outcomes == 1, p, 1 - p).prod(1)
+    returns = outcomes.reshape(-1, 2, episodes)
+    if role == "population":
+        return float(chance @ population_regret(returns, rule))
+    return float(chance @ regret(returns[:, 0], returns[:, 1], rule, flexible=role == "flexible"))
+
+
+@pytest.mark.parametrize("role", ["fixed", "flexible", "population"])
+def test_the_page_of_methods_has_the_bias_of_each_role(role):
+    """Of two equal students at p = 0.1, 0.5 and 0.9, with the default two episodes for each level."""
+    page = (Path(__file__).parents[2] / "docs" / "methods.md").read_text()
+    row = next(line for line in page.splitlines() if line.startswith(f"| `{role}`"))
+    cells = [cell.strip() for cell in row.strip("|").split("|")]
+    for cell, rule in zip(cells[-3:-1], ("max_mean", "mean_mean"), strict=True):
+        assert [float(value) for value in cell.split(", ")] == [
+            pytest.approx(mean_regret(role, p, rule), abs=0.0051) for p in (0.1, 0.5, 0.9)
+        ]

@@ -11,10 +11,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ued.cells import index_in
 from ued.levels.record import Origin, mean_returns, solved
-from ued.parameters import Parameter, categories_of, index_in
+from ued.parameters import Parameter, choice_in
 
 BINS = 10  # of each column of θ that is a real number
+MOST_CHOICES, MOST_OPTIONS = 4, 8  # of which metrics tell one by one
 
 
 def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
@@ -35,7 +37,7 @@ def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) 
     theta = levels["level"]["theta"]
     if draws is not None and not len(draws):
         return metrics
-    return metrics | theta_metrics(theta, None if draws is None else categories_of(draws))
+    return metrics | theta_metrics(theta, draws)
 
 
 def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float]:
@@ -50,31 +52,69 @@ def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float
     return metrics
 
 
-def theta_metrics(theta: np.ndarray, cells: np.ndarray | None = None) -> dict[str, float]:
+def theta_metrics(theta: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
     """Return how widely levels θ `[L, D]` are spread; nothing for fewer than two.
 
-    `cells` `[D]` says how many values each column has; 0: it is a real number, whose histogram has 10 bins.
+    `draws` are the columns; None: real numbers. Values are counted one by one, as likely as the program draws them;
+    a real number has a histogram of 10 bins. No measure goes by the order of a choice's options but theta_std.
 
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
     theta_entropy: sum of the columns' entropies in nats, from histograms with Miller and Madow's correction (1955);
-        uniform levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
-    theta_coverage: share of the bins that hold a level, divided by what as many uniform levels would reach.
+        random levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
+    theta_coverage: share of the bins that hold a level, divided by what as many random levels would reach.
     """
     count, dim = theta.shape
     if not dim or count < 2:
         return {}
-    bins = np.full(dim, BINS) if cells is None else np.where(cells > 0, cells, BINS)  # [D]
-    index = index_in(theta, bins) + bins.max() * np.arange(dim)
-    tally = np.bincount(index.ravel(), minlength=dim * bins.max()).reshape(dim, -1)  # [D, most bins]
+    index, shares = _binned(theta, draws)  # [L, D], [D, most bins]
+    most = shares.shape[1]
+    tally = np.bincount((index + most * np.arange(dim)).ravel(), minlength=dim * most).reshape(dim, -1)  # [D, most]
     share = tally / count
-    entropy = -np.sum(share * np.log(np.where(tally > 0, share, 1.0)), 1) + np.log(2 / bins)
-    entropy += ((tally > 0).sum(1) - 1) / (2 * count)
-    reached = (tally > 0).sum() / (bins * (1 - (1 - 1 / bins) ** count)).sum()
+    relative = np.where(tally > 0, share, 1.0) / np.where(tally > 0, 2 * shares, 1.0)
+    entropy = -np.sum(share * np.log(relative), 1) + ((tally > 0).sum(1) - 1) / (2 * count)
+    reached = (tally > 0).sum() / (1 - (1 - shares) ** count).sum()
     return {
         "theta_std": float(theta.std(0).mean()),
         "theta_entropy": float(np.minimum(entropy, np.log(2)).sum()),
         "theta_coverage": float(min(reached, 1.0)),
     }
+
+
+def _binned(theta: np.ndarray, draws: Sequence[Parameter] | None) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bin `[L, D]` of each entry of θ, and for each column the share of random levels by bin `[D, most]`."""
+    cells = [choice_in(draw) for draw in draws] if draws is not None else [None] * theta.shape[1]
+    bins = np.array([BINS if known is None else known.count for known in cells])
+    index = index_in(theta, bins)
+    shares = np.where(np.arange(bins.max()) < bins[:, None], 1 / bins[:, None], 0.0)
+    for column, known in enumerate(cells):
+        if known is not None and known.edges is not None:
+            index[:, column] = known.index(theta[:, column])
+            shares[column, : known.count] = known.shares
+    return index, shares
+
+
+def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, float]:
+    """Return of each option of the first choices among `draws` how scored level records `[L]` went about it.
+
+    choice_ratio/COLUMN/OPTION: share of it among the adversary's levels, over its weight in the program: below 1 it is
+    proposed less often than random levels have it. choice_score/COLUMN/OPTION: mean score of all levels with it, nan
+    where there are none.
+    """
+    theta, proposed = levels["level"]["theta"], levels["origin"] == Origin.PROPOSED
+    metrics, known = (
+        {},
+        [(column, cells) for column, draw in enumerate(draws) if (cells := choice_in(draw)) is not None],
+    )
+    shown = [pair for pair in known if not pair[1].ordered and 1 < pair[1].count <= MOST_OPTIONS]
+    for column, cells in shown[:MOST_CHOICES]:
+        index = cells.index(theta[:, column])
+        for k, weight in enumerate(cells.shares):
+            where = f"{draws[column].name}/{cells.names[k] if cells.names else k}"
+            mine = index == k
+            share = mine[proposed].mean() if proposed.any() else np.nan
+            metrics[f"choice_ratio/{where}"] = float(share / weight)
+            metrics[f"choice_score/{where}"] = float(levels["score"][mine].mean()) if mine.any() else np.nan
+    return metrics
 
 
 def regret_split(levels: np.ndarray, has_antagonist: bool) -> dict[str, float]:

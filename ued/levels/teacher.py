@@ -15,8 +15,8 @@ from ued.curriculum import LevelSpace, need_vector
 from ued.level_space import level_dtype, whole
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.budget import Budget
+from ued.levels.diagnostics import choice_metrics
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.parameters import categories_of
 from ued.resumable import Resumable
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP
@@ -52,8 +52,8 @@ class Teacher(Resumable):
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
         if space.theta_dim:  # else the adversary says that there is nothing to choose
             need_vector(space)
-        cells = categories_of(space.draws)
-        self.adversary = Adversary(cells, config.adversary, torch_generator(seeds.next()), size, space.program_dims)
+        generator = torch_generator(seeds.next())
+        self.adversary = Adversary(space.draws, config.adversary, generator, size, space.program_draws)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
@@ -98,10 +98,11 @@ class Teacher(Resumable):
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Note the score `[L]` of these levels `[L]`; let the adversary learn from its own among them.
 
-        It waits until there are enough of them. Returns its gradient steps and the means of its losses, none while it
-        waits.
+        It waits until there are enough of them. Returns how often it proposes the options of choices, and what they
+        scored, see `choice_metrics`; its gradient steps; and the means of its losses, none while it waits.
         """
         levels["score"] = score
+        metrics = choice_metrics(levels, self.space.draws)
         proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
             refused = levels[levels["origin"] == Origin.REPLACED]  # what was played in their place is not theirs
@@ -109,13 +110,13 @@ class Teacher(Resumable):
             proposals = np.concatenate([proposals, refused])
         self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
         if not self._is_enough(len(self.pending_proposals)):
-            return {"adversary/gradient_steps": 0.0}
+            return metrics | {"adversary/gradient_steps": 0.0}
         self.learned_at = self.budget.spent
         batch, self.pending_proposals = self.pending_proposals, self.pending_proposals[:0]
         drawn = Proposals(*(np.ascontiguousarray(batch[name]) for name in ("z", "raw", "log_prob")))
         losses = self.adversary.learn(drawn, batch["score"])
-        steps = {"adversary/gradient_steps": float(self.config.adversary.update_epochs)}
-        return steps | {f"adversary/{name}": value for name, value in losses.items()}
+        metrics["adversary/gradient_steps"] = float(self.config.adversary.update_epochs)
+        return metrics | {f"adversary/{name}": value for name, value in losses.items()}
 
     def _is_enough(self, waiting: int) -> bool:
         """Return whether the adversary learns from so many levels."""

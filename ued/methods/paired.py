@@ -33,6 +33,8 @@ from ued.method import Method
 class Paired(Method):
     """Trains a protagonist and an antagonist on the levels of an adversary; see `Method` for the arguments.
 
+    By default regret is a population's: the best episode of any student minus the mean of all. The paper's, the best
+    of the antagonist minus the mean of the protagonist, is `roles="fixed"`; docs/methods.md compares the roles.
     The antagonist plays in a copy of the environments. Raises `ValueError` where the environment has no free
     parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
     """

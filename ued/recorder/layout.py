@@ -59,7 +59,7 @@ def layout(
     programs, "buffer" where they are kept.
     """
     mixed = "program" in kinds
-    more = [_teacher(mixed), *([_buffer()] if "buffer" in kinds else [])]
+    more = [_teacher(mixed, "choice_ratio" in kinds), *([_buffer()] if "buffer" in kinds else [])]
     if painter is None:
         return blueprint(rrb.Tabs(_plain(students), _theta(names), *more, active_tab=0), "update", 10, "Following")
     tabs = rrb.Tabs(
@@ -186,7 +186,7 @@ def _theta(names: Sequence[str]) -> Any:
     return rrb.Horizontal(grid, _over_time(), column_shares=[1, 1.35], name="Theta")
 
 
-def _teacher(mixed: bool) -> Any:
+def _teacher(mixed: bool, chosen: bool) -> Any:
     """Return what the teacher did: where its levels come from, how widely they are spread, at what it aims."""
     curves = [
         _curves("Levels of an update by source", SOURCES, "LeftTop"),
@@ -194,6 +194,9 @@ def _teacher(mixed: bool) -> Any:
     ]
     if mixed:
         curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
+    if chosen:
+        name = "Options: how many times as often as the program the adversary proposes them"
+        curves.append(_curves(name, "/metrics/choice_ratio/**", "RightTop"))
     aim = rrb.TextDocumentView(origin="/teacher/aim", name="What it chose in this update")
     events = rrb.TextLogView(origin="/events", name="What somebody should know")
     return rrb.Horizontal(rrb.Vertical(*curves), rrb.Vertical(aim, events, row_shares=[1.6, 1]), name="Teacher")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import rerun
 
-from ued.parameters import Parameter, axis_of
+from ued.parameters import Parameter, axis_of, choice_in
 from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
 from ued.recorder.shades import smooth, unique_names
 
@@ -33,6 +33,7 @@ class ThetaLog:
         low, high = np.array([(axis.low, axis.high) for axis in axes], float).reshape(-1, 2).T
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ itself is shown
+        self._cells = [choice_in(draw) for draw in draws]
         self._horizon = 1  # updates that the run will take, as far as is known
         self._density = np.zeros((len(self.names), 1, BINS))  # [D, columns, bins]
         self._mapped = 0  # the last update at which the densities were written
@@ -54,16 +55,17 @@ class ThetaLog:
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
             quantiles = rerun.SeriesLines(colors=shades, names=["10 %", name, "90 %"], widths=[1, 2.5, 1])
             self.stream.log(["theta", name, "quantiles"], quantiles, static=True)
-            prior = self._bars(name, np.full(BINS, 1 / BINS), 1.0, (120, 120, 120, 60))
+            known = self._cells[self.names.index(name)]
+            weights = np.full(BINS, 1 / BINS) if known is None else known.shares
+            prior = self._bars(name, weights, 1.0, (120, 120, 120, 60))
             self.stream.log(["theta", name, "uniform"], prior, static=True)
 
     def note(self, update: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the densities over updates."""
         last = self._density.shape[1] - 1
         column = min(update * (last + 1) // self._horizon, last)
-        bins = np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1)  # [L, D]
         for d in range(len(self.names)):
-            self._density[d, column] += np.bincount(bins[:, d], minlength=BINS)
+            self._density[d, column] += self._shade(d, theta[:, d])
 
     def record(self, update: int, theta: np.ndarray) -> None:
         """Write the quantiles of the levels `[L, D]` of an update, now and then their histograms and densities."""
@@ -71,7 +73,12 @@ class ThetaLog:
         for d, name in enumerate(self.names):
             self.stream.log(["theta", name, "quantiles"], rerun.Scalars(np.quantile(values[:, d], [0.1, 0.5, 0.9])))
             if update % HISTOGRAM_EVERY == 0 or update == 1:
-                counts, _ = np.histogram(values[:, d], bins=BINS, range=self._range(name))
+                known = self._cells[d]
+                counts = (
+                    np.histogram(values[:, d], bins=BINS, range=self._range(name))[0]
+                    if known is None
+                    else np.bincount(known.index(theta[:, d]), minlength=known.count)
+                )
                 chart = self._bars(name, counts / len(values), 0.92, (130, 200, 255))
                 self.stream.log(["theta", name, "histogram"], chart)
         x = (update + 0.5) / self._horizon * MAP_WIDTH
@@ -80,8 +87,16 @@ class ThetaLog:
         if update >= MAP_GROWTH * self._mapped:
             self.record_densities(update)
 
+    def _shade(self, d: int, theta: np.ndarray) -> np.ndarray:
+        """Return how many levels `[L]` are in each bin of the densities: of a choice each option has as many bins."""
+        known = self._cells[d]
+        if known is None:
+            return np.bincount(np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1), minlength=BINS)
+        options = np.bincount(known.index(theta), minlength=known.count)
+        return options[np.arange(BINS) * known.count // BINS]
+
     def _bars(self, name: str, heights: np.ndarray, width: float, colour: tuple[int, ...]) -> rerun.BarChart:
-        edges = np.linspace(*self._range(name), BINS + 1)
+        edges = np.linspace(*self._range(name), len(heights) + 1)  # of a choice a bar for each option
         widths = (np.diff(edges) * width).astype(np.float32)
         return rerun.BarChart(heights, abscissa=(edges[1:] + edges[:-1]) / 2, widths=widths, color=colour)
 

@@ -1,0 +1,100 @@
+"""One hump for each column of θ: the thesis's Gaussian squashed by tanh (section 4.3), and the Beta policy of CLUTR.
+
+Both take every column for a real number, a choice among options, too. An option then is an interval of θ, and where
+in the program's list it stands decides how hard it is to find: at an end it is covered by moving the mean, in the
+middle hardly ever. They are here to be compared with `levels.theta_distribution`. Read next: `levels.adversary`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.nn.functional import softplus
+
+from ued.learning.networks import LOG_2_PI, linear
+
+# tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
+UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
+LOG_STD_RANGE = (-5.0, 1.0)
+BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
+MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+
+
+class TanhGaussian:
+    """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        self.mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
+        self.log_std = (UNIFORM_LOG_STD + other).clamp(*LOG_STD_RANGE)
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        return self.mean + self.log_std.exp() * torch.empty_like(self.mean).normal_(generator=generator)
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        """Return the log-density `[B]` of θ, relative to the uniform: log(1 - tanh²) = 2 (log 2 - logaddexp(x, -x))."""
+        standard = (raw - self.mean) / self.log_std.exp()
+        gaussian = -0.5 * (standard.square() + LOG_2_PI) - self.log_std
+        return (gaussian + 2 * torch.logaddexp(raw, -raw) - math.log(2)).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        return np.tanh(raw.astype(np.float64))
+
+
+class Beta:
+    """θ = raw = 2 b - 1, each b from a Beta distribution with both parameters above 1: one hump (Chou et al. 2017)."""
+
+    def __init__(self, one: Tensor, other: Tensor) -> None:
+        # Both parameters begin near 1, which is uniform.
+        alpha, beta = (1 + softplus(4 * x - 3) for x in (one, other))
+        self.beta = torch.distributions.Beta(alpha, beta, validate_args=False)
+
+    def sample(self, generator: torch.Generator) -> Tensor:
+        one, other = (
+            torch._standard_gamma(c, generator=generator) for c in (self.beta.concentration1, self.beta.concentration0)
+        )
+        return (2 * one / (one + other) - 1).clamp(-BETA_EDGE, BETA_EDGE)
+
+    def log_prob(self, raw: Tensor) -> Tensor:
+        """Return the log-density `[B]` of θ, relative to the uniform."""
+        return self.beta.log_prob((raw + 1) / 2).sum(-1)
+
+    @staticmethod
+    def theta(raw: np.ndarray) -> np.ndarray:
+        return raw.astype(np.float64)
+
+
+UNIMODAL: dict[str, type[TanhGaussian] | type[Beta]] = {"tanh_gaussian": TanhGaussian, "beta": Beta}
+
+
+class Unimodal(nn.Module):
+    """z `[B, Z]` -> a hump for each of D columns, and the score to expect; as `ThetaDistribution`."""
+
+    def __init__(self, name: str, dim: int, context_size: int, hidden: int, generator: torch.Generator) -> None:
+        super().__init__()
+        self.family, self.dim = UNIMODAL[name], dim
+        self.first, self.second = (linear(size, hidden, math.sqrt(2), generator) for size in (context_size, hidden))
+        self.hump = linear(hidden, 2 * dim, 0.01, generator)
+        self.value = linear(hidden, 1, 1.0, generator)
+
+    def sample(self, z: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
+        """Draw `raw` `[B, D]`; return it with its relative log-density `[B]`."""
+        policy, _ = self._humps(z)
+        raw = policy.sample(generator)
+        return raw, policy.log_prob(raw)
+
+    def forward(self, z: Tensor, raw: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the score to expect `[B]`."""
+        policy, value = self._humps(z)
+        return policy.log_prob(raw), value
+
+    def theta(self, raw: np.ndarray) -> np.ndarray:
+        """Return θ float64 `[n, D]` for what was drawn."""
+        return self.family.theta(raw)
+
+    def _humps(self, z: Tensor) -> tuple[TanhGaussian | Beta, Tensor]:
+        h = torch.tanh(self.second(torch.tanh(self.first(z))))
+        return self.family(*self.hump(h).split(self.dim, -1)), self.value(h)[:, 0]
