@@ -63,6 +63,7 @@ FLOORS = {
         "files",
         "checkpoint",
         "cells",  # of columns with finitely many values
+        "processes",  # what a process asks of the system
         "parameters",  # what the columns of theta are
         "level_space",  # levels, and which there are
         "upomdp",  # the seam

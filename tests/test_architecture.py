@@ -48,7 +48,15 @@ EXCEPTIONS = {
     "ued/level_space.py": {"numpy", "ued.parameters"},
     "ued/upomdp.py": {"numpy", "gymnasium", "ued.level_space", "ued.parameters"},
     "ued/gym_upomdp.py": {
-        *("numpy", "gymnasium", "ued.episode_limit", "ued.level_space", "ued.parameters", "ued.upomdp"),
+        *(
+            "numpy",
+            "gymnasium",
+            "ued.episode_limit",
+            "ued.level_space",
+            "ued.parameters",
+            "ued.processes",
+            "ued.upomdp",
+        ),
     },
     "ued/recorder/buffer_log.py": {"ued", "numpy", "rerun"},
     "ued/recorder/recorder.py": {"ued", "numpy", "rerun"},

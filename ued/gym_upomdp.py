@@ -7,11 +7,9 @@ is what methods train on. Read next: `learning.rollout`.
 from __future__ import annotations
 
 import copy
-import ctypes
 import math
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple
@@ -24,6 +22,7 @@ from gymnasium.vector import AutoresetMode
 from ued.episode_limit import episode_limit
 from ued.level_space import LevelSpace, check_theta, level_dtype, luck_seed
 from ued.parameters import Theta, ThetaMap
+from ued.processes import end_with_parent
 from ued.upomdp import UPOMDP, check_count
 
 # Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
@@ -33,9 +32,6 @@ SeedRule = bool | Callable[[int], int | None]
 # What of an episode is luck: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
 # draws, or what a function does with an environment that has been reset, and a seed.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
-
-
-PR_SET_PDEATHSIG = 1  # of prctl(2): the signal that a process gets when the one that made it dies
 
 
 class LevelError(RuntimeError):
@@ -354,8 +350,7 @@ class GymUPOMDP(UPOMDP):
             def make() -> gymnasium.Env:
                 if os.getpid() != owner:  # a worker is ended by SIGTERM, whatever the handler that it was forked with
                     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-                    if sys.platform == "linux":  # and by the death of whoever started it, though a step hangs
-                        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+                    end_with_parent(signal.SIGKILL)  # though a step hangs
                 made = self.make_env()
                 if not isinstance(made, gymnasium.Env):
                     raise ValueError(f"make_env() must return a gymnasium.Env, got {made!r}")

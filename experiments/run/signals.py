@@ -9,7 +9,6 @@ Read next: `run.errors`, which ends every command; `commands.train`.
 
 from __future__ import annotations
 
-import ctypes
 import errno
 import os
 import select
@@ -23,12 +22,13 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
+from ued.processes import end_with_parent
+
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
 # After a signal, what is being done may end well; then the process ends anyway. A run that somebody else started, who
 # was sent the signal and passed it on, ends before that one does.
 GRACE_SECONDS, CHILD_GRACE_SECONDS = 8.0, 6.0
-DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of prctl
 PARENT = "REGISTA_PARENT"  # in the environment of a run: the process with which it is to end
 
 
@@ -231,10 +231,9 @@ def end_with(parent: int) -> None:
     """Have the kernel send us SIGTERM when the process ends that started us, however it ends. Linux alone can."""
     global _is_child
     _is_child = True
-    with suppress(OSError, AttributeError):
-        ctypes.CDLL(None).prctl(DEATH_SIGNAL, signal.SIGTERM)
-        if os.getppid() != parent:  # it has ended in the meantime
-            signal.raise_signal(signal.SIGTERM)
+    end_with_parent(signal.SIGTERM)
+    if sys.platform == "linux" and os.getppid() != parent:  # it has ended in the meantime
+        signal.raise_signal(signal.SIGTERM)
 
 
 class StopRequest:

@@ -7,10 +7,8 @@ Read next: `episode`, what a process plays; `ued.upomdp`, the seam.
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import signal
-import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
@@ -21,13 +19,13 @@ import numpy as np
 
 from ued.gym_upomdp import LevelError
 from ued.level_space import check_theta
+from ued.processes import end_with_parent
 from ued.scenic3.episode import Episode, Role
 from ued.scenic3.program import ScenicProgram
 from ued.upomdp import UPOMDP, check_count
 
 BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
 STEP_SECONDS = 30.0  # for each step
-PR_SET_PDEATHSIG = 1  # of prctl(2): the signal that a process gets when the one that made it dies
 MOST_DEATHS = 3  # of processes over one request
 
 
@@ -71,8 +69,7 @@ class Player:
     def serve(self, pipe: Connection, other_end: Connection) -> None:
         """Answer requests until the other end is closed, which a process that was forked has, too."""
         other_end.close()
-        if sys.platform == "linux":
-            ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # at once: it holds the lock of a run folder, too
+        end_with_parent(signal.SIGKILL)  # at once: it holds the lock of a run folder, too
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
         signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever he does at one himself
         with suppress(EOFError, BrokenPipeError):
