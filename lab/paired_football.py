@@ -1,0 +1,234 @@
+"""How does PAIRED choose levels on football, and is it independent of how a program lists its options?
+
+Each part trains runs in a folder, plays their students on held-out scenes, and writes a row for each run. `order`: the
+rare branch first, in the middle and last, with today's adversary and the tanh-Gaussian that it replaced. `restricted`:
+a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table uses. A part
+that was stopped goes on with the same command; `--table` prints means and intervals of what is in its CSV file:
+
+    python lab/paired_football.py order --csv lab/results/paired_order.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from regista.experiments.run import build
+from regista.experiments.run.evaluator import EvalScenes, load_student
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.table import read_columns, read_rows
+from regista.experiments.run.workers import LaunchConfig, train_unfinished
+from regista.experiments.studies.runs import StudyRuns, training
+from regista.minigames.suites import NAMED
+from ued.parameters import choice_in
+from ued.statistics import bootstrap
+
+FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
+EPISODES = 300  # on each held-out scene
+LONG = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
+SIDES = {"left": "Range(-25, -6)", "right": "Range(6, 25)"}
+OUT = "beside(ego, Range(60, 80), {})"
+BRANCHES = {  # of each game: what its program says, the text that is replaced, and the options
+    "1v1Rare": ("Discrete({Range(-2, 2): 1, Range(-25, -6): 25, Range(6, 25): 25})", {"rare": "Range(-2, 2)", **SIDES}),
+    "1v1RareLine": (
+        f"Discrete({{{OUT.format('aside')}: 50, 99 @ Range(-2, 2): 1}})",
+        {"rare": "99 @ Range(-2, 2)"} | {name: OUT.format(side) for name, side in SIDES.items()},
+    ),
+}
+ORDERS = {"first": "rare left right", "middle": "left rare right", "last": "left right rare"}
+TANH = {"paired.adversary.distribution": "tanh_gaussian", "paired.adversary.update_epochs": 20}
+ENTROPY = "paired.adversary.ent_coef"
+
+
+class Cell(NamedTuple):
+    """Runs of one setting: a game, in which order its options stand, the name of the setting, and what it is."""
+
+    game: str
+    order: str
+    variant: str
+    method: str
+    settings: dict[str, Any]
+
+
+class Part(NamedTuple):
+    """Cells with their seeds and budget."""
+
+    cells: list[Cell]
+    seeds: range
+    env_steps: int
+
+
+def paired(game: str, order: str, variant: str, **settings: Any) -> Cell:
+    """Return a cell of PAIRED; `ent` and other settings of its adversary are named in full."""
+    return Cell(game, order, variant, "paired", settings)
+
+
+def order_part() -> Iterator[Cell]:
+    """Yield today's adversary and the former one with each order, DR, and DR with all options equally likely."""
+    for game in BRANCHES:
+        yield Cell(game, "first", "dr", "dr", {})
+        yield Cell(game, "even", "dr, even branches", "dr", {})
+        for order in ORDERS:
+            yield paired(game, order, "paired", **{ENTROPY: 0.1})
+            yield paired(game, order, "tanh_gaussian", **{ENTROPY: 0.1}, **TANH)
+
+
+SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time
+    "population, 2 episodes": {},
+    "fixed": {"paired.roles": "fixed"},
+    "flexible": {"paired.roles": "flexible"},
+    "fixed, mean_mean": {"paired.roles": "fixed", "paired.regret": "mean_mean"},
+    "1 episode": {"paired.episodes_per_level": 1},
+    "4 episodes": {"paired.episodes_per_level": 4},
+    "8 episodes": {"paired.episodes_per_level": 8},
+    "entropy 0.03": {ENTROPY: 0.03},
+    "entropy 0.3": {ENTROPY: 0.3},
+    "half random levels": {"paired.dr_fraction": 0.5},
+}
+ROLES = list(SETTINGS)[:4]
+
+
+def settings_part() -> Iterator[Cell]:
+    """Yield PAIRED with each setting on the rare game, its branch in the middle; each role on another game, too."""
+    for name, more in SETTINGS.items():
+        yield paired("1v1Rare", "middle", name, **{ENTROPY: 0.1} | more)
+    for name in ROLES:
+        yield paired("1v1Restricted", "", name, **{ENTROPY: 0.1} | SETTINGS[name])
+
+
+PARTS = {
+    "order": Part(list(order_part()), range(20, 25), 2_000_000),
+    "restricted": Part(
+        [
+            Cell("1v1Restricted", "", "dr", "dr", {}),
+            paired("1v1Restricted", "", "paired"),
+            paired("1v1Restricted", "", "tanh_gaussian", **TANH),
+        ],
+        range(20, 25),
+        500_000,
+    ),
+    "settings": Part(list(settings_part()), range(1000, 1005), 1_000_000),
+}
+
+
+# ---------------------------------------------------------------- the programs
+
+
+def program(game: str, order: str, folder: Path) -> str:
+    """Return what to train on: a minigame, or its program with the options in another order, written to a file."""
+    if not order:
+        return game
+    source = NAMED[game].program
+    stands, options = BRANCHES[game]
+    text = source.read_text()
+    if text.count(stands) != 1:
+        raise SystemExit(f"{source} has no {stands}")
+    weights = {name: 1 if name == "rare" or order == "even" else 25 for name in options}
+    names = ORDERS.get(order, ORDERS["first"]).split()
+    listed = ", ".join(f"{options[name]}: {weights[name]}" for name in names)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{game}_{order}.scenic"
+    path.write_text(text.replace(stands, f"Discrete({{{listed}}})"))
+    (folder / "places.scenic").write_text((source.parent / "places.scenic").read_text())
+    return str(path)
+
+
+# ---------------------------------------------------------------- what a run did
+
+
+def rare_shares(run: RunFolder) -> list[float]:
+    """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run."""
+    draws = build.load_scenes(run.config)[build.TRAINING_SCENE].draws
+    name, cells = min(
+        ((draw.name, cells) for draw in draws if (cells := choice_in(draw)) is not None),
+        key=lambda pair: pair[1].shares.min(),
+    )
+    table, path = read_columns(run.levels.path), run.levels.path
+    proposed = np.array([row["source"] == "proposed" for row in read_rows(path)], bool)
+    mine = cells.index(table[f"theta/{name}"]) == cells.shares.argmin()
+    fifth = ((table["update"] - 1) / table["update"].max() * FIFTHS).astype(int)
+    return [float(mine[proposed & (fifth == k)].mean()) for k in range(FIFTHS)]
+
+
+def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
+    """Return the row of a run: success on each held-out scene in percent, and the rare branch's share."""
+    config = replace(run.config, minigame=cell.game)
+    programs = build.load_scenes(config, held_out=True)
+    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
+    played = EvalScenes(config, programs, EPISODES).play(student)
+    rates = {label: 100 * float((result.returns > 0).mean()) for label, result in played.items()}
+    train = rates.pop(build.TRAINING_SCENE)
+    shares = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
+    row = {"game": cell.game, "order": cell.order, "variant": cell.variant, "seed": run.config.seed}
+    row |= {"env_steps": env_steps, "held_out": np.mean(list(rates.values())), "train": train}
+    for k, rate in enumerate(rates.values()):
+        row[f"scene_{k}"] = rate
+    row["scenes"] = "; ".join(rates)
+    return row | {f"rare_share_{k}": share for k, share in enumerate(shares)}
+
+
+COLUMNS = ["game", "order", "variant", "seed", "env_steps", "held_out", "train"]
+COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
+
+
+def table(rows: list[dict[str, str]]) -> None:
+    """Print means over the runs of each setting, with 95% bootstrap intervals over whole runs."""
+    rng = np.random.default_rng(0)
+    kinds = list(dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows))
+    shown = ["held_out", "train", "scene_0", "scene_1", f"rare_share_{FIFTHS // 2}", f"rare_share_{FIFTHS - 1}"]
+    for kind in kinds:
+        mine = [row for row in rows if (row["game"], row["order"], row["variant"]) == kind]
+        cells = []
+        for column in shown:
+            values = np.array([float(row[column]) for row in mine if row[column]])
+            if len(values):
+                found = bootstrap(values, rng).interval()
+                digits = 2 if column.startswith("rare") else 0
+                cells.append(f"{column} {found.estimate:.{digits}f} [{found.low:.{digits}f}, {found.high:.{digits}f}]")
+        print(*kind, len(mine), *cells, sep=" | ")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("part", choices=PARTS)
+    parser.add_argument("--out", type=Path, default=Path("runs/paired_football"), help="folder of the runs")
+    parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
+    parser.add_argument("--table", action="store_true", help="train nothing, print what the CSV file has")
+    arguments = parser.parse_args()
+    if not arguments.table:
+        train(PARTS[arguments.part], arguments.out / arguments.part, arguments.csv, arguments.processes)
+    with open(arguments.csv, newline="") as file:
+        table(list(csv.DictReader(file)))
+
+
+def train(part: Part, out: Path, path: Path, processes: int) -> None:
+    """Train all runs of a part, and write their rows."""
+    base = StudyRuns(out, training(), {"total_env_steps": part.env_steps, **LONG})
+    runs = [
+        (base.open(program(cell.game, cell.order, out / "programs"), seed, chosen, f"{cell.variant}-"), cell)
+        for seed in part.seeds
+        for cell in part.cells
+        for chosen in ({"method": cell.method, **cell.settings},)
+    ]
+    with StopRequest() as stop:
+        if not train_unfinished([run for run, _ in runs], LaunchConfig(processes=processes), stop):
+            raise SystemExit(stop.exit_code)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        for run, cell in runs:
+            row = measure(run, cell)
+            writer.writerow({name: f"{v:.4g}" if isinstance(v, float) else v for name, v in row.items()})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+"""How much less does regret vary because both students of PAIRED meet the same luck in each episode?
+
+PAIRED trains on football; at some points of a run both students play the same levels many times over, once with the
+same luck in each pair of episodes, as in training, and once with luck of their own. Students draw their actions from
+streams of their own in both cases. Written for each point of each run: the variance within a level of antagonist -
+protagonist, with the same luck and with other luck; the same for the default regret from n episodes of each.
+
+    python lab/paired_luck.py --csv lab/results/paired_luck.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from regista.experiments.run import arguments, build
+from ued.evaluation import evaluate
+from ued.levels.record import Origin
+from ued.levels.scores import population_regret
+
+GAMES = ("1v1Rare", "1v1Restricted", "3v2FourBehaviors")
+POINTS = (200_000, 500_000, 1_000_000)  # env_steps at which a run is looked at
+LEVELS, EPISODES = 128, 16  # of these levels half are random, half the adversary's
+COUNTS = (1, 2, 4, 8)  # episodes for each student that a regret is computed from
+SETTINGS = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003, "paired.adversary.ent_coef": 0.1}
+
+
+class OwnStream:
+    """A student that draws its actions from a random stream of its own, whoever plays it."""
+
+    def __init__(self, student: Any, seed: int) -> None:
+        self.student, self.generator = student, torch.Generator().manual_seed(seed)
+        self.empty_memory = student.empty_memory
+
+    def play(self, observation: np.ndarray, generator: torch.Generator, greedy: bool, memory: torch.Tensor) -> Any:
+        return self.student.play(observation, self.generator, greedy, memory)
+
+
+def returns(method: Any, upomdp: Any, levels: np.ndarray, luck: tuple[int, int]) -> np.ndarray:
+    """Return `[2, L, EPISODES]`: of both students, each with luck of this seed."""
+    played = [
+        evaluate(OwnStream(student, 10 + k), upomdp, len(levels) * EPISODES, seed, levels)
+        for k, (student, seed) in enumerate(zip(method.students.values(), luck, strict=True))
+    ]
+    return np.stack([one.returns.reshape(EPISODES, len(levels)).T for one in played])
+
+
+def spread(played: np.ndarray, count: int | None = None) -> float:
+    """Return the variance within a level of antagonist - protagonist; of regret from `count` episodes of each."""
+    if count is None:
+        values = played[1] - played[0]
+    else:
+        groups = played.reshape(2, len(played[0]), -1, count)
+        parts = [groups[:, :, k].swapaxes(0, 1) for k in range(groups.shape[2])]
+        values = np.stack([population_regret(part, "max_mean") for part in parts], 1)
+    return float(values.var(1, ddof=1).mean())
+
+
+def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
+    """Train one run, and return a row for each point of it."""
+    config = arguments.replace_paths(build.starting_point("fast", game), SETTINGS)
+    config = replace(config, minigame=game, method="paired", seed=seed, total_env_steps=POINTS[-1])
+    program = build.load_scenes(config)[build.TRAINING_SCENE]
+    method = build.make_method(config, build.make_upomdp(program, config.num_envs, config.env, seed, 1))
+    test = build.make_upomdp(program, 64, config.env, seed, 1)
+    rows = []
+    for point in POINTS:
+        while method.env_steps < point:
+            method.update()
+        proposed = method.curriculum.propose(4 * LEVELS)
+        proposed = proposed["level"][proposed["origin"] == Origin.PROPOSED][: LEVELS // 2]
+        levels = np.concatenate([test.sample_levels(LEVELS // 2), proposed])
+        same, other = returns(method, test, levels, (1, 1)), returns(method, test, levels, (1, 2))
+        row = {"game": game, "seed": seed, "env_steps": point, "success": float((same > 0).mean())}
+        row |= {"same": spread(same), "other": spread(other)}
+        for count in COUNTS:
+            row |= {f"regret_{count}_same": spread(same, count), f"regret_{count}_other": spread(other, count)}
+        rows.append({name: f"{value:.4g}" if isinstance(value, float) else value for name, value in row.items()})
+        print(rows[-1], flush=True)
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--games", nargs="+", default=GAMES)
+    parser.add_argument("--seeds", type=int, default=3, help="runs of each game, with seeds 1000, 1001, ...")
+    parser.add_argument("--csv", type=Path, required=True)
+    parsed = parser.parse_args()
+    torch.set_num_threads(1)
+    with open(parsed.csv, "w", newline="") as file:
+        writer = None
+        for game in parsed.games:
+            for seed in range(1000, 1000 + parsed.seeds):
+                for row in rows_of(game, seed):
+                    writer = writer or csv.DictWriter(file, list(row))
+                    if file.tell() == 0:
+                        writer.writeheader()
+                    writer.writerow(row)
+
+
+if __name__ == "__main__":
+    main()
