@@ -3,12 +3,12 @@
     import gymnasium
     from regista import minigames
 
-    env = gymnasium.make("regista/1v1Free-v0")                        # one match
-    envs = gymnasium.make_vec("regista/1v1Free-v0", num_envs=256)     # a native batch, a new level every episode
+    env = gymnasium.make("regista/1v1Free-v1")                        # one match
+    envs = gymnasium.make_vec("regista/1v1Free-v1", num_envs=256)     # a native batch, a new level every episode
 
     env = minigames.parallel_env("3v2FourBehaviors", control="all")   # a match by agents, as PettingZoo has it
 
-A test scene is an environment, too: `regista/1v1Free_hard-v0`. `regista/minigames` is a link to this folder.
+A test scene is an environment, too: `regista/1v1Free_hard-v1`. `regista/minigames` is a link to this folder.
 Read next: `suites`.
 """
 

@@ -1,5 +1,6 @@
 """The minigames as environments: importing this registers them with Gymnasium; PettingZoo's are made on demand.
 
+Ids end in the version of the simulator. Of an older one Gymnasium says that it is deprecated, and which to use instead.
 Read next: `suites`, the rows that are registered.
 """
 
@@ -7,11 +8,12 @@ from typing import Any
 
 import gymnasium
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.minigames.suites import NAMED
 
 for _game in NAMED.values():
     gymnasium.register(
-        f"regista/{_game.name.replace('/', '_')}-v0",
+        f"regista/{_game.name.replace('/', '_')}-v{SIMULATOR_VERSION}",
         entry_point="regista.envs.football.gym_env:FootballEnv",
         vector_entry_point="regista.envs.football.vector_env:make_vec",
         kwargs={"program": str(_game.program), "control": _game.control},

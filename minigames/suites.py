@@ -15,7 +15,7 @@ CHECKPOINTS = "scoring,checkpoints"
 class Minigame(NamedTuple):
     """A named training program with its test scenes.
 
-    `name`, with a `_` for each `/`, is also the Gymnasium id `regista/<name>-v0`; `tests` are (label, program) pairs,
+    `name`, with a `_` for each `/`, is also the Gymnasium id `regista/<name>-v1`; `tests` are (label, program) pairs,
     from easy to hard, each a game of its own, too.
 
     Attributes:

@@ -7,7 +7,7 @@
     policy = regista.load_policy(run)
 
 All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
-`gymnasium.make("regista:regista/1v1Free-v0")` needs no import at all: the minigames are registered here.
+`gymnasium.make("regista:regista/1v1Free-v1")` needs no import at all: the minigames are registered here.
 Read next: `regista.experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
 """
 

@@ -30,6 +30,7 @@ FLOORS = {
     ),
     "envs": (
         "toy_world",  # the smallest, for programs of nothing that is known
+        "football.version",
         "football.constants",
         "football.config",
         "football.field_kinds",  # what fields may hold

@@ -47,7 +47,7 @@ def test_places_are_drawn_anew_for_every_level_where_it_is_asked_for():
 
 
 def test_gymnasium_knows_it_by_the_originals_name_and_moves_the_active_player():
-    env = gymnasium.make("regista/academy_3_vs_1_with_keeper-v0", representation="simple115")
+    env = gymnasium.make("regista/academy_3_vs_1_with_keeper-v1", representation="simple115")
     observation, _ = env.reset(seed=0)
     assert observation.shape == (115,)
     assert np.flatnonzero(observation[97:108]).tolist() == [0]  # the keeper, as there

@@ -263,7 +263,7 @@ def test_semi_experts_play_the_players_of_the_game(name):
 
 def test_gymnasium_knows_games_and_their_tests():
     for name in ("offense_easy_crossing", "defense_2vs2_test", "1v1Free_hard", "3v2FourBehaviors_A"):
-        env = gymnasium.make(f"regista/{name}-v0")
+        env = gymnasium.make(f"regista/{name}-v1")
         assert env.reset(seed=0)[0].ndim == 1
     assert len({name.replace("/", "_") for name in NAMED}) == len(NAMED)
 

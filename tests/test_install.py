@@ -148,7 +148,7 @@ def test_every_command_has_help(regista, python, project):
 
 
 def test_gymnasium_makes_a_minigame(python, project):
-    code = "import gymnasium; print(gymnasium.make('regista:regista/1v1Free-v0').reset(seed=0)[0].shape)"
+    code = "import gymnasium; print(gymnasium.make('regista:regista/1v1Free-v1').reset(seed=0)[0].shape)"
     done = run([python, "-c", code], project)
     assert done.stdout.startswith("("), done.stderr
 

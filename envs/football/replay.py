@@ -22,6 +22,7 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.state import MATCH
 from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.version import SIMULATOR_VERSION, UNNUMBERED, simulator_name, version_on
 from scenic_lite import ScenicError
 
 KIND = "regista match record"
@@ -31,7 +32,7 @@ _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
 _LEVELS = ("levels", "visits", "episodes")
 _ARRAYS = ("actions", "last", *_STATE, *_LEVELS)
-_OPTIONAL = ("scripted", "lengths")  # of demonstrations
+_OPTIONAL = ("scripted", "lengths", "simulator")  # the first two: of demonstrations; the last: of our own matches
 
 
 class RecordError(ValueError):
@@ -155,6 +156,9 @@ def save_record(record: Record, path: str | Path | BinaryIO) -> None:
     if record.lengths is not None:
         arrays["lengths"] = record.lengths
     arrays |= {"scripted": np.array(record.scripted), "actions": record.actions}
+    version = version_on(record.config.engine)
+    if version is not None:
+        arrays["simulator"] = np.array(version)
     np.savez_compressed(path, last=np.asarray(record.last).view(MATCH), **arrays, **texts)
 
 
@@ -173,17 +177,28 @@ def load_record(path: str | Path) -> Record:
     if not stated.startswith(KIND):
         raise RecordError(f"{path} is no record of a match: it does not say {KIND!r}")
     if stated != FORMAT:
-        raise RecordError(f"{path} was made by another version of the simulator: it is a {stated}, not {FORMAT[-1]}")
+        raise RecordError(f"{path} has another format: it is a {stated}, not {FORMAT[-1]}")
     missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in arrays]
     if missing:
         raise RecordError(f"{path} is damaged: {', '.join(missing)} missing")
-    if arrays["last"].dtype != MATCH or arrays["matches"].dtype != MATCH:
-        raise RecordError(f"{path} was made by another version of the simulator: its matches have other fields")
     try:
-        record = _decoded(arrays)
-    except (TypeError, ValueError, RecursionError) as error:
+        version = _version(arrays)
+        if version not in (None, SIMULATOR_VERSION):
+            found = simulator_name(version)
+            raise RecordError(f"{path} was recorded on {found}; version {SIMULATOR_VERSION} cannot replay it")
+        if arrays["last"].dtype != MATCH or arrays["matches"].dtype != MATCH:
+            raise RecordError(f"{path} was recorded by other code: its matches have other fields")
+        return _decoded(arrays)
+    except RecordError:
+        raise
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise RecordError(f"{path} is damaged: {error}") from error
-    return record
+
+
+def _version(arrays: dict[str, np.ndarray]) -> int | None:
+    """Return the version of the simulator that a record is of, None of one of the real engine."""
+    ours = version_on(json.loads(str(arrays["config"]))["engine"]) is not None
+    return int(arrays.get("simulator", UNNUMBERED)) if ours else None
 
 
 def _decoded(arrays: dict[str, Any]) -> Record:
@@ -230,7 +245,10 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
         if not endings:
             yield env.matches
     if not same(env.matches, record.last):  # where an episode has ended, the next one's start
-        raise RecordError("the matches came out differently than when they were recorded: by another simulator?")
+        raise RecordError(
+            "the matches came out differently than when they were recorded: the mathematical functions of another "
+            "machine can round otherwise"
+        )
 
 
 def same(first: np.ndarray, second: np.ndarray) -> bool:

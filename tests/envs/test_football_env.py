@@ -18,6 +18,7 @@ from regista.envs.football.constants import DIRECTION_RIGHT, METRES_PER_X, METRE
 from regista.envs.football.gym_env import FootballEnv
 from regista.envs.football.observation.features import features_names
 from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.version import SIMULATOR_VERSION
 from scenic_lite import ScenicError
 from ued.level_space import ThetaError
 
@@ -41,25 +42,35 @@ def rollout(env, steps=120, seed=7):
 def test_the_single_environment_passes_gymnasiums_check(name, representation):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # about wide boxes and unwrapped environments
-        check_env(gymnasium.make(f"regista/{name}-v0", representation=representation).unwrapped, skip_render_check=True)
+        check_env(gymnasium.make(f"regista/{name}-v1", representation=representation).unwrapped, skip_render_check=True)
+
+
+def test_ids_end_in_the_version_and_old_ones_name_it():
+    ours = [spec for name, spec in gymnasium.registry.items() if name.startswith("regista/")]
+    assert len(ours) == len(minigames.suites.NAMED) and {spec.version for spec in ours} == {SIMULATOR_VERSION}
+    present = f"Please use `regista/1v1Free-v{SIMULATOR_VERSION}` instead"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of Gymnasium's, who says it twice
+        with pytest.raises(gymnasium.error.DeprecatedEnv, match=present):
+            gymnasium.make("regista/1v1Free-v0")
 
 
 def test_the_single_environment_passes_stable_baselines_check():
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
-    checker.check_env(gymnasium.make("regista/1v1Free-v0").unwrapped, warn=False)
+    checker.check_env(gymnasium.make("regista/1v1Free-v1").unwrapped, warn=False)
 
 
 @pytest.mark.slow
 def test_a_stock_trainer_learns_on_it_unchanged():
     sb3 = pytest.importorskip("stable_baselines3")
-    model = sb3.PPO("MlpPolicy", gymnasium.make("regista/1v1Restricted-v0"), n_steps=256, seed=0, device="cpu")
+    model = sb3.PPO("MlpPolicy", gymnasium.make("regista/1v1Restricted-v1"), n_steps=256, seed=0, device="cpu")
     before = [parameter.detach().clone() for parameter in model.policy.parameters()]
     model.learn(1024)
     assert any((a != b).any() for a, b in zip(before, model.policy.parameters(), strict=True))
 
 
 def test_make_vec_gives_the_native_batch_with_a_new_level_every_episode():
-    env = gymnasium.make_vec("regista/1v1Restricted-v0", num_envs=16)
+    env = gymnasium.make_vec("regista/1v1Restricted-v1", num_envs=16)
     assert isinstance(env, FootballVectorEnv)
     env.reset(seed=0)
     before = env.levels.copy()
@@ -74,7 +85,7 @@ def test_make_vec_gives_the_native_batch_with_a_new_level_every_episode():
 
 
 def test_a_match_can_be_drawn():
-    env = gymnasium.make("regista/1v1Free-v0", render_mode="rgb_array")
+    env = gymnasium.make("regista/1v1Free-v1", render_mode="rgb_array")
     env.reset(seed=0)
     before = env.render()
     for _ in range(10):

@@ -94,7 +94,8 @@ def test_a_replay_that_comes_out_differently_says_so(tmp_path):
     ("changes", "message"),
     [
         ({"actions": lambda a: a + 100}, "the record is damaged: action 1"),
-        ({"last": lambda a: a["step"]}, "another version of the simulator"),
+        ({"last": lambda a: a["step"]}, "by other code: its matches have other fields"),
+        ({"simulator": lambda a: a + 1}, "changed.npz was recorded on simulator version 2; version 1 cannot replay it"),
         ({"program": lambda a: "ego = LeftCM at"}, "cannot be set up again"),
         ({"program": lambda a: str(a) + "LeftGK at -99 @ 0\n"}, "cannot be set up again|came out differently"),
         ({"config": lambda a: "{"}, "is damaged"),
