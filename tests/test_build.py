@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from regista.experiments.run import provenance
+from regista.envs.football.version import SIMULATOR_VERSION
 from scenic_lite.kernels import jit
 from tests.wheels import LINKS, ROOT, build_sdist, build_wheel, clone, install, pip, run
 
@@ -120,18 +120,18 @@ def test_every_module_of_a_wheel_can_be_imported(unpacked, python, tmp_path):
 
 SOURCES = """
 from scenic_lite.kernels import jit
-from regista.experiments.run import provenance
+from regista.envs.football.version import SIMULATOR_VERSION
 
-print(jit.digest(), provenance.simulator(), *(path.relative_to(jit.ROOT) for path in jit.sources()))
+print(jit.digest(), SIMULATOR_VERSION, *(path.relative_to(jit.ROOT) for path in jit.sources()))
 """
 
 
 def test_an_installed_wheel_has_the_digests_of_the_checkout(python, tmp_path):
-    """So it shares the checkout's compiled kernels, and its records say that the same simulator made them."""
-    kernels, simulator, *sources = run([python, "-c", SOURCES], tmp_path).stdout.split()
+    """So it shares the checkout's compiled kernels, and what it leaves carries the same version of the simulator."""
+    kernels, version, *sources = run([python, "-c", SOURCES], tmp_path).stdout.split()
     assert "regista/envs/football/constants.py" in sources
     assert sources == [path.relative_to(jit.ROOT).as_posix() for path in jit.sources()]
-    assert (kernels, simulator) == (jit.digest(), provenance.simulator())
+    assert (kernels, version) == (jit.digest(), str(SIMULATOR_VERSION))
 
 
 def test_the_core_needs_three_packages():

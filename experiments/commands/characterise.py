@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.experiments.run import arguments, build
+from regista.experiments.run import arguments, build, versions
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError
@@ -56,6 +56,7 @@ class Row:
     never: float
     sometimes: float
     always: float
+    simulator: str  # the version that was played, as `versions.spelled` has it
 
     def cells(self) -> list[str]:
         """Return the row of the table."""
@@ -91,14 +92,14 @@ def measure(config: CharacteriseConfig, train: TrainConfig) -> Iterator[Row]:
     """Train a student on a game, and yield what becomes of its levels by uniform keys, then by the student."""
     from regista.experiments.run.baselines import make_baselines
 
-    program = build.load_scenes(train)[build.TRAINING_SCENE]
+    program, version = build.load_scenes(train)[build.TRAINING_SCENE], versions.present_version(train)
     test = build.make_upomdp(program, min(ENVIRONMENTS, config.levels), train.env, SEED, train.threads)
     test.reset(seed=SEED)
     levels = test.sample_levels(config.levels)
 
     def play(policy: Any, who: str, env_steps: int) -> Row:
         shares = solved_shares(policy, test, levels, config.episodes)
-        return Row(build.short_name(train.minigame), test.theta_dim, who, env_steps, *shares)
+        return Row(build.short_name(train.minigame), test.theta_dim, who, env_steps, *shares, versions.spelled(version))
 
     yield play(make_baselines(test, program)["random"], "uniform keys", 0)
     upomdp = build.make_upomdp(program, train.num_envs, train.env, train.seed, train.threads)

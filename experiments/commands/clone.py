@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from regista.experiments.run import arguments, build
+from regista.experiments.run import arguments, build, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import TrainConfig, football_ppo
@@ -71,6 +71,7 @@ def main(argv: Sequence[str]) -> int:
     from regista.experiments.run.demonstrations import Demonstrations
 
     demos = Demonstrations.open(config.demonstrations)
+    versions.check_present(demos.simulator, f"{demos.path} was played on", "it cannot be cloned")
     data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
     method, run, program = _begin(config, demos, data)
     with StopRequest() as stop:
@@ -110,7 +111,9 @@ def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder
     if file.exists():
         if file.read_text(errors="replace") != text:
             raise CommandError(f"{path} holds a clone of other settings, those of {file}; choose another --out")
-        return RunFolder.open(path)
+        run = RunFolder.open(path)
+        versions.check_present(run.simulator, f"{path} was begun on", "it cannot be gone on with")
+        return run
     run = RunFolder.create(path, training)
     try:
         write_whole(file, text)
@@ -151,7 +154,8 @@ def clone(
     write_accuracies(run.path / "accuracy.csv", agreement)
     with read_from(f"{table.path} is"):
         draw_cloning(table.path, agreement, run.path / "cloning.png")
-    run.save({"update": 0, "env_steps": 0, "elapsed": 0.0, "method": method.state_dict()})
+    kept = {"update": 0, "env_steps": 0, "elapsed": 0.0, **versions.stamp(run.config)}
+    run.save({**kept, "method": method.state_dict()})
     progress.finish(
         f"{run.path}: {cloner.epoch} epochs, the best was {cloner.best_epoch}; of held-out steps "
         f"{agreement.accuracy:.2f} as done, over actions {agreement.balanced_accuracy:.2f}; "

@@ -143,7 +143,7 @@ def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], fold
     else:
         pictures[f"Levels on {name}"] = "levels.png"
     heading = f"{name}: {plots.listed(trained)}"
-    results_page.write_page(folder, heading, command, report.markdown(), pictures)
+    results_page.write_page(folder, heading, command, report.markdown(), pictures, report.simulator)
 
 
 def draw(comparison: Comparison, folder: Path) -> None:

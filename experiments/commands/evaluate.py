@@ -20,7 +20,7 @@ from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.report import Report, save_csv, write_text
+from regista.experiments.run.report import Report, write_text
 from ued.config import Checked, most_threads, setting
 
 MOST_PLAYED = 100_000_000  # episodes on random levels
@@ -78,17 +78,18 @@ def main(argv: Sequence[str]) -> int:
     report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:
-        save_csv(report.results, config.csv)
+        report.save_csv(config.csv)
     if config.markdown is not None:
         write_text(config.markdown, report.markdown() + "\n")
     return 0
 
 
 def as_json(report: Report) -> dict[str, Any]:
-    """Return rows by run, and all numbers of the tables; null where there is none."""
+    """Return rows by run, the simulator's version, and all numbers of the tables; null where there is none."""
     entries = [entry._asdict() for entry in report.entries]
     return {
         "results": [asdict(row) for row in report.results],
         "levels": [asdict(row) for row in report.levels],
+        "simulator": report.simulator,
         "tables": [{name: None if value != value else value for name, value in entry.items()} for entry in entries],
     }

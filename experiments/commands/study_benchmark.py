@@ -94,13 +94,14 @@ class BenchmarkStudy:
         Returns the exit code.
         """
         from regista.experiments.studies import page
-        from regista.experiments.studies.rows import add, load, trained
+        from regista.experiments.studies.rows import add, trained
 
         self.check_published()
+        rows = {preset: page.read(self.places.results, preset) for preset in page.PRESETS}[self.config.preset]
         steps = arguments.replace_paths(self.runs.base, self.typed).total_env_steps
         table = self.places.results / page.FILES.format(preset=self.config.preset)
         table.parent.mkdir(parents=True, exist_ok=True)
-        rows, planned = load(table), list(self.planned())
+        planned = list(self.planned())
         missing = [plan for plan in planned if trained(rows, *plan) < steps]
         self.check_same(planned)
         how = self.config.launch

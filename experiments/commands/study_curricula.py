@@ -78,6 +78,8 @@ class CurriculaStudy:
     def run(self) -> int:
         """Train, play and write, one seed of a game after the other; return the exit code."""
         self.check_published()
+        for name in COMPARISONS:  # all of which the page shows
+            curricula_page.read(self.places, name)
         table, curves = rows_file(self.places, self.name), curves_file(self.places, self.name)
         table.parent.mkdir(parents=True, exist_ok=True)
         planned, how = list(self.planned()), self.config.launch

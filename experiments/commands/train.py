@@ -12,18 +12,18 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.pictures import plots
-from regista.experiments.run import arguments, build, origin, outlook, provenance
+from regista.experiments.run import arguments, build, origin, outlook, versions
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
-from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.reporting import Console, Reporters
 from regista.experiments.run.signals import StopRequest
@@ -129,7 +129,7 @@ def restore(run: RunFolder, method: Any) -> float:
     """Continue from the run's checkpoint, if it has one; return the seconds that were trained before.
 
     One that ended before its first checkpoint begins anew, and that is said.
-    Raises `CommandError` if it is of environments that have changed since.
+    Raises `CommandError` if it is of environments that have changed since, or of another version of the simulator.
     """
     state = run.load()
     if state is None:
@@ -137,27 +137,14 @@ def restore(run: RunFolder, method: Any) -> float:
             build.warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
         run.cut_back(0)
         return 0.0
+    version = versions.kept_version(run.config, state, str(run.checkpoint))
+    versions.check_present(version, f"{run.checkpoint} was trained on", EVALUATED_ALONE)
     try:
         method.load_state_dict(state["method"])
     except DAMAGE as error:  # it is damaged, or of environments that keep their state otherwise by now
         raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
     run.cut_back(state["update"])
-    tell_of_change(run, state)
     return float(state["elapsed"])
-
-
-def tell_of_change(run: RunFolder, state: Mapping[str, Any]) -> None:
-    """Warn that a run goes on with other code of our simulator than its checkpoint, where that is known."""
-    if plays_ours(run) and state.get("simulator", provenance.simulator()) != provenance.simulator():
-        build.warn(
-            f"{run.path} was trained up to here on another simulator (commit {run.about.get('commit') or 'unknown'}): "
-            f"its code has changed since, and what is learnt from now on is learnt on this one"
-        )
-
-
-def plays_ours(run: RunFolder) -> bool:
-    """Return whether a run plays football in our simulator."""
-    return build.is_football(run.config) and run.config.env.engine != "grf"
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
@@ -169,9 +156,7 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
 
     progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
     whole = method.upomdp.gives_state
-    progress |= {"spaces": spaces_of(method.upomdp)}
-    if plays_ours(run):
-        progress["simulator"] = provenance.simulator()
+    progress |= {"spaces": spaces_of(method.upomdp), **versions.stamp(run.config)}
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 
 

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from regista.experiments.run import arguments
+from regista.envs.football.version import SIMULATOR_VERSION
+from regista.experiments.run import arguments, versions
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import UsageError
@@ -75,7 +76,8 @@ def main(argv: Sequence[str]) -> int:
         rows = [row for result in results for row in report.csv_rows(result)]
         save_rows(rows, list(rows[0]), config.csv)
     if config.markdown is not None:
-        notes = f"{report.INTERVALS}; {report.verdict(results)}".replace("\n", "; ")
+        played = f"ours is simulator version {SIMULATOR_VERSION}"
+        notes = f"{report.INTERVALS}; {report.verdict(results)}; {played}".replace("\n", "; ")
         write_text(config.markdown, f"{as_markdown(report.by_game(results))}\n\n{notes}.\n")
     if config.traces is not None:
         record(config.traces, traces)
@@ -83,7 +85,11 @@ def main(argv: Sequence[str]) -> int:
 
 
 def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result], list[Any]]:
-    """Play all runs; return what became of them, and the episodes to be recorded."""
+    """Play all runs; return what became of them, and the episodes to be recorded.
+
+    Raises `CommandError` for runs of different versions of the simulator.
+    """
+    versions.check_alike({run.path: run.simulator for run in runs})
     from regista.experiments.grf.transfer import Plan, play_run
     from regista.experiments.grf.transfer_report import keep, kept
 

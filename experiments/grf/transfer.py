@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from regista.envs.football.constants import NUM_ACTIONS
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.grf.episodes import ENDINGS, Choose, Episodes, play, play_keys, side_by_side
 from regista.experiments.grf.goals import goals_of
 from regista.experiments.run import build
@@ -161,6 +162,7 @@ class Plan:
             "engine": self.other.engine,
             "episodes": [*self.episodes],
             "policies": [*self.policies],
+            "simulator": SIMULATOR_VERSION,
         }
 
 

@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.grf import goals
 from regista.experiments.grf.episodes import ENDINGS, ENGINES
 from regista.experiments.grf.transfer import SEED, Leaving, Result
+from regista.experiments.run import versions
 from regista.experiments.run.report import two_digits
 from regista.experiments.run.results import Counted, align, goal_rate, goal_rates
 from ued import statistics
@@ -190,7 +192,10 @@ def csv_rows(result: Result) -> list[dict[str, Any]]:
     rows = []
     for engine, numbers in result.engines.items():
         rate = goal_rate(counts([result], engine))
-        row = of_run | {"engine": engine} | {name: numbers[name] for name in ("episodes", "goals")}
+        version = versions.spelled(SIMULATOR_VERSION if engine == "ours" else None)
+        row = (
+            of_run | {"engine": engine, versions.KEY: version} | {name: numbers[name] for name in ("episodes", "goals")}
+        )
         row |= dict(zip(("goal_rate", "goal_rate_low", "goal_rate_high"), rate, strict=True)) | ratio
         row |= {name: numbers[name] for name in ("mean_return", "return_error", "median_length")}
         row |= {f"ended/{word}": share for word, share in numbers["endings"].items()}

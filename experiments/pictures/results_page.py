@@ -18,7 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from regista.experiments.run import arguments
+from regista.envs.football.version import UNNUMBERED
+from regista.experiments.run import arguments, versions
 from regista.experiments.run.arguments import positional
 from regista.experiments.run.errors import CommandError, UsageError, run_command
 from regista.experiments.run.report import write_text
@@ -29,6 +30,7 @@ DESCRIPTION = "Put the tables and pictures of comparisons into a page of results
 PAGE = "page.md"
 WIDEST, COLOURS = 1240, 256  # of pictures on the page
 PICTURE = re.compile(r"!\[([^]]*)\]\(([^)/]+)\)")  # one in the folder itself
+VERSION = "<!-- simulator {} -->\n"  # the first line of a page: on which version its numbers were measured
 
 
 @dataclass(frozen=True)
@@ -55,18 +57,36 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def write_page(folder: Path, heading: str, command: Sequence[str], tables: str, pictures: dict[str, str]) -> None:
-    """Write page.md: what was compared, the command that did it, the tables, and pictures by caption."""
+def write_page(
+    folder: Path,
+    heading: str,
+    command: Sequence[str],
+    tables: str,
+    pictures: dict[str, str],
+    simulator: int | None = None,
+) -> None:
+    """Write page.md: what was compared, the command that did it, the tables, and pictures by caption.
+
+    `simulator` is the version of the simulator on which the numbers were measured; None: on none of ours.
+    """
     shown = "\n\n".join(f"![{caption}]({name})" for caption, name in pictures.items())
     call = f"```sh\nregista {shlex.join(command)}\n```"
-    write_text(folder / PAGE, f"## {heading}\n\n{call}\n\n{tables}\n\n{shown}\n")
+    version = VERSION.format(versions.spelled(simulator))
+    write_text(folder / PAGE, f"{version}## {heading}\n\n{call}\n\n{tables}\n\n{shown}\n")
 
 
 def section(folder: Path, pictures: Path, base: Path) -> str:
-    """Return a folder's page.md with its pictures copied to `pictures`, and linked there from `base`."""
+    """Return a folder's page.md with its pictures copied to `pictures`, and linked there from `base`.
+
+    Raises `CommandError` where its numbers are of another version of the simulator than this.
+    """
     if not (folder / PAGE).exists():
         raise CommandError(f"{folder} has no {PAGE}: regista compare writes it when all runs are finished")
-    name = folder.resolve().name
+    name, text = folder.resolve().name, (folder / PAGE).read_text()
+    stated = re.match(VERSION.format(r"(\d{1,9}|none)"), text)
+    version = stated[1] if stated else UNNUMBERED
+    if version != versions.NO_SIMULATOR:
+        versions.check_present(int(version), f"{folder / PAGE} was measured on", "it cannot be published")
 
     def copied(link: re.Match) -> str:
         target = pictures / f"{name}_{link[2]}"
@@ -77,7 +97,7 @@ def section(folder: Path, pictures: Path, base: Path) -> str:
             raise cannot_write(target, error) from error
         return f"![{link[1]}]({Path(os.path.relpath(target, base)).as_posix()})"
 
-    return PICTURE.sub(copied, (folder / PAGE).read_text())
+    return PICTURE.sub(copied, text)
 
 
 def _shrink(picture: Path, target: Path) -> None:

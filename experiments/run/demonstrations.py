@@ -1,6 +1,6 @@
 """The folder of `regista demonstrate`: episodes in parts, each whole or not there, and a Minari data set of them.
 
-    demonstrations.json     the `DemonstrationsConfig`: what was asked for
+    demonstrations.json     the `DemonstrationsConfig`: what was asked for; `about`: the version of the simulator
     program.scenic          the text of the program that played, or was played on
     records/0000.npz        the kept episodes of a part, for `regista replay`
     data/part-0000.hdf5     what was seen and done in them
@@ -24,7 +24,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from regista.envs.football.config import FootballConfig
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import config as configs
+from regista.experiments.run import versions
 from regista.experiments.run.errors import DAMAGE, CommandError
 from regista.experiments.run.table import cannot_write, check_files, spell
 from ued.config import LARGEST_SEED, Checked, setting
@@ -82,11 +84,18 @@ class Demonstrations:
         check_files(path)
         return cls(path, configs.load(DemonstrationsConfig, file))
 
+    @property
+    def simulator(self) -> int | None:
+        """The version of the simulator that played, 0 from before there was one, None of another engine."""
+        file = self.path / "demonstrations.json"
+        return versions.kept_version(self.config, configs.about(file), f"{file}: '{configs.ABOUT}'")
+
     @classmethod
     def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:
         """Make a folder, or go on with one that was made with the same settings and program."""
         if (path / "demonstrations.json").exists():
             there = cls.open(path)
+            versions.check_present(there.simulator, f"{path} was played on", "nothing can be added to it")
             for name, (old, new) in configs.differences(there.config, config).items():
                 raise CommandError(f"{path} was made with {name} = {old}; it cannot go on with {new}")
             if (path / "program.scenic").read_text(errors="replace") != program:
@@ -98,7 +107,7 @@ class Demonstrations:
             for folder in ("records", "data"):
                 (path / folder).mkdir(parents=True, exist_ok=True)
             write_whole(path / "program.scenic", program)
-            write_whole(path / "demonstrations.json", json.dumps(configs.to_dict(config), indent=2) + "\n")
+            configs.save(config, path / "demonstrations.json", versions.stamp(config))
         except OSError as error:
             raise cannot_write(path, error) from error
         return cls(path, config)
@@ -303,9 +312,9 @@ def _metadata(
 
     observation, action = (serialize_space(space) for space in spaces)
     name = "".join(letter if letter.isalnum() else "-" for letter in Path(demos.config.minigame).stem)
-    spec = EnvSpec(f"regista/{name}-v0", entry_point="regista.envs.football.gym_env:FootballEnv", kwargs=settings)
+    id = f"regista/{name}-v{SIMULATOR_VERSION}"
     return {
-        "dataset_id": f"regista/{name}-v0",
+        "dataset_id": id,
         "minari_version": minari.__version__,
         "data_format": "hdf5",
         "jpeg_encoding": False,
@@ -314,6 +323,7 @@ def _metadata(
         "total_episodes": episodes,
         "total_steps": steps,
         "algorithm_name": demos.config.source,
-        "regista": {name: value for name, value in asdict(demos.config).items() if name != "source"},
-        "env_spec": spec.to_json(),
+        "regista": {name: value for name, value in asdict(demos.config).items() if name != "source"}
+        | versions.stamp(demos.config),
+        "env_spec": EnvSpec(id, entry_point="regista.envs.football.gym_env:FootballEnv", kwargs=settings).to_json(),
     }

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import build
+from regista.experiments.run import build, versions
 from regista.experiments.run.baselines import make_baselines
 from regista.experiments.run.errors import DAMAGE, CommandError, refused
 from regista.experiments.run.mixed import MixedProgram
@@ -38,6 +38,7 @@ class EvalScenes:
         self.episodes = episodes
         self.every = config.eval_every
         self.programs = programs
+        self.simulator = versions.present_version(config)
         self.scenes = {label: self._make(program, config) for label, program in programs.items()}
         tasks = {label: program for label, program in programs.items() if isinstance(program, TaskScene)}
         self.theta = {label: scene.theta(self.scenes[label]) for label, scene in tasks.items()}  # of certain levels
@@ -118,8 +119,9 @@ class Evaluator:
     def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
         """Play the students of all runs, and policies that need no training.
 
-        Raises `CommandError` if a run has no checkpoint yet.
+        Raises `CommandError` if a run has no checkpoint yet, and for runs of different versions of the simulator.
         """
+        versions.check_alike({run.path: run.simulator for run in runs})
         results: list[Result] = []
         levels: list[LevelResult] = []
         for run in runs:
@@ -129,7 +131,8 @@ class Evaluator:
         program, upomdp = (table[build.TRAINING_SCENE] for table in (self.scenes.programs, self.scenes.scenes))
         for name, policy in make_baselines(upomdp, program).items() if baselines else ():
             self._play(policy, name, 0, (0, 0), results, levels)
-        return Report(results, levels, "goals" if succeeds_by_goals(upomdp, program) else "success")
+        word = "goals" if succeeds_by_goals(upomdp, program) else "success"
+        return Report(results, levels, word, self.scenes.simulator)
 
     def _play(
         self,
@@ -159,7 +162,8 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
 
     Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
-    `CommandError` if the run has none yet, or one of other observations.
+    `CommandError` if the run has none yet, or one of other observations. Warns where the run was trained on another
+    version of the simulator.
     """
     from regista.experiments.run.config import EngineConfig
 
@@ -167,6 +171,7 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
         raise CommandError(f"{run.path} has no checkpoint yet; train it first: regista train --resume {run.path}")
     config, state = run.config, run.load()
     assert state is not None
+    versions.warn_of_age(run.path, run.simulator)
     # On this engine: it sees the same and needs no other
     env = EngineConfig(engine="regista").instead_of(config.env) if build.is_football(config) else None
     on_host = replace(config, device="cpu")  # whoever tests it need not have the GPU

@@ -1,6 +1,7 @@
 """The run folder: what a training run leaves behind, and how it continues after a kill.
 
-    config.json       the TrainConfig, enough to start the run over; `about`: id, command, commit, versions, machine
+    config.json       the TrainConfig, enough to start the run over; `about`: id, command, commit, versions, machine,
+                      and the version of the simulator
     program.scenic    the text of the program, as it was when the run began; task.py of a task of one's own
     metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
     levels.csv        one row per level that was played: where from, θ in [-1, 1], returns, score
@@ -28,7 +29,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import config as configs
-from regista.experiments.run import provenance, trust
+from regista.experiments.run import provenance, trust, versions
 from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
@@ -64,7 +65,7 @@ class RunFolder:
 
         For where there is a configuration, the run can be resumed. Raises `CommandError` if there is a run already.
         """
-        run = cls(path, config, provenance.about())
+        run = cls(path, config, provenance.about() | versions.stamp(config))
         if run.begun():
             raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
         names = [entry.name for entry in path.iterdir()] if path.is_dir() else []
@@ -100,11 +101,23 @@ class RunFolder:
         check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
+    @property
+    def simulator(self) -> int | None:
+        """The version of the simulator that it plays on; 0 from before there was one, None if it plays no football of
+        ours.
+        """
+        return versions.kept_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
+
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ.
 
-        The folder has it from `keep_config` on: one that turns out damaged is left as it was.
+        The folder has it from `keep_config` on: one that turns out damaged is left as it was. Raises `CommandError` for
+        a run of another version of the simulator.
         """
+        if self.begun():
+            versions.check_present(self.simulator, f"{self.path} was trained on", EVALUATED_ALONE)
+        elif self.simulator != versions.present_version(self.config):
+            self.about, self._kept = {**self.about, **versions.stamp(self.config)}, None
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others
@@ -256,6 +269,7 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
+EVALUATED_ALONE = "it can be evaluated, but not resumed or compared"
 # What a folder may hold before its run has begun, and which settings of a run may be changed later
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint

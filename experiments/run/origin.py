@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from regista.experiments.run import config as configs
+from regista.experiments.run import versions
 from regista.experiments.run.build import is_football
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
@@ -25,11 +26,15 @@ SEEN = ("representation", "control", "right_control")
 
 @dataclass(frozen=True)
 class Origin:
-    """A student, as a `state_dict`, and the settings of the run in which it was trained or cloned."""
+    """A student, as a `state_dict`, and the settings of the run in which it was trained or cloned.
+
+    `simulator` is the version on which it was; see `versions.kept_version`.
+    """
 
     path: Path
     config: TrainConfig
     student: dict[str, Any]
+    simulator: int | None
 
 
 def load(path: Path) -> Origin:
@@ -45,7 +50,7 @@ def load(path: Path) -> Origin:
         student = state["method"]["learners"][0]["ppo"]["student"]
     except (KeyError, IndexError, TypeError, AttributeError) as error:
         raise CommandError(f"{file} is a checkpoint without a student to begin with") from error
-    return Origin(path, config, student)
+    return Origin(path, config, student, versions.kept_version(config, state, str(file)))
 
 
 def of_seed(path: Path, seed: int) -> Path:
@@ -103,7 +108,12 @@ def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
 
 
 def check(origin: Origin, config: TrainConfig) -> None:
-    """Raise `CommandError` where the student is of another network, or sees or moves something else."""
+    """Raise `CommandError` where the student is of another network, or sees or moves something else.
+
+    Also where both play in our simulator, and not in the same version.
+    """
+    if versions.present_version(config) is not None:
+        versions.check_present(origin.simulator, f"{origin.path} was trained on", "no run can begin with it")
     if is_football(config) != is_football(origin.config):
         raise CommandError(f"{origin.path} was trained on {origin.config.minigame}, which is seen otherwise")
     pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN if is_football(config)]

@@ -5,7 +5,6 @@ Read next: `run.folder`, whose config.json holds it.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import platform
 import secrets
@@ -48,18 +47,6 @@ def commit() -> str:
         return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         return ""
-
-
-@cache
-def simulator() -> str:
-    """Return what tells the football simulator of this code from that of any other: a digest of its files."""
-    from regista.envs import football
-
-    root = Path(football.__file__).parent
-    digest = hashlib.sha256()
-    for file in sorted(root.rglob("*.py")):
-        digest.update(file.relative_to(root).as_posix().encode() + file.read_bytes())
-    return digest.hexdigest()[:12]
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.experiments.run import build, replays
+from regista.experiments.run import build, replays, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.replays import Replay, Stage
@@ -42,6 +42,7 @@ class RunRecorder:
             connect = None
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
+        flat |= {key: str(version) for key, version in versions.stamp(config).items()}
         recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect)
         self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.draws)
         if config.record_rollouts:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run import results as estimate
+from regista.experiments.run import versions
 from regista.experiments.run.results import LevelResult, Result, align, select, unique
 from regista.experiments.run.table import cannot_write, spell
 from ued.files import write_whole
@@ -71,11 +72,13 @@ class Report:
         results: rows of all policies on all scenes.
         levels: rows of all policies on levels drawn at random; none where nobody asked for them.
         word: what successes are called.
+        simulator: the version of the simulator on which they played; None where none of ours did.
     """
 
     results: Sequence[Result]
     levels: Sequence[LevelResult] = ()
     word: str = "goals"
+    simulator: int | None = None
 
     @cached_property
     def methods(self) -> list[str]:
@@ -178,6 +181,8 @@ class Report:
             notes.append(OF_PAIRS.format(first=self.first))
         if self.levels:
             notes.append(OF_LEVELS.format(levels=self.levels[0].levels))
+        if self.simulator is not None:
+            notes.append(f"played on simulator version {self.simulator}")
         return notes
 
     # ------------------------------------------------------------ forms
@@ -196,12 +201,20 @@ class Report:
         """Write table.txt, table.md, table.csv (all numbers of the tables), results.csv and levels.csv (by run)."""
         write_text(folder / "table.txt", self.text() + "\n")
         write_text(folder / "table.md", self.markdown() + "\n")
-        save_rows([entry._asdict() for entry in self.entries], list(Entry._fields), folder / "table.csv")
-        save_csv(self.results, folder / "results.csv")
+        self._save([entry._asdict() for entry in self.entries], Entry._fields, folder / "table.csv")
+        self.save_csv(folder / "results.csv")
         if self.levels:
-            save_rows(
-                list(map(asdict, self.levels)), [item.name for item in fields(LevelResult)], folder / "levels.csv"
-            )
+            names = [item.name for item in fields(LevelResult)]
+            self._save(list(map(asdict, self.levels)), names, folder / "levels.csv")
+
+    def save_csv(self, path: Path) -> None:
+        """Write the results as CSV, with the goal rate. Raises `CommandError` if the disk refuses."""
+        rows = [asdict(row) | {"goal_rate": round(row.goal_rate, 6)} for row in self.results]
+        self._save(rows, [*(item.name for item in fields(Result)), "goal_rate"], path)
+
+    def _save(self, rows: Sequence[Mapping[str, Any]], columns: Sequence[str], path: Path) -> None:
+        version = versions.spelled(self.simulator)
+        save_rows([{**row, versions.KEY: version} for row in rows], [*columns, versions.KEY], path)
 
 
 def as_markdown(rows: list[list[str]]) -> str:
@@ -243,12 +256,6 @@ def write_text(path: Path, text: str) -> None:
         write_whole(path, text)
     except OSError as error:
         raise cannot_write(path, error) from error
-
-
-def save_csv(results: Sequence[Result], path: Path) -> None:
-    """Write the rows as CSV, with the goal rate."""
-    rows = [asdict(row) | {"goal_rate": round(row.goal_rate, 6)} for row in results]
-    save_rows(rows, [item.name for item in fields(Result)] + ["goal_rate"], path)
 
 
 def save_rows(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], path: Path) -> None:

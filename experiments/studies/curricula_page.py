@@ -21,7 +21,7 @@ from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import Result, Scores, unique
 from regista.experiments.studies.curricula import COMPARISONS
 from regista.experiments.studies.measuring import HELD_OUT, THIRDS
-from regista.experiments.studies.rows import TRAIN, Point, Row, load
+from regista.experiments.studies.rows import TRAIN, Point, Row, check_present, load, played_on
 from regista.experiments.studies.runs import Places
 from ued.statistics import Interval, bootstrap
 
@@ -132,9 +132,17 @@ def write_page(places: Places) -> None:
     write_text(places.page, page)
 
 
+def read(places: Places, name: str) -> tuple[list[Row], list[Point]]:
+    """Return what was measured in a study. Raises `CommandError` for what is of another version of the simulator."""
+    rows, points = load(rows_file(places, name)), load(curves_file(places, name), Point)
+    check_present(rows_file(places, name), rows)
+    check_present(curves_file(places, name), points)
+    return rows, points
+
+
 def read_games(places: Places, name: str) -> list[Game]:
     """Return what was measured, by game in the order of the study, with the variants of which there are runs."""
-    rows, points = load(rows_file(places, name)), load(curves_file(places, name), Point)
+    rows, points = read(places, name)
     order = [*COMPARISONS[name].games, *unique([row.game for row in rows])]
     games = []
     for game in unique(order):
@@ -151,13 +159,14 @@ def section(name: str, games: Sequence[Game], places: Places) -> str:
     draw_curves(games, picture)
     link = Path(os.path.relpath(picture, places.page.parent)).as_posix()
     commits = ", ".join(unique([row.commit for game in games for row in game.rows if row.commit]))
+    played = played_on(row for game in games for row in game.rows)
     variants = unique([variant for game in games for variant in game.variants])
     return "\n\n".join(
         [
             f"## {HEADINGS[name]}",
             f"```sh\nregista study {name}\n```",
             as_markdown(over_games(games, variants)),
-            f"{NOTE.format(first=plots.title(games[0].first))} Simulator of {commits or 'no commit'}.",
+            f"{NOTE.format(first=plots.title(games[0].first))} Measured on {played}, commit {commits or 'unknown'}.",
             f"![Learning curves]({link})",
             *(f"### {build.short_name(game.name)}\n\n{as_markdown(by_scene(game))}" for game in games),
         ]

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import build
+from regista.envs.football.version import version_on
+from regista.experiments.run import build, versions
 from regista.experiments.run.baselines import make_baselines
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes, load_student
@@ -32,6 +33,7 @@ TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from n
 }
 
 if TYPE_CHECKING:
+    from regista.envs.football.config import FootballConfig
     from regista.minigames.suites import Minigame
     from ued.config import PPOConfig
     from ued.evaluation import Evaluation
@@ -108,7 +110,10 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
     tested = np.flatnonzero(np.isfinite(scenes).all(0))
     columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
     about = (run.config.minigame, agent, run.config.seed)
-    return [Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4)) for u in tested]
+    version = versions.spelled(versions.present_version(run.config))
+    return [
+        Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4), version) for u in tested
+    ]
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
@@ -128,7 +133,7 @@ def measure_experts(game: Minigame, episodes: int) -> list[Row]:
         if path is not None:
             played = play_expert(Expert(path.stem, agent == "team_expert", 0.0, None), OURS, episodes)
             difference = (played.score[:, 0] - played.score[:, 1]).astype(float)
-            row = _row(difference, played.lengths, OURS.control)
+            row = _row(difference, played.lengths, OURS)
             rows.append(Row(game=game.name, agent=agent, scene=TRAIN, seed=0, env_steps=0, seconds=0.0, **row))
     return rows
 
@@ -137,15 +142,15 @@ def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dic
     rows = []
     for label, evaluation in evaluations.items():
         scene = TRAIN if label == build.TRAINING_SCENE else label
-        measured = _row(evaluation.returns, evaluation.lengths, config.env.control)
+        measured = _row(evaluation.returns, evaluation.lengths, config.env)
         rows.append(Row(game=config.minigame, scene=scene, **about, **measured))
     return rows
 
 
-def _row(difference: np.ndarray, lengths: np.ndarray, control: str) -> dict[str, Any]:
+def _row(difference: np.ndarray, lengths: np.ndarray, env: FootballConfig) -> dict[str, Any]:
     """Return what a row says of the goal differences `[E]` and lengths `[E]` of episodes."""
     return {
-        "control": control,
+        "control": env.control,
         "episodes": len(difference),
         "goal_difference": round(float(difference.mean()), 6),
         "deviation": round(float(difference.std()), 6),
@@ -153,4 +158,5 @@ def _row(difference: np.ndarray, lengths: np.ndarray, control: str) -> dict[str,
         "conceded": int((difference < 0).sum()),
         "mean_length": round(float(lengths.mean()), 3),
         "commit": commit(),
+        "simulator": versions.spelled(version_on(env.engine)),
     }

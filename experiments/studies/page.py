@@ -14,7 +14,7 @@ from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import advantage, mean_return
 from regista.experiments.studies.measuring import TEAM
-from regista.experiments.studies.rows import TRAIN, Row, load
+from regista.experiments.studies.rows import TRAIN, Row, check_present, load, played_on
 from regista.minigames.published import Published, find_published, published
 from regista.minigames.suites import BENCHMARK
 from ued.statistics import Interval, spearman
@@ -80,12 +80,20 @@ def write_page(results: Path, page: Path, pictures: Path) -> None:
     pictures.mkdir(parents=True, exist_ok=True)
     parts = [HEAD]
     for preset in PRESETS:
-        rows = load(results / FILES.format(preset=preset))
+        rows = read(results, preset)
         if rows:
             measured = Measured(preset, rows)
             parts += [f"## Preset `{preset}`: {PRESETS[preset]}", about(measured)]
             parts += [section(measured, page.parent, pictures) for section in SECTIONS]
     write_text(page, _paragraphs(parts) + "\n")
+
+
+def read(results: Path, preset: str) -> list[Row]:
+    """Return what was measured with a preset. Raises `CommandError` for rows of another version of the simulator."""
+    path = results / FILES.format(preset=preset)
+    rows = load(path)
+    check_present(path, rows)
+    return rows
 
 
 def _paragraphs(parts: Sequence[str]) -> str:
@@ -118,8 +126,8 @@ def about(measured: Measured) -> str:
     commits = ", ".join(sorted({row.commit for row in measured.rows} - {""}))
     return (
         f"{len(runs)} runs of {len(games)} games, {len(seeds)} seed{'s' * (len(seeds) != 1)}, {length} steps each, "
-        f"paid for goals alone; {spent:.1f} hours of training in all. The simulator and the games were those of "
-        f"{commits or 'no commit'}. {INTERVALS}."
+        f"paid for goals alone; {spent:.1f} hours of training in all. Measured on {played_on(measured.rows)}, "
+        f"commit {commits or 'unknown'}. {INTERVALS}."
     )
 
 

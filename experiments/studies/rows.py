@@ -10,6 +10,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_type_hints
 
+from regista.envs.football.version import UNNUMBERED, simulator_name
+from regista.experiments.run import versions
 from regista.experiments.run.errors import CommandError, refused
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.results import Result
@@ -37,6 +39,7 @@ class Row(NamedTuple):
     mean_length: float  # steps
     seconds: float  # of the training
     commit: str
+    simulator: str  # the version that was played, as `versions.spelled` has it
 
     def key(self) -> tuple[str, str, str, str, int]:
         """Return what a later row of the same takes the place of."""
@@ -67,6 +70,7 @@ class Point(NamedTuple):
     env_steps: int
     seconds: float
     mean_return: float
+    simulator: str  # as in `Row`
 
     def key(self) -> tuple[str, str, int, int]:
         """Return what a later point of the same takes the place of."""
@@ -74,16 +78,22 @@ class Point(NamedTuple):
 
 
 def load(path: Path, kind: Any = Row) -> list[Any]:
-    """Return the rows of a file, of class `kind`; none if it is not there. Raises `CommandError` for a damaged one."""
-    read = get_type_hints(kind)
+    """Return the rows of a file, of class `kind`; none if it is not there. Raises `CommandError` for a damaged one.
+
+    Rows without a version of the simulator are of an unnumbered one.
+    """
+    read, unnumbered = get_type_hints(kind), {versions.KEY: str(UNNUMBERED)}
     try:
-        return [_checked(kind(**{name: read[name](text) for name, text in row.items()})) for row in read_rows(path)]
+        rows = [unnumbered | row for row in read_rows(path)]
+        return [_checked(kind(**{name: read[name](text) for name, text in row.items()})) for row in rows]
     except (ValueError, KeyError, TypeError) as error:
         raise CommandError(f"{path} is damaged: {refused(error)}") from error
 
 
 def _checked(row: Any) -> Any:
-    """Return a row as it is. Raises ValueError for numbers that nobody has measured."""
+    """Return a row as it is. Raises ValueError for numbers that nobody has measured, and for no simulator."""
+    if row.simulator != versions.NO_SIMULATOR and not row.simulator.isdecimal():
+        raise ValueError(f"simulator is {row.simulator!r}")
     for name, number in row._asdict().items():
         least = 1 if name == "episodes" else -MOST if name in SIGNED else 0
         if not isinstance(number, str) and not (math.isfinite(number) and least <= number < MOST):
@@ -91,6 +101,22 @@ def _checked(row: Any) -> Any:
     if isinstance(row, Row) and row.scored + row.conceded > row.episodes:
         raise ValueError(f"{row.scored} scored and {row.conceded} conceded of {row.episodes} episodes")
     return row
+
+
+def check_present(path: Path, rows: Sequence[Any]) -> None:
+    """Raise `CommandError` where rows of a file are of another version of the simulator than this: they are neither
+    added to nor published.
+    """
+    for version in sorted({row.simulator for row in rows} - {versions.NO_SIMULATOR}, key=int):
+        refused = "they can be neither published nor added to; move the file away to measure them again"
+        versions.check_present(int(version), f"rows of {path} were measured on", refused)
+
+
+def played_on(rows: Iterable[Any]) -> str:
+    """Return on which simulators rows were measured, in words."""
+    found = dict.fromkeys(row.simulator for row in rows)
+    names = ["no simulator of ours" if text == versions.NO_SIMULATOR else simulator_name(int(text)) for text in found]
+    return " and ".join(names)
 
 
 def add(path: Path, rows: Iterable[Any], kind: Any = Row) -> list[Any]:

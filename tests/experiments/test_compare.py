@@ -67,7 +67,8 @@ def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
     assert "− dr" in out and "CVaR10" in out and (folder / "table.txt").read_text().strip() in out
     page = (folder / "page.md").read_text()
     assert (folder / "table.md").read_text().strip() in page
-    assert page.startswith("## 1v1Restricted: domain randomisation and PAIRED") and "regista compare 1v1R" in page
+    heading = "<!-- simulator 1 -->\n## 1v1Restricted: domain randomisation and PAIRED"
+    assert page.startswith(heading) and "regista compare 1v1R" in page and "played on simulator version 1" in page
     with open(folder / "levels.csv") as file:
         levels = list(csv.DictReader(file))
     assert len(levels) == 2 * 2 + 2 and {row["levels"] for row in levels} == {"20"}

@@ -181,7 +181,7 @@ def test_rows_of_a_study_that_are_none(tmp_path):
     ("column", "value"), [("episodes", 0), ("seconds", "nan"), ("scored", 401), ("seed", "1" * 30)]
 )
 def test_rows_of_a_study_that_nobody_measured(tmp_path, column, value):
-    row = rows.Row("1v1", "ppo", "closest1", "train", 1, 100, 400, 0.5, 0.1, 3, 0, 20.0, 1.5, "abc")
+    row = rows.Row("1v1", "ppo", "closest1", "train", 1, 100, 400, 0.5, 0.1, 3, 0, 20.0, 1.5, "abc", "1")
     path = tmp_path / "rows.csv"
     assert rows.add(path, [row]) == rows.load(path) == [row]
     save_rows([row._asdict() | {column: value}], rows.Row._fields, path)

@@ -80,6 +80,26 @@ def test_successes_are_kept_as_records_and_as_a_minari_data_set(program, tmp_pat
         assert metadata[number]["seed"] == int(record.state["levels"]["seed"][number])
 
 
+def test_demonstrations_carry_the_version_and_take_in_no_other(program, tmp_path, capsys):
+    out = tmp_path / "demos"
+    assert demonstrate(program, out, "--episodes", "4") == 0
+    metadata = json.loads((out / "data" / "metadata.json").read_text())
+    assert metadata["dataset_id"].endswith("-v1") and json.loads(metadata["env_spec"])["id"].endswith("-v1")
+    assert metadata["regista"]["simulator"] == 1
+    settings = json.loads((out / "demonstrations.json").read_text())
+    assert settings.pop("about") == {"simulator": 1}
+    (out / "demonstrations.json").write_text(json.dumps(settings))
+    capsys.readouterr()
+    for command in (
+        ["demonstrate", str(program), "--control", "1", "--episodes", "8", "--out", str(out)],
+        ["clone", str(out)],
+    ):
+        assert main(command) == 1
+        said = capsys.readouterr().err
+        assert f"{out} was played on an unnumbered simulator, from before version 1; on version 1 " in said
+        assert "nothing can be added to it" in said or "it cannot be cloned" in said
+
+
 def test_what_is_seen_is_what_the_replay_shows(program, tmp_path):
     out = tmp_path / "demos"
     flags = ["--episodes", "5", "--keep", "all", "--representation", "smm_stacked"]

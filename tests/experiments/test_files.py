@@ -12,7 +12,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.commands import characterise, probe
 from regista.experiments.run.demonstrations import Demonstrations
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.report import Entry, save_csv
+from regista.experiments.run.report import Entry, Report
 from regista.experiments.run.results import LevelResult
 from regista.experiments.run.table import read_columns, read_header, read_rows
 from regista.experiments.studies.rows import Point, Row
@@ -77,12 +77,12 @@ def test_the_tables_of_a_run_have_the_columns_of_the_page(trained):
 
 def test_other_tables_have_the_columns_of_the_page(tmp_path):
     pages = documented()
-    assert pages["table.csv"] == list(Entry._fields)
-    assert pages["levels.csv of a comparison"] == [item.name for item in fields(LevelResult)]
+    assert pages["table.csv"] == [*Entry._fields, "simulator"]
+    assert pages["levels.csv of a comparison"] == [*(item.name for item in fields(LevelResult)), "simulator"]
     assert pages["study --out"] == list(Row._fields)
     assert pages["study curricula --out"] == list(Point._fields)
     assert pages["characterise --csv"] == [item.name for item in fields(characterise.Row)]
-    save_csv([], tmp_path / "results.csv")
+    Report([]).save_csv(tmp_path / "results.csv")
     probe.save_csv([], tmp_path / "curves.csv")
     for name in ("results.csv", "curves.csv"):
         assert pages[name] == read_header(tmp_path / name)

@@ -258,7 +258,7 @@ def test_presets_are_those_of_training(tmp_path):
 
 
 def made(game, goal_difference, scene="train", seed=0, agent="ppo"):
-    return rows.Row(game, agent, "closest1", scene, seed, 100, 50, goal_difference, 0.5, 20, 10, 30.0, 1.0, "abc")
+    return rows.Row(game, agent, "closest1", scene, seed, 100, 50, goal_difference, 0.5, 20, 10, 30.0, 1.0, "abc", "1")
 
 
 def test_rows_come_back_from_their_file_and_take_the_place_of_older_ones(tmp_path):

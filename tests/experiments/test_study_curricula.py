@@ -104,7 +104,7 @@ def test_held_out_levels_are_told_by_thirds_of_their_first_parameter():
 
 def test_gains_are_over_whole_runs_of_the_same_scenes():
     def row(agent, seed, scene, scored):
-        return rows.Row("g", agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 9.5 + seed, "")
+        return rows.Row("g", agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 9.5 + seed, "", "1")
 
     measured = [
         row(agent, seed, scene, scored)
@@ -112,7 +112,7 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
         for seed in range(5)
         for scene, scored in ((THIRDS[0], base + seed), (THIRDS[2], base + 10 + seed), ("train", 99))
     ]
-    curve = [rows.Point("g", a, s, 9 * k, k * (2.0 if a == "dr" else 4.0), k * 0.1) for a in ("dr", "plr")
+    curve = [rows.Point("g", a, s, 9 * k, k * (2.0 if a == "dr" else 4.0), k * 0.1, "1") for a in ("dr", "plr")
              for s in range(5) for k in range(4)]  # fmt: skip
     game = Game("g", ["dr", "plr"], measured, curve)
     gain = game.gain("plr")

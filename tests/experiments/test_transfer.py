@@ -206,17 +206,6 @@ def test_a_run_of_a_simulator_that_kept_its_matches_otherwise_can_still_be_playe
     assert "can be evaluated, but no longer resumed" in capsys.readouterr().err
 
 
-def test_who_goes_on_in_another_simulator_is_told(run, capsys, tmp_path):
-    for digest, told in ((None, False), ("of another", True)):
-        old = tmp_path / str(told)
-        shutil.copytree(run, old)
-        state = checkpoint.load(old / "checkpoint.pt")
-        state["simulator"] = digest or state["simulator"]
-        checkpoint.save(old / "checkpoint.pt", state)
-        assert main(["train", "--resume", str(old), "--total-env-steps", "128"]) == 0
-        assert ("on another simulator" in capsys.readouterr().err) == told
-
-
 def test_a_student_of_other_observations_is_refused_in_a_sentence(run, capsys, tmp_path):
     other = tmp_path / "other"
     shutil.copytree(run, other)
