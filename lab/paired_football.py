@@ -82,9 +82,9 @@ def order_part() -> Iterator[Cell]:
 
 SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time
     "population, 2 episodes": {},
-    "fixed": {"paired.roles": "fixed"},
+    "dennis2020": {"paired.roles": "dennis2020"},
     "flexible": {"paired.roles": "flexible"},
-    "fixed, mean_mean": {"paired.roles": "fixed", "paired.regret": "mean_mean"},
+    "dennis2020, mean_mean": {"paired.roles": "dennis2020", "paired.regret": "mean_mean"},
     "1 episode": {"paired.episodes_per_level": 1},
     "4 episodes": {"paired.episodes_per_level": 4},
     "half random levels": {"paired.dr_fraction": 0.5},
@@ -101,7 +101,7 @@ def settings_part() -> Iterator[Cell]:
 
 
 PARTS = {
-    "order": Part(list(order_part()), range(20, 25), 1_500_000),
+    "order": Part(list(order_part()), range(20, 25), 1_200_000),
     "restricted": Part(
         [
             Cell("1v1Restricted", "", "dr", "dr", {}),
