@@ -91,7 +91,7 @@ class AtRest(NamedTuple):
 class BringDown(NamedTuple):
     """A ball that comes hard: who has keys lets it come to his body and brings it down ahead of his run.
 
-    Fitted to 400 drawn passes of Google Research Football, checked on 60 others (`TRANSFER.md`).
+    Fitted to 400 drawn passes of Google Research Football, checked on 60 others.
     """
 
     hard: float = 7.0  # m/s relative to him: such a ball
