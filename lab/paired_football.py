@@ -186,8 +186,9 @@ def table(rows: list[dict[str, str]]) -> None:
             values = np.array([float(row[column]) for row in mine if row[column]])
             if len(values):
                 found = bootstrap(values, rng).interval()
-                digits = 2 if column.startswith("rare") else 0
-                cells.append(f"{column} {found.estimate:.{digits}f} [{found.low:.{digits}f}, {found.high:.{digits}f}]")
+                digits, most = (2, 1.0) if column.startswith("rare") else (0, 100.0)
+                low, high = (float(np.clip(end, 0.0, most)) for end in (found.low, found.high))
+                cells.append(f"{column} {found.estimate:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]")
         print(*kind, len(mine), *cells, sep=" | ")
 
 
