@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
+MOST_EPISODES = 10**9  # of an evaluation that goes by time
 ROUNDS_APART = 1_000_003  # between the seeds of two rounds of an evaluation
 TASK_ENVIRONMENTS = 16  # the same of a task of one's own
 
@@ -162,7 +163,8 @@ class Evaluator:
         policies = [self._trained(run, program) for run in runs]
         if baselines:
             policies += [Policy(name, 0, (0, 0), policy) for name, policy in make_baselines(upomdp, program).items()]
-        watch = Watch(len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes))
+        planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)
+        watch = Watch(planned) if self.minutes is None else Watch(MOST_EPISODES, 60 * self.minutes)
         if self.tell:
             print(self._plan(len(policies)), file=sys.stderr, flush=True)
         results: list[Result] = []
@@ -195,7 +197,6 @@ class Evaluator:
             spent = time.monotonic() - began
             if self.minutes is None or spent * (1 + 1 / len(rounds)) > 60 * self.minutes:
                 break
-            watch.expect(int(60 * self.minutes / spent * watch.done))
         return [
             {label: joined([played[k][label] for played in rounds]) for label in self.scenes.scenes}
             for k in range(len(policies))

@@ -17,8 +17,8 @@ class Watch:
     """Counts the episodes that end, and shows on stderr how many they are and what remains.
 
     Args:
-        total: how many there will be.
-        seconds: after which no more should begin; None: all are played.
+        total: how many there will be, at most.
+        seconds: after which no more should begin, so that fewer may be played; None: all are.
     """
 
     def __init__(self, total: int, seconds: float | None = None) -> None:
@@ -31,13 +31,11 @@ class Watch:
         """Seconds since it began."""
         return time.monotonic() - self._began
 
-    def expect(self, total: int) -> None:
-        """Take another number of episodes for the whole."""
-        self.total = max(total, self.done)
-
     def ended(self, count: int) -> None:
         """Note that so many episodes have ended."""
         self.done += count
+        if self.seconds is not None:  # as many as fit, at this pace
+            self.total = min(self.most, max(self.done, int(self.seconds * self.done / max(self.spent, 1e-9))))
         if self.spent < PATIENCE_SECONDS:
             return
         if self._progress is None:
@@ -47,9 +45,6 @@ class Watch:
 
     def go_on(self, count: int) -> bool:
         """Note that a batch of so many episodes has ended; return whether there is time for another."""
-        if self.seconds is not None:
-            pace = (self.done + count) / max(self.spent, 1e-9)
-            self.total = min(self.most, max(self.done + count, int(self.seconds * pace)))
         self.ended(count)
         if self.seconds is None or self.spent * (1 + count / self.done) <= self.seconds:
             return True
