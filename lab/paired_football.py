@@ -1,8 +1,8 @@
 """How does PAIRED choose levels on football, and is it independent of how a program lists its options?
 
 Each part trains runs in a folder, plays their students on held-out scenes, and writes a row for each run. `order`: the
-rare branch first, in the middle and last, with today's adversary and the tanh-Gaussian that it replaced. `restricted`:
-a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table uses. A part
+rare branch first, in the middle and last, DR, and DR with all branches equally likely. `restricted`: a game without a
+rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table uses. A part
 that was stopped goes on with the same command; `--table` prints means and intervals of what is in its CSV file:
 
     python lab/paired_football.py order --csv lab/results/paired_order.csv
@@ -71,13 +71,12 @@ def paired(game: str, order: str, variant: str, **settings: Any) -> Cell:
 
 
 def order_part() -> Iterator[Cell]:
-    """Yield today's adversary and the former one with each order, DR, and DR with all options equally likely."""
+    """Yield PAIRED with each order, DR, and DR with all options equally likely."""
     for game in BRANCHES:
         yield Cell(game, "first", "dr", "dr", {})
         yield Cell(game, "even", "dr, even branches", "dr", {})
         for order in ORDERS:
             yield paired(game, order, "paired", **{ENTROPY: 0.1})
-            yield paired(game, order, "tanh_gaussian", **{ENTROPY: 0.1}, **TANH)
 
 
 SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time

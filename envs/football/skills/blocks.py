@@ -19,7 +19,8 @@ from scenic_lite.kernels.rng import uniform
 class Block(NamedTuple):
     """How near a shot must pass an opponent to be stopped, and where it goes then.
 
-    Fitted to 1280 shots past a lone back in Google Research Football (`TRANSFER.md`).
+    Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `regista benchmark
+    --suite grf`, family blocks.
     """
 
     until: float = 0.2  # s after the kick
