@@ -191,8 +191,8 @@ def numbers(episodes: Episodes) -> dict[str, float]:
     owned = owner != NOBODY
     goals = episodes.score.mean(0)
     return {
-        "goals for": float(goals[0]),
-        "goals against": float(goals[1]),
+        "goals_for": float(goals[0]),
+        "goals_against": float(goals[1]),
         "possession": float((owner[owned] < 11).mean()),
     }
 
@@ -205,9 +205,10 @@ def measure(effort: float = 1.0) -> list[Row]:
         key = (target["player"], target["difficulty"])
         if key not in played:
             played[key] = numbers(play_matches(key[0], DIFFICULTIES[key[1]], max(round(MATCHES * effort), 2)))
-        for what in ("goals for", "goals against"):
+        for what in ("goals_for", "goals_against"):
             ours, grf = played[key][what] + SMALL, float(target[what]) + SMALL
-            rows.append(by_factor("players", f"{' '.join(key)}: {what} + {SMALL}", ours, grf, "a match", TOLERANCE))
+            name = f"{' '.join(key)}: {what.replace('_', ' ')} + {SMALL}"
+            rows.append(by_factor("players", name, ours, grf, "a match", TOLERANCE))
     return rows
 
 
@@ -230,7 +231,7 @@ def measure_both(other: FootballConfig, count: int, told: Callable[[int], None])
         for words, difficulty in DIFFICULTIES.items():
             row: dict[str, Any] = {"player": name, "difficulty": words, "matches": count}
             both = [numbers(play_matches(name, difficulty, count, config)) for config in (OURS, other)]
-            row |= both[1] | {f"ours: {what}": value for what, value in both[0].items()}
+            row |= both[1] | {f"ours_{what}": value for what, value in both[0].items()}
             rows.append(row)
             told(len(rows))
     return rows
@@ -246,6 +247,6 @@ def table(rows: Sequence[dict[str, Any]]) -> list[list[str]]:
     ]
     lines = [head]
     for row in rows:
-        goals = [row[f"{side}goals {what}"] for what in ("for", "against") for side in ("ours: ", "")]
+        goals = [row[f"{side}goals_{what}"] for what in ("for", "against") for side in ("ours_", "")]
         lines.append([row["player"], row["difficulty"], str(row["matches"]), *(f"{value:.2f}" for value in goals)])
     return lines

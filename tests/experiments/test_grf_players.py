@@ -69,5 +69,5 @@ def test_a_match_is_played_whole_and_counted(monkeypatch):
     played = players.play_matches("runner", 0.05, 2)
     assert (played.lengths == 60).all()
     found = players.numbers(played)
-    assert found["goals for"] == played.score[:, 0].mean()
+    assert found["goals_for"] == played.score[:, 0].mean()
     assert 0 < found["possession"] <= 1
