@@ -21,6 +21,7 @@ ROOT = Path(__file__).parent.parent
 ELSEWHERE = {  # page of the site: the file that it is
     "language.md": "scenic_lite/README.md",
     "football.md": "envs/football/README.md",
+    "dynamics.md": "envs/football/DYNAMICS.md",
     "ued.md": "ued/README.md",
     "grf.md": "envs/grf/README.md",
     "grf-data.md": "experiments/grf/data/README.md",

@@ -29,7 +29,11 @@ PAGES = {path.relative_to(DOCS).as_posix(): path for path in sorted(DOCS.rglob("
     "README": ROOT / "README.md"
 }
 ALL = {path.relative_to(ROOT).as_posix(): path for path in [*sorted(ROOT.glob("*.md")), *PAGES.values()]} | {
-    name: ROOT / name for name in ("ued/README.md", "envs/football/README.md", "envs/grf/README.md")
+    name: ROOT / name
+    for name in (
+        *("ued/README.md", "envs/football/README.md", "envs/football/DYNAMICS.md", "envs/grf/README.md"),
+        "experiments/grf/data/README.md",
+    )
 }
 RUN = [name for name in PAGES if name.removeprefix("howto/").removesuffix(".md") not in CARRIED_OUT_ELSEWHERE]
 

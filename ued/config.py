@@ -298,10 +298,10 @@ class PairedConfig(TeacherConfig):
     regret: Literal["max_mean", "mean_mean"] = setting(
         "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
     )
-    roles: Literal["population", "flexible", "fixed"] = setting(
+    roles: Literal["population", "flexible", "dennis2020"] = setting(
         "population",
         "whose regret: population (the default) is the best student's return minus the mean of all students'; flexible "
-        "the better student's minus the other's; fixed, as in the paper, the antagonist's minus the protagonist's "
+        "the better student's minus the other's; dennis2020, as in the paper, the antagonist's minus the protagonist's "
         "(always so where the antagonist is scripted)",
     )
     students: int = setting(2, "how many; more than two make a population without an antagonist", most=64, least=2)
@@ -330,7 +330,7 @@ class PairedConfig(TeacherConfig):
     @classmethod
     def thesis(cls) -> PairedConfig:
         """Return the settings of the thesis (Table 4.2)."""
-        return cls(roles="fixed", dr_fraction=0.0, adversary=AdversaryConfig.thesis())
+        return cls(roles="dennis2020", dr_fraction=0.0, adversary=AdversaryConfig.thesis())
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ what the numbers are worth.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from ued.level_space import SEEDS
 from ued.seeding import SeedStream, torch_generator
 from ued.upomdp import UPOMDP, successes
 
+OnEnd = Callable[[int], None]  # called with how many episodes have just ended
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
 
 
@@ -56,23 +58,42 @@ def evaluate(
 
     Raises `ValueError` for fewer than one episode or no level, `RuntimeError` for an episode that never ends.
     """
-    if episodes < 1:
-        raise ValueError(f"episodes must be at least 1, got {episodes}")
-    if levels is not None and not len(levels):
-        raise ValueError("levels must hold at least one level, got none")
-    seeds = SeedStream(seed)
-    upomdp.next_levels = None
-    upomdp.np_random = np.random.default_rng(seeds.next())
-    pool = upomdp.sample_levels(episodes) if levels is None else levels  # [L]
-    index = np.arange(episodes) % len(pool)  # [E]
-    visits = seeds.next() % SEEDS + np.arange(episodes) // len(pool)  # [E] luck that depends on the seed
-    player = Player(student, torch_generator(seeds.next()), greedy)
-    returns, success, lengths = _play(player, upomdp, pool[index], visits)
-    return Evaluation(returns, success, lengths, index, pool.copy(), int(lengths.sum()))
+    return Schedule(upomdp, episodes, seed, levels).play(student, greedy)
+
+
+class Schedule:
+    """The episodes of an evaluation, drawn before the first is played; see `evaluate` for arguments and errors.
+
+    Attributes:
+        levels: `[L]` records of the levels.
+        index: `[E]` which of them each episode plays.
+        visits: `[E]` at which visit of the level, which fixes the episode's luck.
+    """
+
+    def __init__(self, upomdp: UPOMDP, episodes: int, seed: int, levels: np.ndarray | None = None) -> None:
+        if episodes < 1:
+            raise ValueError(f"episodes must be at least 1, got {episodes}")
+        if levels is not None and not len(levels):
+            raise ValueError("levels must hold at least one level, got none")
+        seeds = SeedStream(seed)
+        upomdp.next_levels = None
+        upomdp.np_random = np.random.default_rng(seeds.next())
+        self.upomdp = upomdp
+        self.levels = upomdp.sample_levels(episodes) if levels is None else levels
+        self.index = np.arange(episodes) % len(self.levels)
+        self.visits = seeds.next() % SEEDS + np.arange(episodes) // len(self.levels)  # luck that depends on the seed
+        self.action_seed = seeds.next()
+
+    def play(self, student: Student, greedy: bool = False, on_end: OnEnd | None = None) -> Evaluation:
+        """Play all episodes; `on_end` is called with the number of those that have just ended."""
+        player = Player(student, torch_generator(self.action_seed), greedy)
+        playlist = self.levels[self.index]
+        returns, success, lengths = _play(player, self.upomdp, playlist, self.visits, on_end)
+        return Evaluation(returns, success, lengths, self.index, self.levels.copy(), int(lengths.sum()))
 
 
 def _play(
-    player: Player, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray
+    player: Player, upomdp: UPOMDP, playlist: np.ndarray, visits: np.ndarray, on_end: OnEnd | None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Play an episode on each of these levels `[E]`, at visits of these numbers `[E]`; return returns, success and
     lengths `[E]`.
@@ -100,6 +121,8 @@ def _play(
             success[episode[ends]] = successes(info, np.flatnonzero(ends), returns[episode[ends]])
             episode[ends] = np.arange(next_episode, next_episode + num_ends)
             next_episode += num_ends
+            if on_end is not None:
+                on_end(num_ends)
             starts = ends & (episode < episodes)  # [N]
             upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():

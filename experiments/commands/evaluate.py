@@ -1,7 +1,8 @@
 """`regista evaluate`: play trained runs, and baselines, on the test scenes of their minigame.
 
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
-    regista evaluate runs/1v1Restricted-paired-0 --episodes 100 --levels 0 --engine grf
+    regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in the real engine
+    regista evaluate runs/1v1Restricted-paired-0 --engine grf --episodes 100
 
 Read next: `run.evaluator`, which plays; `run.results`, which counts; `run.report`, the tables.
 """
@@ -23,6 +24,9 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, write_text
 from ued.config import Checked, most_threads, setting
 
+EPISODES, LEVELS = 500, 200  # where nothing is said and our simulator plays
+GRF_MINUTES = 5.0  # where nothing is said and the real engine plays
+ROUND = 8  # episodes on each scene, of which rounds are made
 MOST_PLAYED = 100_000_000  # episodes on random levels
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
@@ -32,9 +36,25 @@ class EvaluateConfig(Checked):
     """What is typed after `regista evaluate`."""
 
     runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
-    episodes: int = setting(500, "whole episodes on each scene", ">=1", most=1_000_000)
-    levels: int = setting(
-        200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none", most=1_000_000, least=0
+    episodes: int | None = setting(
+        None,
+        f"whole episodes on each scene (default {EPISODES}; in the real engine as many as --minutes allow)",
+        ">=1",
+        most=1_000_000,
+    )
+    minutes: float | None = setting(
+        None,
+        "instead of --episodes: play rounds of episodes, as many as fit into this time "
+        f"(default with the real engine {GRF_MINUTES:g})",
+        ">0",
+        most=100_000,
+    )
+    levels: int | None = setting(
+        None,
+        "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none "
+        f"(default {LEVELS}; 0 in the real engine)",
+        most=1_000_000,
+        least=0,
     )
     level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
     held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
@@ -47,7 +67,9 @@ class EvaluateConfig(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_levels(self.levels, self.level_episodes)
+        check_levels(self.levels or 0, self.level_episodes)
+        if self.episodes is not None and self.minutes is not None:
+            raise ValueError("give episodes or minutes, not both")
 
 
 def check_levels(levels: int, episodes: int) -> None:
@@ -74,14 +96,23 @@ def main(argv: Sequence[str]) -> int:
         if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
             raise CommandError("these runs read their program with different settings; evaluate them apart")
         first = replace(first, env=config.playing.instead_of(first.env))
-    scenes = EvalScenes(first, build.load_scenes(first, config.held_out), config.episodes)
-    report = Evaluator(scenes, config.levels, config.level_episodes).report(runs, config.baselines)
+    report = evaluator(first, config).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:
         report.save_csv(config.csv)
     if config.markdown is not None:
         write_text(config.markdown, report.markdown() + "\n")
     return 0
+
+
+def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:
+    """Return what plays, on the scenes of these settings of a run; the real engine plays less by default."""
+    real = build.is_football(first) and first.env.engine == "grf"
+    minutes = GRF_MINUTES if real and config.episodes is None and config.minutes is None else config.minutes
+    episodes = (config.episodes or EPISODES) if minutes is None else ROUND
+    levels = (0 if real else LEVELS) if config.levels is None else config.levels
+    scenes = EvalScenes(first, build.load_scenes(first, config.held_out), episodes)
+    return Evaluator(scenes, levels, config.level_episodes, minutes=minutes, tell=real or minutes is not None)
 
 
 def as_json(report: Report) -> dict[str, Any]:

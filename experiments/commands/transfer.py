@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from regista.experiments.grf.transfer import Result
 
 DESCRIPTION = "Play runs, sampled and greedy, on the same levels in our simulator and in Google Research Football."
+GRF_EPISODES = 200  # where nothing is said, and as far as there is time
 KEPT = "transfer.json"  # in the run folder
 
 
@@ -40,7 +41,18 @@ class TransferConfig(Checked):
 
     runs: tuple[Path, ...] = positional("run folders", default=())
     episodes: int = setting(500, "whole episodes of each policy in our simulator", ">=1", most=1_000_000)
-    grf_episodes: int = setting(200, "whole episodes of each policy in the other engine", ">=1", most=1_000_000)
+    grf_episodes: int | None = setting(
+        None,
+        f"whole episodes of each policy in the other engine (default {GRF_EPISODES}, or as many as --minutes allow)",
+        ">=1",
+        most=1_000_000,
+    )
+    minutes: float = setting(
+        5.0,
+        "without --grf-episodes: the other engine begins no more episodes after so long, all runs together",
+        ">0",
+        most=100_000,
+    )
     policies: tuple[str, ...] = setting(("sampled", "greedy"), "how actions are chosen: sampled, greedy")
     kept: bool = setting(False, "where the same was asked of a run before, take what became of it")
     details: bool = setting(True, "tell of each run where keys, features and goals differ")
@@ -94,8 +106,9 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
     from regista.experiments.grf.transfer_report import keep, kept
 
     traced = config.trace_episodes if config.traces is not None else 0
-    episodes = config.episodes, config.grf_episodes
-    plan = Plan(config.playing, episodes, config.policies, traced, config.threads)
+    episodes = config.episodes, config.grf_episodes or GRF_EPISODES
+    share = 60 * config.minutes / (len(runs) * len(config.policies)) if config.grf_episodes is None else None
+    plan = Plan(config.playing, episodes, config.policies, traced, config.threads, share)
     results: list[Result] = []
     traces: list[Any] = []
     for number, run in enumerate(runs):

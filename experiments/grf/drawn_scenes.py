@@ -79,15 +79,16 @@ def _numbers(name: str) -> list[int]:
     return [int(seed), int(number)]
 
 
-def program_text(scene: Scene) -> str:
+def program_text(scene: Scene, **settings: float) -> str:
     """Return a scene as a Scenic program: everybody where the engine puts him, keepers on their lines.
 
-    Its episodes have as many steps as the original's, one more than its `game_duration` says.
+    Its episodes have as many steps as the original's, one more than its `game_duration` says, and end as an academy's
+    do, where `settings` of a match say nothing else.
     """
-    settings = {"game_duration": scene.duration + 1, "offsides": False} | {
+    usual = {"game_duration": scene.duration + 1, "offsides": False} | {
         f"end_episode_on_{what}": True for what in ("score", "out_of_play", "possession_change")
     }
-    lines = [f"param {setting} = {value}" for setting, value in settings.items()]
+    lines = [f"param {setting} = {value}" for setting, value in (usual | settings).items()]
     things = []
     for team, side, players in (("Left", 1, scene.left), ("Right", -1, scene.right)):
         for role, x, y in players:

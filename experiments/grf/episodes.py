@@ -75,16 +75,23 @@ def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes
 
 
 def play(
-    env: FootballVectorEnv, choose: Choose, levels: np.ndarray, steps: int | None = None, observed: bool = False
+    env: FootballVectorEnv,
+    choose: Choose,
+    levels: np.ndarray,
+    steps: int | None = None,
+    observed: bool = False,
+    go_on: Callable[[int], bool] | None = None,
 ) -> Episodes:
     """Play one episode on each of these levels `[E]`, to its end or for so many steps; `observed` keeps observations.
 
-    `env` is reset.
+    `env` is reset. `go_on` is called with the number of episodes of each batch that has ended; where it returns False,
+    the levels that are left are not played.
     """
-    parts = [
-        _play_batch(env, choose, levels[at : at + env.num_envs], steps, observed)
-        for at in range(0, len(levels), env.num_envs)
-    ]
+    parts = []
+    for at in range(0, len(levels), env.num_envs):
+        parts.append(_play_batch(env, choose, levels[at : at + env.num_envs], steps, observed))
+        if go_on is not None and not go_on(len(parts[-1])):
+            break
     return join(parts)
 
 

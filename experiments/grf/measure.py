@@ -3,6 +3,7 @@
     differential    drawn scenes under drawn keys, and how far apart they come to be
     experts         what semi-expert programs score, beside what is published of them
     goals           where the goals of trained runs come from
+    players         goals of scripted players in whole matches; its rows are those of data/players.csv
 
 Read next: the module of a family.
 """
@@ -93,8 +94,19 @@ def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measure
     return align(goals_table(results)), {"goals": [asdict(result) for result in results]}
 
 
+def players(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
+    """Play whole matches of scripted players in both engines; tell the goals of both teams."""
+    from regista.experiments.grf import players as scripted
+
+    other = config.playing.instead_of(replace(scripted.OURS, engine="grf"))
+    progress = Progress(len(scripted.PLAYERS) * len(scripted.DIFFICULTIES), stream=sys.stderr)
+    rows = scripted.measure_both(other, max(round(scripted.GRF_MATCHES * effort), 1), progress.show)
+    return align(scripted.table(rows)), {"players": rows}
+
+
 MEASURES: dict[str, Callable[[MeasureConfig, float, Path | None], Measured]] = {
     "differential": differential,
     "experts": experts,
     "goals": goals,
+    "players": players,
 }

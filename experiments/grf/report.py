@@ -18,7 +18,19 @@ from regista.experiments.grf.rows import Row
 from regista.experiments.run.results import align
 from regista.experiments.run.table import cannot_write
 
-FAMILIES = ("motion", "ball", "passes", "shots", "keeper", "tackles", "blocks", "chases", "academy", "matches")
+FAMILIES = (
+    "motion",
+    "ball",
+    "passes",
+    "shots",
+    "keeper",
+    "tackles",
+    "blocks",
+    "chases",
+    "academy",
+    "matches",
+    "players",
+)
 
 
 def family_module(name: str) -> ModuleType:

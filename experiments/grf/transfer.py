@@ -20,6 +20,7 @@ from regista.experiments.run import build
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import ENVIRONMENTS, load_student
+from regista.experiments.run.watch import Watch
 
 if TYPE_CHECKING:
     from regista.envs.football.config import FootballConfig
@@ -146,13 +147,17 @@ def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is played: episodes in ours and in the other engine, of which policies, and how many are recorded."""
+    """How much is played: episodes in ours and in the other engine, of which policies, and how many are recorded.
+
+    `seconds`: of each policy in the other engine, after which no more episodes begin there; None: all are played.
+    """
 
     other: EngineConfig
     episodes: tuple[int, int]
     policies: tuple[str, ...] = POLICIES
     traces: int = 0
     threads: int = 1
+    seconds: float | None = None
 
     def asked(self, run: RunFolder) -> dict[str, Any]:
         """Return what this asks of a run, as JSON gives it back: what was asked before need not be played again."""
@@ -161,6 +166,7 @@ class Plan:
             "trained": trained,
             "engine": self.other.engine,
             "episodes": [*self.episodes],
+            "seconds": self.seconds,
             "policies": [*self.policies],
             "simulator": SIMULATOR_VERSION,
         }
@@ -219,9 +225,10 @@ class BothEngines:
         deviation = np.maximum(np.sqrt(normaliser.variance.numpy() + 1e-8), normaliser.floor.numpy())
         unit = env.observation_unit
         assert unit is not None
+        watches = Watch(self.plan.episodes[0]), Watch(self.plan.episodes[1], self.plan.seconds)
         ours, grf = (
-            play(engine, self._choose(greedy), self.levels[:count], observed=True)
-            for engine, count in zip(self.envs, self.plan.episodes, strict=True)
+            play(engine, self._choose(greedy), self.levels[:count], None, True, watch.go_on)
+            for engine, count, watch in zip(self.envs, self.plan.episodes, watches, strict=True)
         )
         names = feature_names(env, len(unit))
         return Played(ours, grf, env.lineup.roster, names, unit, normaliser.mean.numpy(), deviation)

@@ -172,7 +172,7 @@ OF_MACHINES = 1_024  # threads of the largest machine
 
 # Settings that older runs know nothing of, and what they did: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
-RENAMED = {"squashed": "tanh_gaussian"}  # distributions of an adversary, as older runs call them
+RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # values in older runs
 
 
 def run_class(data: Any) -> type:
@@ -216,11 +216,17 @@ def load(kind: type[Config] | None, path: Path) -> Config:
     data = _json(path)
     if isinstance(data, dict):
         data.pop(ABOUT, None)
-        for section in data.values():
-            adversary = section.get("adversary") if isinstance(section, dict) else None
-            if isinstance(adversary, dict) and adversary.get("distribution") in list(RENAMED):
-                adversary["distribution"] = RENAMED[adversary["distribution"]]
+        _rename(data)
     return from_dict(kind or run_class(data), data, str(path))
+
+
+def _rename(section: dict[str, Any]) -> None:
+    """Give values of an older run, nested sections included, the names that they have now."""
+    for key, value in section.items():
+        if isinstance(value, dict):
+            _rename(value)
+        elif isinstance(value, str):
+            section[key] = RENAMED.get(key, {}).get(value, value)
 
 
 def _json(path: Path) -> Any:

@@ -5,10 +5,11 @@ Read next: `run.results`, what is counted; `run.report`, the tables.
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,15 +20,20 @@ from regista.experiments.run.mixed import MixedProgram
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
 from regista.experiments.run.tasks import TaskScene
+from regista.experiments.run.watch import Watch
 
 if TYPE_CHECKING:
     from regista.experiments.run.config import TrainConfig
     from regista.experiments.run.folder import RunFolder
     from ued.evaluation import Evaluation
 
+    Played = dict[str, Evaluation]  # by scene
+
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
 ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
+MOST_EPISODES = 10**9  # of an evaluation that goes by time
+ROUNDS_APART = 1_000_003  # between the seeds of two rounds of an evaluation
 TASK_ENVIRONMENTS = 16  # the same of a task of one's own
 
 
@@ -44,27 +50,34 @@ class EvalScenes:
         self.theta = {label: scene.theta(self.scenes[label]) for label, scene in tasks.items()}  # of certain levels
         self._check_sizes(config)
 
-    def play(self, policy: Any, labels: Iterable[str] | None = None) -> dict[str, Evaluation]:
-        """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions."""
-        return {label: self._play(policy, label) for label in (self.scenes if labels is None else labels)}
+    def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
+        """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions.
 
-    def _play(self, policy: Any, label: str) -> Evaluation:
-        from ued.evaluation import evaluate
+        Another `round` is of other levels and other luck. `on_end` is called with the number of episodes that ended.
+        """
+        return {
+            label: self._play(policy, label, round, on_end) for label in (self.scenes if labels is None else labels)
+        }
 
-        scene, theta = self.scenes[label], self.theta.get(label)
-        if theta is None:
-            return evaluate(policy, scene, self.episodes, SEED)
-        scene.np_random = np.random.default_rng(SEED)
-        levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # a layout of its own in each episode
-        return evaluate(policy, scene, self.episodes, SEED, levels)
+    def _play(self, policy: Any, label: str, round: int, on_end: Any) -> Evaluation:
+        from ued.evaluation import Schedule
 
-    def play_random_levels(self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED) -> Evaluation:
+        scene, theta, seed = self.scenes[label], self.theta.get(label), SEED + round * ROUNDS_APART
+        levels = None
+        if theta is not None:
+            scene.np_random = np.random.default_rng(seed)
+            levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # a layout of its own each time
+        return Schedule(scene, self.episodes, seed, levels).play(policy, on_end=on_end)
+
+    def play_random_levels(
+        self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED, on_end: Any = None
+    ) -> Evaluation:
         """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
-        from ued.evaluation import evaluate
+        from ued.evaluation import Schedule
 
         scene = self.scenes[build.TRAINING_SCENE]
         scene.reset(seed=seed)
-        return evaluate(policy, scene, levels * episodes, seed, scene.sample_levels(levels))
+        return Schedule(scene, levels * episodes, seed, scene.sample_levels(levels)).play(policy, on_end=on_end)
 
     def metrics(self, policy: Any) -> dict[str, float]:
         """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
@@ -104,17 +117,43 @@ class EvalScenes:
                 )
 
 
+def joined(rounds: Sequence[Evaluation]) -> Evaluation:
+    """Return several evaluations of one policy on one scene as one."""
+    from ued.evaluation import Evaluation
+
+    if len(rounds) == 1:
+        return rounds[0]
+    first_level = np.cumsum([0, *(len(one.levels) for one in rounds[:-1])])
+    parts = {name: np.concatenate([getattr(one, name) for one in rounds]) for name in ("returns", "success", "lengths")}
+    level = np.concatenate([one.level + first for one, first in zip(rounds, first_level, strict=True)])
+    levels = np.concatenate([one.levels for one in rounds])
+    return Evaluation(**parts, level=level, levels=levels, env_steps=sum(one.env_steps for one in rounds))
+
+
+class Policy(NamedTuple):
+    """What is evaluated: its name in tables, its seed, env_steps and updates of its training, and what plays."""
+
+    method: str
+    seed: int
+    trained: tuple[int, int]
+    policy: Any
+
+
 @dataclass(frozen=True)
 class Evaluator:
     """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each.
 
     `alike`: all runs began with the same sort of student, so that their methods tell them apart.
+    `minutes`: play the scenes again and again, all policies equally often, while another round fits into this time.
+    `tell`: say on stderr how much is played.
     """
 
     scenes: EvalScenes
     levels: int
     episodes: int
     alike: bool = False
+    minutes: float | None = None
+    tell: bool = False
 
     def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
         """Play the students of all runs, and policies that need no training.
@@ -122,32 +161,54 @@ class Evaluator:
         Raises `CommandError` if a run has no checkpoint yet, and for runs of different versions of the simulator.
         """
         versions.check_alike({run.path: run.simulator for run in runs})
-        results: list[Result] = []
-        levels: list[LevelResult] = []
-        for run in runs:
-            student, trained = load_student(run, self.scenes.programs[build.TRAINING_SCENE])
-            label = run.config.method if self.alike else run.label
-            self._play(student, label, run.config.seed, trained, results, levels)
         program, upomdp = (table[build.TRAINING_SCENE] for table in (self.scenes.programs, self.scenes.scenes))
-        for name, policy in make_baselines(upomdp, program).items() if baselines else ():
-            self._play(policy, name, 0, (0, 0), results, levels)
-        word = "goals" if succeeds_by_goals(upomdp, program) else "success"
-        return Report(results, levels, word, self.scenes.simulator)
+        policies = [self._trained(run, program) for run in runs]
+        if baselines:
+            policies += [Policy(name, 0, (0, 0), policy) for name, policy in make_baselines(upomdp, program).items()]
+        planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)
+        watch = Watch(planned) if self.minutes is None else Watch(MOST_EPISODES, 60 * self.minutes)
+        if self.tell:
+            print(self._plan(len(policies)), file=sys.stderr, flush=True)
+        results: list[Result] = []
+        for one, played in zip(policies, self._play_scenes(policies, watch), strict=True):
+            results += [summarise(played[label], one.method, one.seed, label, one.trained) for label in played]
+        levels = [self._play_levels(one, watch) for one in policies] if self.levels else []
+        watch.finish()
+        return Report(
+            results, levels, "goals" if succeeds_by_goals(upomdp, program) else "success", self.scenes.simulator
+        )
 
-    def _play(
-        self,
-        policy: Any,
-        method: str,
-        seed: int,
-        trained: tuple[int, int],
-        results: list[Result],
-        levels: list[LevelResult],
-    ) -> None:
-        evaluations = self.scenes.play(policy)
-        results += [summarise(evaluation, method, seed, label, trained) for label, evaluation in evaluations.items()]
-        if self.levels:
-            played = self.scenes.play_random_levels(policy, self.levels, self.episodes)
-            levels.append(summarise_levels(played, method, seed))
+    def _plan(self, policies: int) -> str:
+        """Return in words how much is played."""
+        scenes = len(self.scenes.scenes)
+        each = f"{self.scenes.episodes} episodes on each of {scenes} scenes by each of {policies} policies"
+        if self.minutes is not None:
+            return f"playing rounds of {each} for at most {self.minutes:g} minutes; --episodes N sets their number"
+        levels = f", and {self.levels} random levels {self.episodes} times each" if self.levels else ""
+        total = policies * (scenes * self.scenes.episodes + self.levels * self.episodes)
+        return f"playing {total:_} episodes: {each}{levels}"
+
+    def _trained(self, run: RunFolder, program: Any) -> Policy:
+        student, trained = load_student(run, program)
+        return Policy(run.config.method if self.alike else run.label, run.config.seed, trained, student)
+
+    def _play_scenes(self, policies: Sequence[Policy], watch: Watch) -> list[Played]:
+        """Return what each policy did on the scenes; with `minutes`, over as many rounds as these allow."""
+        began = time.monotonic()
+        rounds: list[list[Played]] = []
+        while True:
+            rounds.append([self.scenes.play(one.policy, None, len(rounds), watch.ended) for one in policies])
+            spent = time.monotonic() - began
+            if self.minutes is None or spent * (1 + 1 / len(rounds)) > 60 * self.minutes:
+                break
+        return [
+            {label: joined([played[k][label] for played in rounds]) for label in self.scenes.scenes}
+            for k in range(len(policies))
+        ]
+
+    def _play_levels(self, one: Policy, watch: Watch) -> LevelResult:
+        played = self.scenes.play_random_levels(one.policy, self.levels, self.episodes, on_end=watch.ended)
+        return summarise_levels(played, one.method, one.seed)
 
 
 def succeeds_by_goals(upomdp: Any, program: Any) -> bool:

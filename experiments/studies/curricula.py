@@ -85,7 +85,7 @@ ABLATIONS = {  # one cause at a time, and one pair of them
     "behaviour cloning": Variant("paired", {"paired.kl": "both_ways"}),
     "strong cloning": Variant("paired", STRONG_CLONING),  # against a protagonist that is left behind
     "strong cloning, more entropy": Variant("paired", STRONG_CLONING | MORE_ENTROPY),
-    "fixed roles": Variant("paired", {"paired.roles": "fixed"}),
+    "fixed roles": Variant("paired", {"paired.roles": "dennis2020"}),
     "long context": Variant("paired", {"paired.adversary.context_size": 16}),
     "literal": Variant("paired_literal"),
     "twice the steps": Variant("paired", times=2),

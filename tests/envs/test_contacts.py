@@ -241,18 +241,20 @@ def test_a_shot_from_close_by_hits_the_keeper() -> None:
 
 
 @pytest.mark.parametrize(
-    ("ahead", "aside", "mate", "least", "most"),
+    ("ahead", "aside", "height", "mate", "least", "most"),
     [
-        (2.5, 0.0, NOBODY, 0.85, 1.0),  # straight at his body
-        (2.5, 0.45, NOBODY, 0.2, 0.7),
-        (2.5, 0.9, NOBODY, 0.0, 0.0),  # past it
-        (0.8, 0.8, NOBODY, 0.4, 0.7),  # his leg is out for the ball
-        (2.5, 0.9, 2, 0.0, 0.0),
-        (0.8, 0.8, 2, 0.0, 0.0),  # a pass
+        (2.5, 0.0, 0.0, NOBODY, 0.85, 1.0),  # straight at his body
+        (2.5, 0.0, 1.5, NOBODY, 0.85, 1.0),  # at his head
+        (2.5, 0.0, 2.0, NOBODY, 0.0, 0.0),  # over it
+        (2.5, 0.45, 0.0, NOBODY, 0.2, 0.7),
+        (2.5, 0.9, 0.0, NOBODY, 0.0, 0.0),  # past it
+        (0.8, 0.8, 0.0, NOBODY, 0.4, 0.7),  # his leg is out for the ball
+        (2.5, 0.9, 0.0, 2, 0.0, 0.0),
+        (0.8, 0.8, 0.0, 2, 0.0, 0.0),  # a pass
     ],
 )
 def test_a_back_in_the_way_of_a_shot_blocks_it(
-    ahead: float, aside: float, mate: int, least: float, most: float
+    ahead: float, aside: float, height: float, mate: int, least: float, most: float
 ) -> None:
     """
     S o→   B    measured of 1280 shots: 0.9 within 0.3 m of his middle, none past 0.6 m; half up to 1 m in 50 ms
@@ -261,6 +263,7 @@ def test_a_back_in_the_way_of_a_shot_blocks_it(
     matches = position(players, (20.4, 0.0), OPEN, MANY)
     matches["last_touch"], matches["receiver"] = 0, mate
     matches["ball"]["vx"], matches["ball"]["vz"] = 24.0, 1.5
+    matches["ball"]["z"] += height
     for match in matches:
         foresee_shot(match, LEFT)
     for _ in range(3):

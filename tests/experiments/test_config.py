@@ -33,7 +33,11 @@ def test_thesis_is_table_4_2():
     assert (ppo.num_steps, ppo.num_minibatches, ppo.update_epochs, ppo.ent_coef, ppo.vf_coef) == (128, 8, 4, 0.01, 0.5)
     assert (config.paired.adversary.ent_coef, config.paired.adversary.update_epochs) == (0.01, 5)
     assert config.total_env_steps == 5_000_000 and config.num_envs == 16
-    assert (config.paired.roles, config.paired.dr_fraction, config.paired.adversary.hidden_size) == ("fixed", 0.0, 512)
+    assert (config.paired.roles, config.paired.dr_fraction, config.paired.adversary.hidden_size) == (
+        "dennis2020",
+        0.0,
+        512,
+    )
 
 
 def test_thesis_is_the_network_of_figure_4_10():
@@ -134,9 +138,11 @@ def test_what_is_to_be_run_is_told_to_the_processes_that_train(tmp_path):
     assert RunFolder.open(tmp_path / "run").words == ["train", "--resume", str(tmp_path / "run")]
 
 
-def test_a_run_with_the_former_name_of_the_gaussian_is_read(tmp_path):
+def test_a_run_with_former_names_of_values_is_read(tmp_path):
     path = tmp_path / "config.json"
     config = TrainConfig()
     configs.save(config, path)
-    path.write_text(path.read_text().replace('"distribution": "program"', '"distribution": "squashed"'))
-    assert configs.load(None, path).paired.adversary.distribution == "tanh_gaussian"
+    older = path.read_text().replace('"distribution": "program"', '"distribution": "squashed"')
+    path.write_text(older.replace('"roles": "population"', '"roles": "fixed"'))
+    read = configs.load(None, path).paired
+    assert (read.adversary.distribution, read.roles) == ("tanh_gaussian", "dennis2020")

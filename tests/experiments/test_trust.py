@@ -131,6 +131,7 @@ def test_trust_is_typed_and_not_remembered(run, capsys):
     assert main(words) == 1
 
 
+@pytest.mark.slow
 def test_ones_own_runs_need_no_word(run, tmp_path):
     """In another process, too, and from another folder."""
     (tmp_path / "elsewhere").mkdir()

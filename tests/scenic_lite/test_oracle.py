@@ -68,6 +68,9 @@ LEFT_OUT = {
 }
 
 
+LONG = {"area_rand_inter", "helpers_in_requires", "draws_in_behaviors", "requirement_with_helpers"}  # to evaluate
+
+
 @cache
 def expected_records(path):
     return json.loads(path.read_text())
@@ -82,7 +85,7 @@ def cases():
     for (folder, dialect), path in EXPECTED.items():
         for name, record in sorted(expected_records(path).items()):
             if record["kind"] in KINDS:
-                many = folder == OPEN or dialect == 2 or name == "area_rand_inter"  # the last takes long
+                many = folder == OPEN or dialect == 2 or name in LONG
                 marks = [pytest.mark.slow] * many
                 yield pytest.param(folder, dialect, name, id=f"{folder.name}-{name}-{dialect}", marks=marks)
 

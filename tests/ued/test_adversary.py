@@ -85,6 +85,7 @@ def moved(draws, program_draws=(), distribution="program"):
     return adversary
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("draws", "program_draws"), [(numbered("x", 2), ()), (CHOICES, ()), (MIXED, ()), (MIXTURE, PROGRAMS)]
 )

@@ -124,8 +124,9 @@ ADAPTERS = {
     "mixture": mixture,
     "football": football,
 }
+QUICK = [(method, adapter) for method in ("dr", "plr", "paired") for adapter in ("gymnasium", "native")]
 CASES = [
-    pytest.param(method, adapter, marks=[pytest.mark.slow] if adapter in ("async", "football") else [])
+    pytest.param(method, adapter, marks=[] if (method, adapter) in QUICK else [pytest.mark.slow])
     for method in METHODS
     for adapter in ADAPTERS
 ]

@@ -63,7 +63,7 @@ def test_regret_can_be_clipped_at_zero():
     scores = []
     for clip in (False, True):
         config = PairedConfig(
-            clip_regret=clip, regret="mean_mean", roles="fixed", adversary=AdversaryConfig(min_batch=10_000)
+            clip_regret=clip, regret="mean_mean", roles="dennis2020", adversary=AdversaryConfig(min_batch=10_000)
         )
         method = Paired(Landscape(64), PPO, config, seed=0)
         method.update()

@@ -41,24 +41,28 @@ def test_a_constant_reward_is_the_value():
     assert metrics["return/student"] == 1.0
 
 
+@pytest.mark.slow
 def test_reward_is_credited_to_the_step_before():
     student, _ = train(TwoStep(), updates=60)
     assert value(student, 1.0) == pytest.approx(1.0, abs=0.03)
     assert value(student, 0.0) == pytest.approx(0.9, abs=0.03)
 
 
+@pytest.mark.slow
 def test_the_better_action_is_taken():
     student, metrics = train(Choice())
     assert probability(student, 0.0) > 0.97
     assert metrics["return/student"] > 0.9
 
 
+@pytest.mark.slow
 def test_the_action_follows_the_observation():
     student, _ = train(Follow())
     assert probability(student, 1.0) > 0.95
     assert probability(student, -1.0) < 0.05
 
 
+@pytest.mark.slow
 def test_continuous_actions_reach_their_target():
     student, metrics = train(Reach(), updates=25, config=dataclasses.replace(QUICK, learning_rate=1e-2))
     actions = student.play(np.zeros((1, 1)), torch_generator(0), greedy=True)
@@ -66,11 +70,13 @@ def test_continuous_actions_reach_their_target():
     assert metrics["return/student"] > -2.5  # 5 at the start
 
 
+@pytest.mark.slow
 def test_a_time_limit_is_no_ending():
     student, _ = train(Endless(), updates=25, config=dataclasses.replace(QUICK, gamma=0.8))
     assert value(student, 0.0) == pytest.approx(5.0, abs=0.25)  # as a termination it would be worth about 2.3
 
 
+@pytest.mark.slow
 def test_the_value_can_be_clipped_torsos_shared_and_updates_stopped():
     config = dataclasses.replace(QUICK, clip_vloss=True, shared_torso=True, target_kl=0.02)
     student, _ = train(Follow(), config=config)

@@ -92,7 +92,7 @@ def mean_regret(role, p, rule, episodes=2):
     return float(chance @ regret(returns[:, 0], returns[:, 1], rule, flexible=role == "flexible"))
 
 
-@pytest.mark.parametrize("role", ["fixed", "flexible", "population"])
+@pytest.mark.parametrize("role", ["dennis2020", "flexible", "population"])
 def test_the_page_of_methods_has_the_bias_of_each_role(role):
     """Of two equal students at p = 0.1, 0.5 and 0.9, with the default two episodes for each level."""
     page = (Path(__file__).parents[2] / "docs" / "methods.md").read_text()

@@ -33,8 +33,9 @@ from ued.method import Method
 class Paired(Method):
     """Trains a protagonist and an antagonist on the levels of an adversary; see `Method` for the arguments.
 
-    By default regret is a population's: the best episode of any student minus the mean of all. The paper's, the best
-    of the antagonist minus the mean of the protagonist, is `roles="fixed"`; docs/methods.md compares the roles.
+    By default regret is a population's (appendix of the paper): the best episode of any student minus the mean of all.
+    The regret of Algorithm 1, the best episode of the antagonist minus the mean of the protagonist, is
+    `roles="dennis2020"`; docs/methods.md compares the roles.
     The antagonist plays in a copy of the environments. Raises `ValueError` where the environment has no free
     parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
     """
@@ -77,7 +78,7 @@ def paired_regret(levels: np.ndarray, config: PairedConfig) -> np.ndarray:
 
 def has_antagonist(config: PairedConfig) -> bool:
     """Return whether the second student always is the antagonist; a scripted one can be nothing else."""
-    return config.roles == "fixed" or config.antagonist == "scripted"
+    return config.roles == "dennis2020" or config.antagonist == "scripted"
 
 
 class PairedLevels(Teacher):

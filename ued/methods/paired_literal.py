@@ -32,7 +32,7 @@ class PairedLiteral(Method):
     """
 
     def begin(self, config: PairedLiteralConfig | None, seed: int) -> None:
-        self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="fixed")
+        self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="dennis2020")
         self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.teacher, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
         self.protagonist = self.add_learner("protagonist", self.upomdp)

@@ -28,18 +28,20 @@ from regista.envs.football.physics.running import (
 from regista.envs.football.physics.vectors import toward
 from scenic_lite.kernels.jit import kernel
 
+DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits, by the speed wanted; the last: knocking it on in a sprint
 
-class Gait(NamedTuple):
-    """A way to run with the ball."""
 
-    rest: float  # s at least from a touch until he goes for the next
-    played_at: float  # m ahead at which he plays the ball
-    lunge_gain: float  # m/s faster while he goes for a touch, less by the square of the speed's share of what he wants
-    push_pace: float  # a touch gives the ball this times his speed
-    push_more: float  # m/s and this more,
-    push_most: float  # m/s but at most this more than he wants to run
-    push_up: float  # m/s upwards
-    restart: float  # m/s at once after having stopped to turn
+class Gaits(NamedTuple):
+    """Ways to run with the ball: each field has a number for `DRIBBLING`, `RUNNING`, `SPRINTED` and `KNOCKED_ON`."""
+
+    rest: tuple[float, ...] = (0.211, 0.119, 0.11, 0.105)  # s at least from a touch to the beginning of the next lunge
+    played_at: tuple[float, ...] = (0.586, 0.549, 0.9, 0.979)  # m ahead of the body at which the foot plays the ball
+    lunge_gain: tuple[float, ...] = (0.447, 0.197, -1.426, -0.661)  # m/s faster in a lunge, times (speed / wanted)²
+    push_pace: tuple[float, ...] = (1.1, 1.1, 1.1, 1.11)  # the ball's speed after a touch: this times the player's,
+    push_more: tuple[float, ...] = (1.541, 2.0, 1.788, 3.555)  # plus so many m/s,
+    push_most: tuple[float, ...] = (0.586, 0.368, 0.862, 4.244)  # at most so many m/s above the wanted speed
+    push_up: tuple[float, ...] = (0.39, 0.681, 0.86, 1.29)  # the ball's vertical speed after a touch, m/s
+    restart: tuple[float, ...] = (2.631, 1.436, 1.968, 1.5)  # the player's speed at once after a stop to turn, m/s
 
 
 class Touch(NamedTuple):
@@ -117,16 +119,9 @@ class Brakes(NamedTuple):
 
 
 # Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
-DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # by the speed wanted; the last: knocking it on in a sprint
-GAITS = (
-    Gait(0.211, 0.586, 0.447, 1.1, 1.541, 0.586, 0.39, 2.631),
-    Gait(0.119, 0.549, 0.197, 1.1, 2.0, 0.368, 0.681, 1.436),
-    Gait(0.11, 0.9, -1.426, 1.1, 1.788, 0.862, 0.86, 1.968),
-    Gait(0.105, 0.979, -0.661, 1.11, 3.555, 4.244, 1.29, 1.5),
-)
 LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
-TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Touch(), AtFoot(), TurnBack(), Arc(), Brakes()
+GAITS, TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Gaits(), Touch(), AtFoot(), TurnBack(), Arc(), Brakes()
 
 
 @kernel
@@ -157,7 +152,7 @@ def run_with_ball(match, i, speed):
     speed = math.sqrt(vx * vx + vy * vy)
     if lunging > 0.0 and want > AT_FOOT.walking and speed > 0.0:
         after = min(speed, want * TOUCH.pace_left) if gait == SPRINTED and player.stride >= 0.0 else speed
-        share, more = min(speed / want, 1.0), GAITS[gait].lunge_gain
+        share, more = min(speed / want, 1.0), GAITS.lunge_gain[gait]
         if turned:
             share, more = min(speed / RUN_SPEED, 1.0), TOUCH.lunge_turning if gait < SPRINTED else 0.0
         now = after + lunging / STEP * (speed + more * share * share - after)
@@ -258,7 +253,7 @@ def steered(ball, player, speed, want):
     else:
         power = BRAKES.aside
     braking = power * min(BRAKES.early * effort, 1.0) * STEP
-    off = GAITS[gait_of(player, max(want, speed))].restart
+    off = GAITS.restart[gait_of(player, max(want, speed))]
     return redirect(player, want, braking, effort, BRAKES.fresh * effort * effort * STEP, off)
 
 
@@ -338,17 +333,17 @@ def touch_due(ball, player, speed, want, gait):
     away_x, away_y = ball.x - player.x, ball.y - player.y
     ahead = away_x * ux + away_y * uy
     if want < AT_FOOT.walking:
-        return 0.0 if along > 0.5 and (gait < SPRINTED or ahead < GAITS[gait].played_at + 0.3) else STEP
+        return 0.0 if along > 0.5 and (gait < SPRINTED or ahead < GAITS.played_at[gait] + 0.3) else STEP
     pace = player.vx * ux + player.vy * uy
     if pace < TURN_BACK.below * speed:
         turned = along < 0.5 * TURN_BACK.ball_speed and speed < TURN_BACK.from_below
         return 0.0 if speed < TURN_BACK.stops_soon or turned else STEP
-    time = max(GAITS[gait].rest - player.stride, 0.0)
+    time = max(GAITS.rest[gait] - player.stride, 0.0)
     if player.touch_wait > STEP or along - TOUCH.slowing * time > max(pace, START.jump) + TOUCH.slower:
         return STEP
     closing = pace - along
     share = min(speed / want, 1.0)
-    lunge_way = (closing + GAITS[gait].lunge_gain * share * share) * TOUCH.lunge  # m
+    lunge_way = (closing + GAITS.lunge_gain[gait] * share * share) * TOUCH.lunge  # m
     early = ahead - played_at(gait, share) - lunge_way  # m, when it is played
     if early > 0.0 and speed > UNDER_WAY:
         time = max(time, early / closing if closing > 0.0 else STEP)
@@ -360,7 +355,7 @@ def played_at(gait, share):
     """Return how far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he
     wants.
     """
-    return GAITS[gait].played_at * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
+    return GAITS.played_at[gait] * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
 
 
 @kernel
@@ -420,8 +415,8 @@ def push_on(ball, player, vx, vy, want):
         fast = TURN_BACK.ball_speed
     else:
         short = played_at(gait, min(speed / want, 1.0)) - away_x * ux - away_y * uy
-        fast = GAITS[gait].push_pace * max(pace, START.jump) + GAITS[gait].push_more
-        fast = min(fast, want + GAITS[gait].push_most) + min(max(1.5 * short, 0.0), 0.6)
+        fast = GAITS.push_pace[gait] * max(pace, START.jump) + GAITS.push_more[gait]
+        fast = min(fast, want + GAITS.push_most[gait]) + min(max(1.5 * short, 0.0), 0.6)
     across = vy * ux - vx * uy  # to the left of u
     off = away_y * ux - away_x * uy
     aside = (across * abs(across) / (2.0 * BRAKES.aside) - off) / TOUCH.aside_time
@@ -431,7 +426,7 @@ def push_on(ball, player, vx, vy, want):
     ball.x += later * (before_x - ball.vx)
     ball.y += later * (before_y - ball.vy)
     if want > AT_FOOT.walking and pace > 0.0:
-        ball.vz = GAITS[gait].push_up
+        ball.vz = GAITS.push_up[gait]
 
 
 @kernel

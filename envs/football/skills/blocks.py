@@ -19,12 +19,14 @@ from scenic_lite.kernels.rng import uniform
 class Block(NamedTuple):
     """How near a shot must pass an opponent to be stopped, and where it goes then.
 
-    Fitted to 1280 shots past a lone back in Google Research Football (`TRANSFER.md`).
+    Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `regista benchmark
+    --suite grf`, family blocks.
     """
 
     until: float = 0.2  # s after the kick
     leg_until: float = 0.045  # s, a leg that is out for the ball is in its way,
     leg_gone: float = 0.12  # s, and in nobody's any more
+    below: float = 1.9  # m above the ground, from where on nobody reaches it
     body: float = 0.25  # m from his middle, where he surely stops it,
     body_edge: float = 0.55  # and from where on never
     leg: float = 0.7  # m more of both while the leg is out,
@@ -60,7 +62,7 @@ def block(match, i, distance):
     player, ball = match.players[i], match.ball
     leg = min(max((BLOCK.leg_gone - match.kick_age) / (BLOCK.leg_gone - BLOCK.leg_until), 0.0), 1.0)
     edge = BLOCK.body_edge + BLOCK.leg * leg
-    if not passes_now(ball, player) or distance >= edge:
+    if ball.z >= BLOCK.below or not passes_now(ball, player) or distance >= edge:
         return
     sure = BLOCK.body + BLOCK.leg * leg * leg
     most = BLOCK.leg_most if leg == 1.0 else BLOCK.body_most

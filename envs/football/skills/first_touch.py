@@ -19,62 +19,79 @@ from scenic_lite.kernels.jit import kernel
 from scenic_lite.kernels.rng import uniform
 
 
-class Control(NamedTuple):
-    """What makes a ball hard to control, and where it goes then.
+class Difficulty(NamedTuple):
+    """What makes a free ball hard to control: its speed, its distance, surprise and pushes, each with a weight.
 
-    The law and its numbers are those documented of Google Research Football; checked by `regista benchmark --suite
-    grf`, families passes and matches.
+    Law and numbers are those documented of Google Research Football; `regista benchmark --suite grf`, families passes
+    and matches, checks them.
     """
 
-    fast_from: float = 10.0  # m/s relative to the player
-    fast_range: float = 40.0  # m/s more
-    fast_power: float = 1.5
-    fast_weight: float = 5.0
-    ahead: float = 0.2  # m ahead of the body, the place from which distance counts
-    far_from: float = 0.7  # m from there
-    far_range: float = 0.6  # m more
-    far_weight: float = 2.0
-    far_away_weight: float = 4.0  # of that, in how far the ball jumps
-    surprise_time: float = 0.73  # s after an opponent's kick
+    speed_from: float = 10.0  # m/s relative to the player: slower balls are easy,
+    speed_range: float = 40.0  # m/s more are hardest
+    speed_power: float = 1.5
+    speed_weight: float = 5.0  # in how far the ball jumps off,
+    speed_weight_high: float = 2.0  # and how many times that in how high
+    ahead: float = 0.2  # m ahead of the body: from this point the distance counts
+    distance_from: float = 0.7  # m: nearer balls are easy,
+    distance_range: float = 0.6  # m more are hardest
+    distance_weight: float = 2.0  # in how high the ball jumps off,
+    distance_weight_far: float = 4.0  # and how many times that in how far
+    surprise_time: float = 0.73  # s after an opponent's kick in which surprise fades
     surprise_power: float = 0.6
-    pushed_weight: float = 4.0  # of who has just been pushed, in how far it jumps; a quarter of it in how high
     surprise_weight: float = 5.0
-    surprise_keep: float = 0.1  # of that, in how much the ball goes on as it came
-    skill: float = 0.75  # 1 less half of the ball control that players have
-    rest: float = 0.38  # m ahead of a standing player, where he wants the ball
-    jump_scale: float = 0.215  # m of way to go, into m/s:
-    jump_power: float = 0.7
+    surprise_kept: float = 0.1  # share of surprise by which the ball goes on as it came
+    push_weight: float = 4.0  # of the hardest push, in how far the ball jumps off,
+    push_weight_high: float = 0.25  # and how many times that in how high
+    skill: float = 0.75  # difficulty left at skill 1: 1 less half of the ball control that players have
+
+
+class Drop(NamedTuple):
+    """A ball that is stopped drops at the feet, or jumps off as far as it is hard to control; as documented."""
+
+    rest: float = 0.38  # m ahead of the body, where it is to lie
+    jump_scale: float = 0.215  # m to go there,
+    jump_power: float = 0.7  # to this power, make 1 m/s
     least_gap: float = 0.2  # m
-    lift: float = 4.0  # m/s
-    loose: float = 0.5  # a ball that jumps further off than this is anybody's
-    slows: float = 0.9  # m/s that taking it along in the run costs where that leads aside, less straight on
-    along_pace: float = 1.3  # times his speed after that touch
-    along_more: float = 1.5  # m/s and this is the ball's,
-    along_most: float = 0.93  # times the speed that he wants at most
-    turns: float = 0.5  # share of a run elsewhere that this touch turns;
+    lift: float = 4.0  # m/s upwards of the hardest ball
+    loose: float = 0.5  # difficulty above which the ball is nobody's
+    touch_again: float = 0.3  # s until the player can touch it again
+    traps_for: float = 0.25  # s in which a player with no direction held answers no keys
+
+
+class TakeAlong(NamedTuple):
+    """An easy ball is played in the direction of the keys without breaking the run."""
+
+    slows: float = 0.9  # m/s of his run that a touch square to it costs, by the sine of the angle
+    turns: float = 0.5  # share of the run across the keys that the touch removes
+    pace: float = 1.3  # the ball's speed: this times the player's after the touch,
+    more: float = 1.5  # plus so many m/s,
+    most: float = 0.93  # at most this times the wanted speed
     back_speed: float = 2.3  # m/s of the ball where the keys lead back,
-    back_keeps: float = 0.55  # and the share of his run that he keeps before he turns
-    touch_again: float = 0.3  # s until he can play a ball that he has just stopped
-    traps_for: float = 0.25  # s in which who stops it with no direction held answers no keys
-    lying: float = 0.5  # m/s, a slower ball lies: who stands before it with keys sets off with it,
-    set_off: float = 3.0  # m/s, so fast it goes;
-    steps_up: float = 0.5  # m/s, who runs to it faster plays it in his stride,
-    steps_round: float = -0.6  # cosine of that run to his keys, from where on they do not lead back:
-    stride_ball: float = 4.3  # m/s, so fast it goes then;
-    pace: float = 0.8  # m/s that he has his keys' way at once,
-    pace_turned: float = 1.2  # m/s more, times that cosine,
-    pace_kept: float = 0.3  # and so much of his run along them;
-    aside_kept: float = 0.8  # of what led aside,
-    aside_most: float = 2.9  # m/s of it at most
-    stops: float = 0.82  # of his run is left to who runs to it with no direction: he stops with it,
-    stops_ball: float = 0.12  # and of that the ball has so much,
-    stops_for: float = 0.2  # s in which his keys lead nowhere
+    back_keeps: float = 0.55  # and the share of his run that the player keeps
+
+
+class AtRest(NamedTuple):
+    """A ball at rest: set off with from the stand, played within a stride, or stopped with."""
+
+    below: float = 0.5  # m/s: slower balls are at rest
+    set_off: float = 3.0  # m/s of the ball that a standing player sets off with
+    stride_from: float = 0.5  # m/s: faster players play it within their stride,
+    stride_cosine: float = -0.6  # unless the cosine between run and keys is below this
+    stride_ball: float = 4.3  # m/s of the ball then
+    pace: float = 0.8  # m/s of the player along his keys then,
+    pace_turned: float = 1.2  # m/s more, times that cosine, which is negative,
+    pace_kept: float = 0.3  # plus this share of his run along them
+    aside_kept: float = 0.8  # share of his run across them that he keeps,
+    aside_most: float = 2.9  # m/s at most
+    stops: float = 0.82  # share of his run left to a player with no direction held, who stops with the ball,
+    stops_ball: float = 0.12  # and the share of that which the ball has
+    stops_for: float = 0.2  # s in which his keys then have no effect
 
 
 class BringDown(NamedTuple):
     """A ball that comes hard: who has keys lets it come to his body and brings it down ahead of his run.
 
-    Fitted to 400 drawn passes of Google Research Football, checked on 60 others (`TRANSFER.md`).
+    Fitted to 400 drawn passes of Google Research Football, checked on 60 others.
     """
 
     hard: float = 7.0  # m/s relative to him: such a ball
@@ -99,7 +116,8 @@ class BringDown(NamedTuple):
     rolls: float = 0.4  # s until he plays it again
 
 
-CONTROL, BRING_DOWN = Control(), BringDown()
+HARD, DROP, ALONG = Difficulty(), Drop(), TakeAlong()
+AT_REST, BRING_DOWN = AtRest(), BringDown()
 
 
 @kernel
@@ -109,21 +127,17 @@ def difficulty(match, player):
     """
     ball = match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    away = length(
-        ball.x - player.x - CONTROL.ahead * player.facing_x, ball.y - player.y - CONTROL.ahead * player.facing_y
-    )
-    surprise = CONTROL.surprise_weight * surprised(match, player) ** CONTROL.surprise_power
-    pushed = CONTROL.pushed_weight * player.pushed / PUSH.most
-    if fast <= CONTROL.fast_from and away <= CONTROL.far_from and surprise == 0.0 and pushed == 0.0:
+    away = length(ball.x - player.x - HARD.ahead * player.facing_x, ball.y - player.y - HARD.ahead * player.facing_y)
+    surprise = HARD.surprise_weight * surprised(match, player) ** HARD.surprise_power
+    pushed = HARD.push_weight * player.pushed / PUSH.most
+    if fast <= HARD.speed_from and away <= HARD.distance_from and surprise == 0.0 and pushed == 0.0:
         return 0.0, 0.0, 0.0
-    fast = (
-        CONTROL.fast_weight * min(max((fast - CONTROL.fast_from) / CONTROL.fast_range, 0.0), 1.0) ** CONTROL.fast_power
-    )
-    away = CONTROL.far_weight * min(max((away - CONTROL.far_from) / CONTROL.far_range, 0.0), 1.0) ** 2.0
-    skill = (1.0 - (1.0 - CONTROL.skill) * player.skill) * (0.5 + 0.5 * uniform(match))
-    far_off = skill * (fast + CONTROL.far_away_weight * away + surprise + pushed)
-    high_off = skill * (2.0 * fast + away + surprise + 0.25 * pushed)
-    return min(far_off, 1.0), min(high_off, 1.0), skill * min(CONTROL.surprise_keep * surprise, 0.9)
+    fast = HARD.speed_weight * min(max((fast - HARD.speed_from) / HARD.speed_range, 0.0), 1.0) ** HARD.speed_power
+    away = HARD.distance_weight * min(max((away - HARD.distance_from) / HARD.distance_range, 0.0), 1.0) ** 2.0
+    skill = (1.0 - (1.0 - HARD.skill) * player.skill) * (0.5 + 0.5 * uniform(match))
+    far_off = skill * (fast + HARD.distance_weight_far * away + surprise + pushed)
+    high_off = skill * (HARD.speed_weight_high * fast + away + surprise + HARD.push_weight_high * pushed)
+    return min(far_off, 1.0), min(high_off, 1.0), skill * min(HARD.surprise_kept * surprise, 0.9)
 
 
 @kernel
@@ -133,7 +147,7 @@ def surprised(match, player):
     """
     if not match.was_kicked or match.last_touch == NOBODY or match.players[match.last_touch].team == player.team:
         return 0.0
-    return max(1.0 - match.kick_age / CONTROL.surprise_time, 0.0)
+    return max(1.0 - match.kick_age / HARD.surprise_time, 0.0)
 
 
 @kernel
@@ -148,19 +162,19 @@ def take_along(ball, player):
     want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
     player.desired_vx, player.desired_vy = want * ux, want * uy
     along = player.vx * ux + player.vy * uy
-    keep = max(speed - CONTROL.slows * math.sqrt(max(1.0 - (along / speed) ** 2, 0.0)), 0.0) / max(speed, 1e-9)
+    keep = max(speed - ALONG.slows * math.sqrt(max(1.0 - (along / speed) ** 2, 0.0)), 0.0) / max(speed, 1e-9)
     if along < -SURE:
-        player.vx, player.vy = CONTROL.back_keeps * player.vx, CONTROL.back_keeps * player.vy
+        player.vx, player.vy = ALONG.back_keeps * player.vx, ALONG.back_keeps * player.vy
         player.turning = READY
-        ball.vx, ball.vy = CONTROL.back_speed * ux, CONTROL.back_speed * uy
+        ball.vx, ball.vy = ALONG.back_speed * ux, ALONG.back_speed * uy
         return
     aside_x, aside_y = player.vx - along * ux, player.vy - along * uy
-    along = keep * max(along, CONTROL.turns * speed)
-    share = keep * (1.0 - CONTROL.turns)
+    along = keep * max(along, ALONG.turns * speed)
+    share = keep * (1.0 - ALONG.turns)
     player.vx, player.vy = along * ux + share * aside_x, along * uy + share * aside_y
     player.turning, player.stride = READY, STEP  # this very moment
     push_on(ball, player, player.vx, player.vy, want)
-    fast = min(CONTROL.along_pace * length(player.vx, player.vy) + CONTROL.along_more, CONTROL.along_most * want)
+    fast = min(ALONG.pace * length(player.vx, player.vy) + ALONG.more, ALONG.most * want)
     share = fast / (length(ball.vx, ball.vy) + 1e-9)
     ball.vx, ball.vy = share * ball.vx, share * ball.vy
     player.stride = 0.0
@@ -169,7 +183,7 @@ def take_along(ball, player):
 @kernel
 def lies(ball):
     """Return whether a ball does not roll."""
-    return length(ball.vx, ball.vy) < CONTROL.lying
+    return length(ball.vx, ball.vy) < AT_REST.below
 
 
 @kernel
@@ -181,14 +195,14 @@ def in_stride(ball, player):
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
-    if speed < CONTROL.steps_up or along < CONTROL.steps_round * speed or along > -SURE:
+    if speed < AT_REST.stride_from or along < AT_REST.stride_cosine * speed or along > -SURE:
         return False
     aside_x, aside_y = player.vx - along * ux, player.vy - along * uy
-    share = min(CONTROL.aside_most / (length(aside_x, aside_y) + 1e-9), CONTROL.aside_kept)
-    pace = CONTROL.pace + CONTROL.pace_turned * along / speed + CONTROL.pace_kept * along
+    share = min(AT_REST.aside_most / (length(aside_x, aside_y) + 1e-9), AT_REST.aside_kept)
+    pace = AT_REST.pace + AT_REST.pace_turned * along / speed + AT_REST.pace_kept * along
     player.vx, player.vy = pace * ux + share * aside_x, pace * uy + share * aside_y
     player.turning, player.stride = READY, 0.0
-    ball.vx, ball.vy = CONTROL.stride_ball * ux, CONTROL.stride_ball * uy
+    ball.vx, ball.vy = AT_REST.stride_ball * ux, AT_REST.stride_ball * uy
     return True
 
 
@@ -274,19 +288,19 @@ def turn_back(ball, player, along, aside_x, aside_y):
 @kernel
 def stop_with_it(ball, player):
     """Let who runs to a ball that lies, with no direction held, stop with it."""
-    player.vx, player.vy = CONTROL.stops * player.vx, CONTROL.stops * player.vy
-    player.turning, player.stance_wait = 0, CONTROL.stops_for
-    ball.vx, ball.vy = CONTROL.stops_ball * player.vx, CONTROL.stops_ball * player.vy
-    player.touch_wait = CONTROL.touch_again
+    player.vx, player.vy = AT_REST.stops * player.vx, AT_REST.stops * player.vy
+    player.turning, player.stance_wait = 0, AT_REST.stops_for
+    ball.vx, ball.vy = AT_REST.stops_ball * player.vx, AT_REST.stops_ball * player.vy
+    player.touch_wait = DROP.touch_again
 
 
 @kernel
 def drop(ball, player, far_off):
     """Return the velocity of a ball that is to lie at a player's feet, or so far off as it jumps, 0 to 1."""
-    to_x = player.x + (CONTROL.rest + far_off) * player.facing_x - ball.x
-    to_y = player.y + (CONTROL.rest + far_off) * player.facing_y - ball.y
+    to_x = player.x + (DROP.rest + far_off) * player.facing_x - ball.x
+    to_y = player.y + (DROP.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9
-    push = (max(gap, CONTROL.least_gap) / CONTROL.jump_scale) ** CONTROL.jump_power / gap
+    push = (max(gap, DROP.least_gap) / DROP.jump_scale) ** DROP.jump_power / gap
     return player.vx + push * to_x, player.vy + push * to_y
 
 
@@ -303,26 +317,26 @@ def cushion(match, i):
         return
     if rests and has_keys and in_stride(ball, player):
         return
-    if is_hard and has_keys and not rests and far_off < CONTROL.loose:
+    if is_hard and has_keys and not rests and far_off < DROP.loose:
         bring_down(ball, player)
-        ball.z, ball.vz = z, high_off * (vz + CONTROL.lift)
+        ball.z, ball.vz = z, high_off * (vz + DROP.lift)
         return
     runs = length(player.vx, player.vy) > START.jump
     if runs and far_off == 0.0 and high_off == 0.0 and has_keys:
         take_along(ball, player)
         return
     if not runs and has_keys and rests:
-        ball.vx = CONTROL.set_off * DIRECTION_X[player.direction]
-        ball.vy = CONTROL.set_off * DIRECTION_Y[player.direction]
+        ball.vx = AT_REST.set_off * DIRECTION_X[player.direction]
+        ball.vy = AT_REST.set_off * DIRECTION_Y[player.direction]
         return
     if runs and rests and idles(player) and player.kick == 0:
         stop_with_it(ball, player)
         return
     to_vx, to_vy = drop(ball, player, far_off)
     ball.vx, ball.vy = (1.0 - kept) * to_vx + kept * vx, (1.0 - kept) * to_vy + kept * vy
-    if far_off > CONTROL.loose:
+    if far_off > DROP.loose:
         match.carrier = NOBODY
-    ball.z, ball.vz = z, (1.0 - kept) * high_off * (vz + CONTROL.lift) + kept * vz
-    player.touch_wait = CONTROL.touch_again
+    ball.z, ball.vz = z, (1.0 - kept) * high_off * (vz + DROP.lift) + kept * vz
+    player.touch_wait = DROP.touch_again
     if was_played and idles(player):
-        player.brings_down, player.stance_wait = True, CONTROL.traps_for
+        player.brings_down, player.stance_wait = True, DROP.traps_for

@@ -1,0 +1,80 @@
+"""Which regret, how many episodes for each level and which entropy does PAIRED need on the frontier?
+
+Trains PAIRED on `ued.probes.Frontier` as `regista probe` does, with one setting changed at a time, on seeds that the
+table of the probe does not use. A row for each run: the share of the task that its protagonist knows in the end. Rows
+that the file has are not made again:
+
+    python lab/paired_frontier.py --csv lab/results/paired_frontier.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from regista.experiments.commands.probe import ProbeConfig, probe_run, run_one
+from regista.experiments.run.arguments import replace_paths
+from ued.statistics import bootstrap
+
+TANH = {"adversary.distribution": "tanh_gaussian", "adversary.update_epochs": 20}
+SETTINGS: dict[str, dict[str, Any]] = {
+    "population, 2 episodes, entropy 0.03": {},
+    "flexible": {"roles": "flexible"},
+    "dennis2020": {"roles": "dennis2020"},
+    "dennis2020, mean_mean": {"roles": "dennis2020", "regret": "mean_mean"},
+    "1 episode": {"episodes_per_level": 1},
+    "4 episodes": {"episodes_per_level": 4},
+    "8 episodes": {"episodes_per_level": 8},
+    "entropy 0.1": {"adversary.ent_coef": 0.1},
+    "entropy 0.3": {"adversary.ent_coef": 0.3},
+    "tanh_gaussian": TANH,
+    "tanh_gaussian, entropy 0.1": {**TANH, "adversary.ent_coef": 0.1},
+}
+SEEDS = range(20, 30)
+COLUMNS = ("setting", "seed", "env_steps", "known")
+
+
+def train(setting: str, seed: int) -> dict[str, Any]:
+    """Train one run, and return its row."""
+    torch.set_num_threads(1)
+    changed = {f"paired.{name}": value for name, value in SETTINGS[setting].items()}
+    config = replace(replace_paths(probe_run(), changed), method="paired", seed=seed)
+    probe = ProbeConfig()
+    run = run_one(config, probe.longest, probe.dim)
+    return {"setting": setting, "seed": seed, "env_steps": run.env_steps[-1], "known": round(run.scores[-1], 4)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--csv", type=Path, required=True)
+    parser.add_argument("--processes", type=int, default=1)
+    arguments = parser.parse_args()
+    rows: list[dict[str, Any]] = []
+    if arguments.csv.exists():
+        with open(arguments.csv, newline="") as file:
+            rows = list(csv.DictReader(file))
+    done = {(row["setting"], int(row["seed"])) for row in rows}
+    missing = [(name, seed) for name in SETTINGS for seed in SEEDS if (name, seed) not in done]
+    with ProcessPoolExecutor(arguments.processes) as pool, open(arguments.csv, "a", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        if not rows:
+            writer.writeheader()
+        for row in pool.map(train, *zip(*missing, strict=True)) if missing else ():
+            rows.append(row)
+            writer.writerow(row)
+            file.flush()
+    for name in SETTINGS:
+        known = np.array([float(row["known"]) for row in rows if row["setting"] == name])
+        found = bootstrap(known, np.random.default_rng(0)).interval()
+        print(f"{name:40s} {found.estimate:.2f} [{found.low:.2f}, {found.high:.2f}]")
+
+
+if __name__ == "__main__":
+    main()
