@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import build
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
@@ -163,33 +164,49 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     train = rates.pop(build.TRAINING_SCENE)
     shares = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
     row = {"game": cell.game, "order": cell.order, "variant": cell.variant, "seed": run.config.seed}
-    row |= {"env_steps": env_steps, "held_out": np.mean(list(rates.values())), "train": train}
+    row |= {
+        "simulator": SIMULATOR_VERSION,
+        "env_steps": env_steps,
+        "held_out": np.mean(list(rates.values())),
+        "train": train,
+    }
     for k, rate in enumerate(rates.values()):
         row[f"scene_{k}"] = rate
     row["scenes"] = "; ".join(rates)
     return row | {f"rare_share_{k}": share for k, share in enumerate(shares)}
 
 
-COLUMNS = ["game", "order", "variant", "seed", "env_steps", "held_out", "train"]
+COLUMNS = ["game", "order", "variant", "seed", "simulator", "env_steps", "held_out", "train"]
 COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
 
 
+SHOWN = {  # columns of the printed table, in percent
+    "held_out": "held-out success",
+    "scene_0": "first scene",
+    "scene_1": "second scene",
+    f"rare_share_{FIFTHS - 1}": "rare option in proposals",
+}
+
+
 def table(rows: list[dict[str, str]]) -> None:
-    """Print means over the runs of each setting, with 95% bootstrap intervals over whole runs."""
+    """Print means over the runs of each setting in percent, as Markdown, with 95% bootstrap intervals over runs."""
     rng = np.random.default_rng(0)
-    kinds = list(dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows))
-    shown = ["held_out", "train", "scene_0", "scene_1", f"rare_share_{FIFTHS // 2}", f"rare_share_{FIFTHS - 1}"]
-    for kind in kinds:
+    print("| game | order | setting | runs |", " | ".join(SHOWN.values()), "|")
+    print("|" + "---|" * (4 + len(SHOWN)))
+    for kind in dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows):
         mine = [row for row in rows if (row["game"], row["order"], row["variant"]) == kind]
-        cells = []
-        for column in shown:
-            values = np.array([float(row[column]) for row in mine if row[column]])
-            if len(values):
-                found = bootstrap(values, rng).interval()
-                digits, most = (2, 1.0) if column.startswith("rare") else (0, 100.0)
-                low, high = (float(np.clip(end, 0.0, most)) for end in (found.low, found.high))
-                cells.append(f"{column} {found.estimate:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]")
-        print(*kind, len(mine), *cells, sep=" | ")
+        print(f"| {' | '.join(kind)} | {len(mine)} |", " | ".join(cell(mine, column, rng) for column in SHOWN), "|")
+
+
+def cell(rows: list[dict[str, str]], column: str, rng: np.random.Generator) -> str:
+    """Return the mean of a column in percent with its interval, nothing where no run has the column."""
+    scale = 100 if column.startswith("rare") else 1
+    values = np.array([scale * float(row[column]) for row in rows if row[column]])
+    if not len(values):
+        return ""
+    found = bootstrap(values, rng).interval()
+    low, high = np.clip((found.low, found.high), 0, 100)
+    return f"{found.estimate:.0f} [{low:.0f}, {high:.0f}]"
 
 
 def main() -> None:

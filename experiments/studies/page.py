@@ -27,12 +27,6 @@ OTHER_TESTS = (
     "The published test of defense/3vs3_cross_from_side is that of the side buildup; in that of "
     "offense/avoid_pass_shoot back and mate stood in no common line."
 )
-REAL_ENGINE = (
-    "Why, of the runs that the repository keeps: policies of four defences were played in the real engine "
-    "(`TRANSFER.md`, In defence). All lose more there, those of defense/2vs2_counterattack and "
-    "defense/3vs3_cross_from_side by far: our simulator makes these two easy. So defense/2vs2 and "
-    "defense/2vs2_high_pass lie low not because they are harder here, but because less is learned of them."
-)
 INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; of one run Student's t over its episodes alone; "
     "none below 5 runs, or 5 episodes"
@@ -146,7 +140,7 @@ def single(measured: Measured, folder: Path, pictures: Path) -> str:
     rows = [_single_row(measured, game) for game in games]
     picture = f"![PPO on the training scenes]({path.relative_to(folder)})"
     parts = ["### One agent (Figure 2.7)", picture, as_markdown([head, *rows])]
-    return _paragraphs([*parts, ranks(measured, games, "train"), REAL_ENGINE])
+    return _paragraphs([*parts, ranks(measured, games, "train")])
 
 
 def generalisation(measured: Measured, folder: Path, pictures: Path) -> str:

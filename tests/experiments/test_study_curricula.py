@@ -127,7 +127,8 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
 def test_what_is_published_goes_into_the_repository():
     places = Places.of(None, "RESULTS.md")
     assert places.page.samefile(ROOT / "RESULTS.md")
-    assert places.pictures.samefile(ROOT / "experiments" / "gallery") and places.results.is_dir()
+    assert places.pictures.samefile(ROOT / "experiments" / "gallery")
+    assert places.results == ROOT / "experiments" / "studies" / "results"
     assert (
         places.pictures.relative_to(places.page.parent).as_posix() == "experiments/gallery"
     )  # as the page links to it

@@ -153,12 +153,6 @@ def test_unnumbered_rows_are_neither_published_nor_added_to(tmp_path, capsys, st
     assert table.read_text() == before and sorted(path.name for path in tmp_path.rglob("*")) == [table.name, "results"]
 
 
-def test_rows_of_the_repository_can_be_read():
-    files = sorted(Places.of(None, "RESULTS.md").results.glob("*.csv"))
-    kinds = [rows.Point if file.stem.endswith("_curves") else rows.Row for file in files]
-    assert files and all(rows.load(file, kind) for file, kind in zip(files, kinds, strict=True))
-
-
 def test_a_file_without_versions_is_of_an_unnumbered_simulator(tmp_path):
     rows.add(tmp_path / "fast.csv", [row("1")])
     assert rows.load(tmp_path / "fast.csv") == [row("1")] == page.read(tmp_path, "fast")
