@@ -158,9 +158,7 @@ def do_run(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]]:
     if options.env_steps:
         settings["total_env_steps"] = options.env_steps
     run = StudyRuns(folder, training(unit.rewards), {}).open(unit.key["game"], unit.key["seed"], settings)
-    if not run.finished():
-        train.main(run.words[1:])
-    if not run.finished():
+    if not run.finished() and train.main(run.words[1:]):
         raise CommandError(f"{run.path} was stopped")
     episodes = (options.episodes, options.episodes) if options.episodes else unit.episodes
     (result,), _ = play_run(run, Plan(GRF, episodes, ("sampled",)))

@@ -51,16 +51,10 @@ def results(lab, tmp_path):
     save([row for seed in range(3) for row in run_rows("defense/2vs2", seed=seed)], tmp_path / "transfer_defense.csv")
     save(run_rows("academy/run_to_score", "simple115"), tmp_path / "transfer_converse.csv")
     save(run_rows("academy/run_to_score", "simple115"), tmp_path / "academy_baselines.csv")
-    drawn = {
-        f"{what}_{step}{limit}": 1.5
-        for what in ("ball", "players")
-        for step in (10, 20, 40)
-        for limit in ("", "_limit")
-    }
-    drawn |= {"endings_agree": 0.5, "endings_agree_limit": 0.75}
-    save(
-        [{"simulator": "7", "seed": 1, "scene": f"1:{k}", **drawn} for k in range(5)], tmp_path / "transfer_scenes.csv"
-    )
+    drawn = {"simulator": "7", "seed": 1, "endings_agree": 0.5, "endings_agree_limit": 0.75}
+    steps = [f"{what}_{step}" for what in ("ball", "players") for step in (10, 20, 40)]
+    drawn |= {f"{step}{limit}": 1.5 for step in steps for limit in ("", "_limit")}
+    save([{**drawn, "scene": f"1:{k}"} for k in range(5)], tmp_path / "transfer_scenes.csv")
     of = {"simulator": "7", "seed": 3, "episodes": 200}
     played = [
         {**of, "program": each.name, "engine": engine, "goals": 10 * (k + 1)}
@@ -139,18 +133,17 @@ def test_what_has_rows_of_this_simulator_is_not_done_again(lab, tmp_path, monkey
 
 
 @pytest.mark.slow
-@pytest.mark.drawn  # a run is finished when its picture is there
 @pytest.mark.parametrize("number", [0, 8])  # of the academy, whose levels are jittered, and another game
 def test_a_run_is_trained_once_and_played_in_both_engines(lab, tmp_path, monkeypatch, number):
     monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
     transfer = lab["transfer"]
     unit = list(transfer.policies())[number]
-    unit = unit._replace(settings={**unit.settings, "num_envs": 4, "ppo.num_steps": 8})
-    options = transfer.Options(tmp_path / "out", tmp_path, 1, 1.0, 0, env_steps=32, episodes=3)
+    unit = unit._replace(settings={**unit.settings, "num_envs": 4, "ppo.num_steps": 128})
+    options = transfer.Options(tmp_path / "out", tmp_path, 1, 1.0, 0, env_steps=1024, episodes=3)
     rows = transfer.do(unit, options)
     assert [(row["engine"], row["episodes"], row["env_steps"], row["seed"]) for row in rows] == [
-        ("ours", 3, 32, 300),
-        ("grf", 3, 32, 300),
+        ("ours", 3, 1024, 300),
+        ("grf", 3, 1024, 300),
     ]
     (folder,) = (path.parent for path in tmp_path.rglob("config.json"))
     config = RunFolder.open(folder).config
