@@ -20,12 +20,11 @@ import csv
 import os
 import resource
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from transfer_tables import RESULTS, simulator_version, write_tables
@@ -53,9 +52,9 @@ BUDGETS = {  # env_steps after which returns hardly rise any more
     "3v2FourBehaviors": 1_000_000,
 }
 DEFENSES = ("2vs2", "2vs2_counterattack", "2vs2_high_pass", "3vs3_cross_from_side")
-DEFENSE_STEPS = 2_000_000
+DEFENSE_STEPS = 5_000_000
 CONVERSE = ("academy/run_to_score", "academy/3_vs_1_with_keeper")
-CONVERSE_STEPS = 200_000
+CONVERSE_STEPS = 300_000
 SEEDS = range(300, 305)  # used for nothing else
 SCENES, SCENES_SEED, CHUNK = 200, 30_301, 10
 EXPERTS_SEED = 300
@@ -67,7 +66,7 @@ class Unit(NamedTuple):
 
     part: str
     key: dict[str, Any]
-    settings: Mapping[str, Any] = MappingProxyType({})
+    settings: dict[str, Any] | None = None
     rewards: str = ""
     episodes: tuple[int, int] = (0, 0)  # in our simulator and in GRF
 
@@ -101,7 +100,7 @@ def policies() -> Iterator[Unit]:
 
 
 def defense() -> Iterator[Unit]:
-    """Yield runs of four defenses as `regista study single` trains them, with a smaller budget."""
+    """Yield runs of four defenses, with the settings and the budget of `regista study single`."""
     for seed in SEEDS[:3]:
         for game in DEFENSES:
             key = {"game": f"defense/{game}", "representation": "features", "seed": seed}
@@ -154,7 +153,7 @@ def core_seconds() -> float:
 
 def do_run(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]]:
     """Train a run, or continue it, and play it in both engines; return a row for each engine."""
-    settings = dict(unit.settings)
+    settings = dict(unit.settings or {})
     if options.env_steps:
         settings["total_env_steps"] = options.env_steps
     run = StudyRuns(folder, training(unit.rewards), {}).open(unit.key["game"], unit.key["seed"], settings)

@@ -1,6 +1,7 @@
 """The lab's scripts of transfer: tables are made of CSV files alone, pages have them, and units are done once."""
 
 import importlib
+import pickle
 import sys
 from pathlib import Path
 
@@ -111,6 +112,8 @@ def test_parts_begin_with_the_first_seed_of_all_games(lab):
     units = list(lab["transfer"].policies())
     assert len(units) == 90 and [unit.key["seed"] for unit in units[:19]] == [300] * 18 + [301]
     assert units[0].settings["program.param"] == ("jitter=1",) and "program.param" not in units[8].settings
+    for part in lab["transfer"].PARTS.values():
+        assert pickle.loads(pickle.dumps(list(part()))) == list(part())  # as other processes get them
     assert {name: len(list(part())) for name, part in lab["transfer"].PARTS.items()} == {
         "policies": 90,
         "defense": 12,
