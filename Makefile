@@ -36,7 +36,7 @@ results: $(READY)
 	$(BIN)/regista probe --out runs/probe
 	$(BIN)/python -m regista.experiments.pictures.results_page runs/probe
 
-# What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about three hours on 2 cores.
+# What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about two hours on 2 cores.
 # It goes on where it was stopped. One part, or other flags of lab/transfer.py: make transfer PART="policies --hours 2".
 PART ?= all --hours 9
 transfer: $(READY)

@@ -1,14 +1,15 @@
 """What transfers to Google Research Football (GRF): trains and plays in both engines, one part at a time.
 
 Each part writes lab/results/transfer_PART.csv and can be stopped at any time; the same command continues it. Rows of
-another simulator version are dropped, and runs are trained again. `make grf` installs GRF. Cost on two cores:
+another simulator version are dropped, and runs are trained again. `make grf` installs GRF. Core-minutes, of which two
+processes do two a minute:
 
-    python lab/transfer.py policies    # nine games, two representations, five seeds: {policies} core-minutes
-    python lab/transfer.py defense     # four defenses, three seeds, 2M steps: {defense} core-minutes
-    python lab/transfer.py scenes      # 200 drawn scenes, the same actions in both engines: {scenes} core-minutes
-    python lab/transfer.py experts     # nine semi-expert programs, 200 episodes in each engine: {experts} core-minutes
-    python lab/transfer.py converse    # PPO trained in GRF, played in ours: {converse} core-minutes
-    python lab/transfer.py tables      # all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
+    python lab/transfer.py policies    # 60: nine games, two representations, five seeds
+    python lab/transfer.py defense     # 75: four defenses, three seeds, 5M steps
+    python lab/transfer.py scenes      # 6: 200 drawn scenes, the same actions in both engines
+    python lab/transfer.py experts     # 10: nine semi-expert programs, 200 episodes in each engine
+    python lab/transfer.py converse    # 95: PPO trained in GRF on two games, three seeds, 300k steps, played in ours
+    python lab/transfer.py tables      # seconds: all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
 
 The table of exploits is made of the rows of `policies`. Read next: `lab/transfer_tables.py`, which makes the tables.
 """
@@ -156,6 +157,7 @@ def do_run(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]]:
     settings = dict(unit.settings or {})
     if options.env_steps:
         settings["total_env_steps"] = options.env_steps
+    folder /= str(settings["total_env_steps"])  # no run continues one of another budget
     run = StudyRuns(folder, training(unit.rewards), {}).open(unit.key["game"], unit.key["seed"], settings)
     if not run.finished() and train.main(run.words[1:]):
         raise CommandError(f"{run.path} was stopped")

@@ -308,8 +308,9 @@ def converse(rows: Rows) -> str:
 def academy(rows: Rows) -> str:
     """Return the table of academy games beside the thesis's published scores."""
     table = [["game", "env steps", "runs", "goals in ours", "in GRF", "published, PPO trained in GRF, 5M env steps"]]
-    for game in unique(rows, "game"):
-        runs = results(mine := chosen(rows, game=game))
+    kinds = sorted({(unique(rows, "game").index(row["game"]), int(row["budget"])) for row in rows})
+    for game, budget in ((unique(rows, "game")[number], str(budget)) for number, budget in kinds):
+        runs = results(mine := chosen(rows, game=game, budget=budget))
         rates = [percent(goal_rate(counts(runs, engine))) for engine in ENGINES]
         theirs = find_published(game.replace("academy/", "grf/"), "ppo")
         half = "" if theirs is None or theirs.interval is None else f" ± {100 * theirs.interval:.0f}"
