@@ -36,11 +36,11 @@ results: $(READY)
 	$(BIN)/regista probe --out runs/probe
 	$(BIN)/python -m regista.experiments.pictures.results_page runs/probe
 
-# Nine games, three seeds, two representations, trained here and played in Google Research Football (`make grf` first):
-# about an hour on 2 cores. It goes on where it was stopped; flags of `regista study`: STUDY="--seeds 1".
-STUDY ?=
+# What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about two hours on 2 cores.
+# It goes on where it was stopped. One part, or other flags of lab/transfer.py: make transfer PART="policies --hours 2".
+PART ?= all --hours 9
 transfer: $(READY)
-	$(BIN)/regista study transfer --out runs/transfer $(STUDY)
+	$(BIN)/python lab/transfer.py $(PART)
 
 # The repository's page BENCHMARK.md, from runs beneath runs/benchmark that are made where they are not there: hours.
 # Which part, and for how long: STUDY="single --seeds 5 --hours 3".

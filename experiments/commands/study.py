@@ -4,11 +4,10 @@
     regista study generalisation --games offense/easy_crossing grf/empty_goal --seeds 1 --total-env-steps 500_000
     regista study teams                             # independent policies, parameter sharing, MAPPO
     regista study curricula --hours 3               # all methods on six games: RESULTS.md
-    regista study transfer                          # what `make transfer` does: both engines
 
 Every run is a folder beneath `--out`, and so are the tables, the page and its pictures; a second call skips what is
 finished, continues what is not, and plays what has not been played. `--publish` writes the repository's own page.
-Read next: `commands.study_benchmark` and `commands.study_transfer`.
+Read next: `commands.study_benchmark` and `commands.study_curricula`.
 """
 
 from __future__ import annotations
@@ -18,7 +17,6 @@ from typing import Any, NamedTuple
 
 from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, presets_of_benchmark, run_benchmark
 from regista.experiments.commands.study_curricula import CurriculaStudyConfig, games_of_study, run_curricula
-from regista.experiments.commands.study_transfer import TransferStudyConfig, run_transfer
 from regista.experiments.run import arguments
 from regista.experiments.run.errors import UsageError, nearest
 
@@ -97,8 +95,5 @@ STUDIES = {
     ),
     "tuning": Study(
         "PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula, games_of_study
-    ),
-    "transfer": Study(
-        "games in both engines: the table of what carries over", TransferStudyConfig, run_transfer, lambda word: {}
     ),
 }

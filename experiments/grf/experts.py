@@ -108,13 +108,13 @@ def play_experts(
         told(number + 1)
 
 
-def play_expert(expert: Expert, config: FootballConfig, episodes: int) -> Episodes:
-    """Play so many episodes of a program, each on a level of its own."""
+def play_expert(expert: Expert, config: FootballConfig, episodes: int, seed: int = SEED) -> Episodes:
+    """Play so many episodes of a program, each on a level of its own, drawn by the seed."""
     count = min(episodes, ENVIRONMENTS[config.engine])
     if expert.is_team:
         config = replace(config, control="all")
     with closing(FootballVectorEnv(HERE / "experts" / f"{expert.name}.scenic", count, config=config)) as env:
-        env.reset(seed=SEED)
+        env.reset(seed=seed)
         levels = env.sample_levels(episodes)
         if not expert.is_team:
             return play(env, lambda _, step: env.program_actions(), levels)

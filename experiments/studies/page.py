@@ -5,6 +5,7 @@ Read next: `studies.rows`, what is in the files; `pictures.bars`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -31,6 +32,8 @@ INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; of one run Student's t over its episodes alone; "
     "none below 5 runs, or 5 episodes"
 )
+
+OTHERS = re.compile(r"^## [^\n]*\n(?:(?!^## ).)*?<!-- table: \w+ -->.*?<!-- end -->$", re.M | re.S)  # sections
 
 FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
 TABLE_4_1 = tuple(row.game for row in published() if row.agent == "light_cnn")
@@ -70,7 +73,10 @@ class Measured(NamedTuple):
 
 
 def write_page(results: Path, page: Path, pictures: Path) -> None:
-    """Write the page and its pictures from all files of a folder. Raises `CommandError` if the disk refuses."""
+    """Write the page and its pictures from all files of a folder. Raises `CommandError` if the disk refuses.
+
+    Sections of the page whose table is marked as made by others are kept, at its end.
+    """
     pictures.mkdir(parents=True, exist_ok=True)
     parts = [HEAD]
     for preset in PRESETS:
@@ -79,6 +85,7 @@ def write_page(results: Path, page: Path, pictures: Path) -> None:
             measured = Measured(preset, rows)
             parts += [f"## Preset `{preset}`: {PRESETS[preset]}", about(measured)]
             parts += [section(measured, page.parent, pictures) for section in SECTIONS]
+    parts += OTHERS.findall(page.read_text()) if page.exists() else []
     write_text(page, _paragraphs(parts) + "\n")
 
 

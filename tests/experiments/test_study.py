@@ -1,14 +1,10 @@
 """`regista study`: what it trains, how it goes on, what it leaves behind."""
 
-import csv
-import re
-
 import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
 from regista.experiments.commands.study_benchmark import BenchmarkStudy, BenchmarkStudyConfig, places_of, starting_point
-from regista.experiments.commands.study_transfer import TransferStudyConfig, prepare
 from regista.experiments.commands.train import train
 from regista.experiments.run import workers
 from regista.experiments.run.errors import UsageError
@@ -18,62 +14,8 @@ from regista.experiments.run.signals import StopRequest
 from regista.experiments.studies import page, rows, runs
 from regista.experiments.studies.measuring import measure_random
 from regista.minigames.suites import BENCHMARK
-from tests.envs.grf.fixtures import fake_python
 
 pytestmark = pytest.mark.slow
-
-GAMES = ["academy/pass_and_shoot_with_keeper", "1v1Restricted"]
-SHORT = ["--total-env-steps", "32", "--num-envs", "4", "--num-steps", "8", "--episodes", "3", "--grf-episodes", "2"]
-SPREAD = ["--engine-spread", "0.15"]  # of our simulator alone
-
-
-@pytest.fixture
-def words(monkeypatch, tmp_path, trained_here):
-    """Return what is typed; runs train in this process, and a stand-in plays the real engine's part."""
-    monkeypatch.setenv("REGISTA_GRF_PYTHON", str(fake_python(tmp_path)))
-    few = ["--seeds", "1", "--representations", "features"]
-    return ["study", "transfer", "--games", *GAMES, *few, *SHORT, *SPREAD, "--out", str(tmp_path / "out")]
-
-
-def test_a_study_trains_plays_and_tabulates_and_keeps_what_is_there(words, capsys, tmp_path):
-    assert main(words) == 0
-    shown = capsys.readouterr()
-    assert "2 runs, 0 finished" in shown.out and re.search(r"sampled: \d of 2 ratios", shown.out)
-    folder = tmp_path / "out"
-    first = RunFolder.open(folder / "academy_pass_and_shoot_with_keeper-features-0").config
-    second = RunFolder.open(folder / "1v1Restricted-features-0").config
-    assert (first.env.control, second.env.control) == ("active", "closest1")
-    assert first.env.rewards == "scoring,checkpoints" and first.method == "dr" and not first.record
-    with open(folder / "transfer.csv") as file:
-        assert [(row["game"], row["engine"]) for row in csv.DictReader(file)] == [
-            (game, engine) for game in GAMES for engine in ("ours", "grf")
-        ]
-    assert (folder / "transfer.md").read_text().count("| dr | sampled | 1 |") == 2
-    assert main(words) == 0
-    again = capsys.readouterr()
-    assert "at a time" not in again.out and again.err.count("kept") == 2
-
-
-def test_games_have_budgets_of_their_own_unless_one_is_given(tmp_path):
-    config = TransferStudyConfig(
-        games=("academy/run_to_score", "1v1Free"), representations=("smm",), out=tmp_path, seeds=2
-    )
-    runs = prepare(config, {})
-    assert [run.config.total_env_steps for run in runs] == [500_000, 1_000_000] * 2
-    assert [run.config.seed for run in runs] == [0, 0, 1, 1]
-    assert {run.config.env.representation for run in runs} == {"smm"}
-    longer = prepare(config, {"total_env_steps": 2_000_000})
-    assert {RunFolder.open(run.path).config.total_env_steps for run in longer} == {2_000_000}
-
-
-def test_a_study_takes_settings_of_training_but_not_one_representation(words, capsys, tmp_path):
-    assert main([*words, "--representation", "smm"]) == 2
-    assert "a study takes --representations" in capsys.readouterr().err
-    assert main([*words, "--gamma", "0.5"]) == 0
-    assert RunFolder.open(tmp_path / "out" / "1v1Restricted-features-0").config.ppo.gamma == 0.5
-    assert main(words) == 1  # other settings than those that are there
-    assert "was trained with ppo.gamma = 0.5" in capsys.readouterr().err
-
 
 # ---------------------------------------------------------------- the thesis's benchmark
 
@@ -241,11 +183,11 @@ def test_studies_are_named_and_kept_apart(single, capsys):
 
 def test_the_page_of_a_study_is_found_by_either_order(capsys):
     pages = []
-    for words in (["--help", "transfer"], ["transfer", "--help"]):
+    for words in (["--help", "single"], ["single", "--help"]):
         with pytest.raises(SystemExit, match="0"):
             main(["study", *words])
         pages.append(capsys.readouterr().out)
-    assert pages[0] == pages[1] and pages[0].startswith("usage: regista study transfer")
+    assert pages[0] == pages[1] and pages[0].startswith("usage: regista study single")
 
 
 def test_presets_are_those_of_training(tmp_path):

@@ -28,8 +28,8 @@ SAVING = [*TINY, "--checkpoint-seconds", "0"]
 QUIET = [*SAVING, "--no-record"]
 FOOTBALL = ["1v1Restricted", "--num-envs", "2", *PPO, "--total-env-steps", "64", "--eval-every", "0"]
 PROBE = ["probe", "--methods", "dr", "--seeds", "1", "--processes", "1", "--num-envs", "4", *PPO, "--longest", "3"]
-STUDY = ["study", "transfer", "--games", "1v1Restricted", "--seeds", "1", "--representations", "features"]
-STUDIED = [*FOOTBALL[1:], "--episodes", "2", "--grf-episodes", "2", "--processes", "1"]
+STUDY = ["study", "single", "--games", "offense/easy_crossing", "--seeds", "1"]
+STUDIED = [*FOOTBALL[1:], "--episodes", "2", "--processes", "1"]
 
 
 @dataclass(frozen=True)

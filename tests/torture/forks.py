@@ -182,7 +182,7 @@ def prepare(folder: Path) -> None:
 
     for name in ("h5py", "minari", "rerun"):
         importlib.import_module(name)
-    for name in (*COMMANDS, "study_benchmark", "study_transfer"):
+    for name in (*COMMANDS, "study_benchmark"):
         importlib.import_module(f"regista.experiments.commands.{name}")
     workers.subprocess = SimpleNamespace(Popen=Forked)  # type: ignore[assignment]
     workers.POLL_SECONDS = 0.02

@@ -27,7 +27,7 @@ COMMANDS = {
     "probe": ["probe", "--methods", "dr", "--seeds", "1"],
     **{
         name: ["study", name, "--games", "grf/empty_goal", "--seeds", "1"]
-        for name in ("single", "generalisation", "multi", "transfer")  # demonstrations are played before
+        for name in ("single", "generalisation", "multi")  # demonstrations are played before
     },
 }
 MANY = {"--seeds", "--publish"}  # as many runs as one says are listed, each with its folder; the repository's own page
