@@ -1,47 +1,106 @@
-"""Whole episodes: how often scripted policies, and the built-in players, score on the academy scenes.
+"""Whole episodes: how often scripted policies, and the built-in players, score on jittered academy scenes.
 
-Read next: `grf.matches`, eleven against eleven.
+Every player of a scene, and with its carrier the ball, is up to JITTER m from the academy's place in x and in y. Both
+engines play the same drawn scenes. Read next: `grf.players`, whole matches.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from regista.envs.football.constants import BUILTIN_AI, OUT_OF_PLAY, RUNNING, STAND
-from regista.envs.football.simulator import step_everybody, step_matches
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.experiments.grf.drawn_scenes import program_text
+from regista.experiments.grf.episodes import ENDINGS, Episodes, play
 from regista.experiments.grf.figures import Panel, draw_panels
-from regista.experiments.grf.policies import Policy, policy_named
+from regista.experiments.grf.policies import policy_named
 from regista.experiments.grf.report import read_data
 from regista.experiments.grf.rows import Row, by_distance
-from regista.experiments.grf.scenes import ACADEMY, SCENES, stage_scene
+from regista.experiments.grf.scenes import SCENES
+from regista.experiments.run.evaluator import ENVIRONMENTS
+from ued.level_space import level_dtype
 
-TITLE = "academy scenes"
+TITLE = "jittered academy scenes"
 REQUIRED = 0.8  # share of the rows that should be within tolerance
 TOLERANCE = 0.12
-EPISODES = 400
-LAZY_EPISODES = 60  # of 3000 steps
+JITTER = 2.0  # m, at most, of each player in x and in y
+DRAWN = 200  # scenes of each row, the same for all of its policies
+EPISODES = 2 * DRAWN  # at effort 1, in our simulator
+GRF_EPISODES = DRAWN
+SEED = 40_000
+OURS = FootballConfig("features", control="active")
+BUILT_IN = "builtin_ai"  # the built-in AI has the agent's player as well
+ROWS = (
+    ("empty_goal_close", "always_shot"),
+    ("empty_goal", "always_shot"),
+    ("run_to_score", "run_right_nosprint_shot_0.80"),
+    ("run_to_score_with_keeper", "builtin_ai"),
+    ("run_to_score_with_keeper", "sprint_right_hold_only"),
+    ("run_to_score_with_keeper", "sprint_right_shot_0.70"),
+    ("pass_and_shoot_with_keeper", "builtin_ai"),
+    ("pass_and_shoot_with_keeper", "run_to_goal_aimed_shot_0.75"),
+    ("pass_and_shoot_with_keeper", "short_pass_bottom_then_aimed_shot_press1"),
+    ("pass_and_shoot_with_keeper", "short_pass_nodir_then_shotcycle"),
+    ("run_pass_and_shoot_with_keeper", "run_to_goal_aimed_shot_0.85"),
+    ("run_pass_and_shoot_with_keeper", "short_pass_bottom_then_shotcycle"),
+    ("3_vs_1_with_keeper", "builtin_ai"),
+    ("3_vs_1_with_keeper", "aimed_shot_now_press1"),
+    ("3_vs_1_with_keeper", "short_pass_bottom_right_run_0.80_aimed_shot"),
+    ("3_vs_1_with_keeper", "short_pass_bottom_right_then_aimed_shot"),
+    ("3_vs_1_with_keeper", "sprint_right_aimed_shot_0.75"),
+    ("3_vs_1_with_keeper", "sprint_right_shot_0.75"),
+)
 
 
-@dataclass(frozen=True)
-class Outcomes:
-    """How N episodes ended."""
+def play_policy(scene: str, policy: str, count: int, config: FootballConfig = OURS) -> Episodes:
+    """Play so many episodes of a policy on a scene's drawn levels, in the engine of a configuration."""
+    text = program_text(SCENES[scene], JITTER)
+    with closing(FootballVectorEnv(text, min(count, ENVIRONMENTS[config.engine]), config=config)) as env:
+        levels = drawn_levels(env, count)
+        if policy == BUILT_IN:
+            env.reset(seed=SEED)
+            with closing(env.with_scripted_policy()) as script:
+                return play(script, lambda _, step: np.zeros(env.num_envs, np.int64), levels)
+        keys = policy_named(policy)
 
-    scored: np.ndarray  # [N] bool, by the left team
-    length: np.ndarray  # [N], steps
-    ended: np.ndarray  # [N], as in `constants.RUNNING` ..
-    mode: np.ndarray  # [N], game mode at the end
+        def choose(observation: Any, step: int) -> np.ndarray:
+            if step == 0:
+                keys.begin(env.num_envs)
+            return keys(env.matches, step)
+
+        return play(env, choose, levels)
+
+
+def drawn_levels(env: FootballVectorEnv, count: int) -> np.ndarray:
+    """Return so many levels: each of the DRAWN scenes once, then again, with other luck."""
+    levels = np.zeros(count, level_dtype(env.theta_dim))
+    theta = np.random.default_rng(SEED).uniform(-1.0, 1.0, (DRAWN, env.theta_dim))
+    levels["theta"] = np.resize(theta, (count, env.theta_dim))
+    levels["seed"] = np.arange(SEED, SEED + count)
+    return levels
+
+
+def numbers(episodes: Episodes) -> dict[str, Any]:
+    """Return what is stored of a row's episodes: their number, how many ended how, and the median length in steps."""
+    endings = episodes.endings()
+    ended = {word.replace(" ", "_"): int((endings == word).sum()) for word in ENDINGS[1:5]}
+    length = float(np.median(episodes.lengths))
+    return {"episodes": len(episodes), "goals": int(episodes.scored.sum()), **ended, "median_length": length}
 
 
 def measure(effort: float = 1.0) -> list[Row]:
     """Compare the goal rates; `effort` below 1 plays fewer episodes."""
+    count = max(round(EPISODES * effort), 4)
     return [
         by_distance(
             "academy",
             f"{target['scene']} {target['policy']}",
-            float(play_policy(target["scene"], target["policy"], effort).scored.mean()),
+            float(play_policy(target["scene"], target["policy"], count).scored.mean()),
             int(target["goals"]) / int(target["episodes"]),
             "goal rate",
             TOLERANCE,
@@ -50,79 +109,37 @@ def measure(effort: float = 1.0) -> list[Row]:
     ]
 
 
-def play_policy(scene: str, policy: str, effort: float = 1.0) -> Outcomes:
-    """Play episodes of a scene by a policy, `builtin_ai` for the built-in players."""
-    episodes = LAZY_EPISODES if SCENES[scene].lazy else EPISODES
-    n = max(round(episodes * effort), 4)
-    if policy == "builtin_ai":
-        return play_built_in(scene, n)
-    if SCENES[scene].lazy:
-        return play_against_lazy(scene, policy_named(policy), n)
-    matches, keys = stage_scene(scene, ACADEMY, n).matches, policy_named(policy)
-    keys.begin(n, 0)
-    step = 0
-    while (matches["ended"] == RUNNING).any():
-        step_matches(matches, keys(matches, step)[:, None])
-        step += 1
-    return outcomes(matches)
-
-
-def play_built_in(scene: str, n: int) -> Outcomes:
-    """Play episodes in which the built-in players have both teams, or only the left one against lazy players."""
-    stage = stage_scene(scene, replace(ACADEMY, control="none"), n)
-    teams = stage.matches["players"]["team"][:, : stage.num_players]
-    actions = np.where((teams == 1) & SCENES[scene].lazy, STAND, BUILTIN_AI)
-    while (stage.matches["ended"] == RUNNING).any():
-        step_everybody(stage.matches, actions)
-    return outcomes(stage.matches)
-
-
-def play_against_lazy(scene: str, policy: Policy, n: int) -> Outcomes:
-    """Play episodes by a policy whose mates are built-in players, against players who stand still."""
-    stage = stage_scene(scene, ACADEMY, n)
-    teams = stage.matches["players"]["team"][:, : stage.num_players]
-    policy.begin(n, 0)
-    step = 0
-    while (stage.matches["ended"] == RUNNING).any():
-        actions = np.where(teams == 1, STAND, BUILTIN_AI)
-        actions[np.arange(n), stage.matches["agents"][:, 0]] = policy(stage.matches, step)
-        step_everybody(stage.matches, actions)
-        step += 1
-    return outcomes(stage.matches)
-
-
-def outcomes(matches: np.ndarray) -> Outcomes:
-    """Read how episodes ended from their records."""
-    length, ended, mode = (matches[name].copy() for name in ("step", "ended", "game_mode"))
-    return Outcomes(matches["score"][:, 0] > 0, length, ended, mode)
-
-
-def ends(outcomes: Outcomes) -> dict[str, int]:
-    """Count what ended episodes, by the original's words."""
-    words = {1: "score", 3: "possession", 4: "time"}
-    names = [
-        f"out_{mode}" if end == OUT_OF_PLAY else words[int(end)]
-        for end, mode in zip(outcomes.ended, outcomes.mode, strict=True)
-    ]
-    return {name: names.count(name) for name in sorted(set(names), key=names.count, reverse=True)}
-
-
 def figure(path: Path, effort: float = 1.0) -> None:
-    """Draw goal rates and median lengths of all policies, in the order of the table."""
-    targets = read_data("academy")
-    outcomes = [play_policy(target["scene"], target["policy"], effort) for target in targets]
+    """Draw goal rates and median lengths of all rows, in the order of the table."""
+    targets, count = read_data("academy"), max(round(EPISODES * effort), 4)
+    played = [numbers(play_policy(target["scene"], target["policy"], count)) for target in targets]
     order = np.arange(len(targets))
-    rates = [int(target["goals"]) / int(target["episodes"]) for target in targets]
-    lengths = [float(target["median_length"]) for target in targets]
-    panels = [
-        Panel("goal rate", (order, rates), (order, [one.scored.mean() for one in outcomes]), "row", "", points=True),
-        Panel(
-            "median length",
-            (order, lengths),
-            (order, [np.median(one.length) for one in outcomes]),
-            "row",
-            "steps",
-            points=True,
-        ),
-    ]
+    panels = []
+    for title, unit, of in (
+        ("goal rate", "", lambda row: int(row["goals"]) / int(row["episodes"])),
+        ("median length", "steps", lambda row: float(row["median_length"])),
+    ):
+        theirs, ours = ([of(row) for row in rows] for rows in (targets, played))
+        panels.append(Panel(title, (order, theirs), (order, ours), "row", unit, points=True))
     draw_panels(path, TITLE, panels)
+
+
+def measure_both(other: FootballConfig, count: int, told: Callable[[int], None]) -> list[dict[str, Any]]:
+    """Play all ROWS in both engines, `count` episodes in the other one; return them as `data/academy.csv` has them."""
+    rows: list[dict[str, Any]] = []
+    for scene, policy in ROWS:
+        ours = numbers(play_policy(scene, policy, count * EPISODES // GRF_EPISODES))
+        grf = numbers(play_policy(scene, policy, count, other))
+        rows.append({"scene": scene, "policy": policy, **grf, **{f"ours_{what}": ours[what] for what in ours}})
+        told(len(rows))
+    return rows
+
+
+def table(rows: Sequence[dict[str, Any]]) -> list[list[str]]:
+    """Return a line for each row, ours and the original's side by side."""
+    lines = [["scene", "policy", "goals, ours", "goals, grf", "length, ours", "length, grf"]]
+    for row in rows:
+        sides = ("ours_", "")
+        goals = [f"{row[f'{side}goals']} of {row[f'{side}episodes']}" for side in sides]
+        lines.append([row["scene"], row["policy"], *goals, *(f"{row[f'{side}median_length']:g}" for side in sides)])
+    return lines

@@ -5,6 +5,7 @@ Read next: `grf.differential`, which plays them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,7 @@ from regista.envs.football.constants import (
 )
 from regista.envs.football.scenic.lineup import ROLES
 from regista.experiments.grf.scenes import KEEPER, STRETCH, Players, Scene
+from regista.experiments.grf.stage import METRES_X, METRES_Y
 
 STEPS = 60
 SIDES = (3, 6, 11)  # players of a team at most: one of these, drawn as often as the others
@@ -79,25 +81,51 @@ def _numbers(name: str) -> list[int]:
     return [int(seed), int(number)]
 
 
-def program_text(scene: Scene, **settings: float) -> str:
+def program_text(scene: Scene, jitter: float = 0.0, **settings: float) -> str:
     """Return a scene as a Scenic program: everybody where the engine puts him, keepers on their lines.
 
-    Its episodes have as many steps as the original's, one more than its `game_duration` says, and end as an academy's
-    do, where `settings` of a match say nothing else.
+    With a `jitter`, in m, every player stands up to so far from his place in x and in y, each drawn anew for every
+    level; the ball moves with the left player nearest to it. Its episodes have as many steps as the original's, one
+    more than its `game_duration` says, and end as an academy's do, where `settings` of a match say nothing else.
     """
     usual = {"game_duration": scene.duration + 1, "offsides": False} | {
         f"end_episode_on_{what}": True for what in ("score", "out_of_play", "possession_change")
     }
     lines = [f"param {setting} = {value}" for setting, value in (usual | settings).items()]
+    places = [_spot(x, y, 1) for _, x, y in scene.left] + [_spot(x, y, -1) for _, x, y in scene.right]
+    lines += [f"place{number} = {_spelled(spot, jitter)}" for number, spot in enumerate(places)]
     things = []
-    for team, side, players in (("Left", 1, scene.left), ("Right", -1, scene.right)):
-        for role, x, y in players:
-            x, y = 100 * side * x * STRETCH[0], 100 * side * -y * STRETCH[1]
-            free = "with allowCollisions True, with regionContainedIn everywhere"
-            things.append(f"{team}{list(ROLES)[role]} at {x:.12g} @ {y:.12g}, {free}")
-    x, y = scene.ball
-    things.append(f"Ball at {100 * x:.12g} @ {-100 * y:.12g}, with allowCollisions True")
+    for number, (role, _, _) in enumerate((*scene.left, *scene.right)):
+        team = "Left" if number < len(scene.left) else "Right"
+        free = "with allowCollisions True, with regionContainedIn everywhere"
+        things.append(f"{team}{list(ROLES)[role]} at place{number}, {free}")
+    ball = (100 * scene.ball[0], -100 * scene.ball[1])
+    things.append(f"Ball at {_ball(ball, places[: len(scene.left)], jitter)}, with allowCollisions True")
     return "\n".join([*lines, "ego = " + things[0], *things[1:], ""])
+
+
+def _spot(x: float, y: float, side: int) -> tuple[float, float]:
+    """Return a player's place in the units of a program; `side` is -1 for the right team."""
+    return 100 * side * x * STRETCH[0], 100 * side * -y * STRETCH[1]
+
+
+def _spelled(spot: tuple[float, float], jitter: float) -> str:
+    """Return a place as the program has it, drawn where there is a jitter."""
+    axes = [
+        f"Range({middle - off:.12g}, {middle + off:.12g})" if jitter else f"{middle:.12g}"
+        for middle, off in zip(spot, (100 * jitter / METRES_X, 100 * jitter / METRES_Y), strict=True)
+    ]
+    return " @ ".join(axes)
+
+
+def _ball(ball: tuple[float, float], left: Sequence[tuple[float, float]], jitter: float) -> str:
+    """Return the place of the ball, with a jitter as far from the nearest of the left players as in the scene."""
+    if not jitter:
+        return _spelled(ball, 0.0)
+    far = [np.hypot((x - ball[0]) * METRES_X, (y - ball[1]) * METRES_Y) for x, y in left]
+    carrier = int(np.argmin(far))
+    x, y = left[carrier]
+    return f"place{carrier} offset by ({_spelled((ball[0] - x, ball[1] - y), 0.0)})"
 
 
 def _team(rng: np.random.Generator, x: float, spread: tuple[float, float], there: int) -> Players:

@@ -1,5 +1,6 @@
 """What is measured in both engines at once, family by family: `regista benchmark --suite grf --measure`.
 
+    academy         goals of scripted policies on jittered academy scenes; its rows are those of data/academy.csv
     differential    drawn scenes under drawn keys, and how far apart they come to be
     experts         what semi-expert programs score, beside what is published of them
     goals           where the goals of trained runs come from
@@ -38,6 +39,16 @@ class MeasureConfig(Checked):
 
 
 Measured = tuple[str, Any]  # for a terminal, and as JSON can hold it
+
+
+def academy(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
+    """Play scripted policies on jittered academy scenes in both engines; tell their goals."""
+    from regista.experiments.grf import academy as scenes
+
+    other = config.playing.instead_of(replace(scenes.OURS, engine="grf"))
+    progress = Progress(len(scenes.ROWS), stream=sys.stderr)
+    rows = scenes.measure_both(other, max(round(scenes.GRF_EPISODES * effort), 1), progress.show)
+    return align(scenes.table(rows)), {"academy": rows}
 
 
 def differential(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
@@ -105,6 +116,7 @@ def players(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
 
 
 MEASURES: dict[str, Callable[[MeasureConfig, float, Path | None], Measured]] = {
+    "academy": academy,
     "differential": differential,
     "experts": experts,
     "goals": goals,

@@ -16,12 +16,9 @@ from regista.envs.football.constants import (
     DIRECTION_BOTTOM,
     DIRECTION_BOTTOM_RIGHT,
     DIRECTION_RIGHT,
-    DIRECTION_TOP_RIGHT,
     IDLE,
     LEFT,
-    LONG_PASS,
     NOBODY,
-    NUM_ACTIONS,
     SHORT_PASS,
     SHOT,
     SPRINT,
@@ -34,11 +31,9 @@ CYCLE = 8  # steps of a cycle that ends in waiting
 DIRECTIONS = {
     "bottom": DIRECTION_BOTTOM,
     "bottom_right": DIRECTION_BOTTOM_RIGHT,
-    "top_right": DIRECTION_TOP_RIGHT,
     "nodir": IDLE,
 }
-PASSES = {"short": SHORT_PASS, "long": LONG_PASS}
-PASS = re.compile(r"(short|long)_pass_(bottom_right|top_right|bottom|nodir)_(?:then_(.*)|run_([\d.]+)_(.*))")
+PASS = re.compile(r"short_pass_(bottom_right|bottom|nodir)_(?:then_(.*)|run_([\d.]+)_(.*))")
 RUN = re.compile(r"(sprint_right|run_right_nosprint|run_to_goal)_(aimed_)?shot_[\d.]+")
 
 
@@ -46,7 +41,7 @@ RUN = re.compile(r"(sprint_right|run_right_nosprint|run_to_goal)_(aimed_)?shot_[
 class Policy:
     """What is pressed: see the module; `run_to` is in the original's units, `finish` the keys at the end.
 
-    `random` needs nothing else and draws every key.
+    The matches that it sees are records of either engine.
     """
 
     opening: tuple[int, ...] = ()
@@ -55,11 +50,10 @@ class Policy:
     sprints: bool = True
     to_goal: bool = False
     must_own: bool = False
-    finish: str = "idle"
+    finish: str = "always"
 
-    def begin(self, n: int, seed: int) -> None:
+    def begin(self, n: int) -> None:
         """Forget all for n new matches."""
-        self.rng = np.random.default_rng(seed)
         self.clock = np.zeros(n, int)
         self.running = np.full(n, not self.waits)
         self.run_clock = np.zeros(n, int)
@@ -98,16 +92,11 @@ class Policy:
 
     def _finish(self, me: np.ndarray) -> np.ndarray:
         phase = self.clock % CYCLE
-        if self.finish == "random":
-            return self.rng.integers(0, NUM_ACTIONS, len(me))
         if self.finish == "always":
             return np.full(len(me), SHOT)
         if self.finish == "shotcycle":
             return np.choose(np.minimum(phase, 2), (DIRECTION_RIGHT, SHOT, IDLE))
-        if self.finish.startswith("aimed"):
-            presses = int(self.finish[-1])
-            return np.where(phase == 0, towards_goal(me), np.where(phase <= presses, SHOT, IDLE))
-        return np.full(len(me), DIRECTION_RIGHT if self.finish == "right" else IDLE)
+        return np.where(phase == 0, towards_goal(me), np.where(phase == 1, SHOT, IDLE))  # aimed
 
 
 def towards_goal(me: np.ndarray) -> np.ndarray:
@@ -119,20 +108,17 @@ def towards_goal(me: np.ndarray) -> np.ndarray:
 def policy_named(name: str) -> Policy:
     """Return the policy that was measured under this name. Raises ValueError if there is none."""
     simple = {
-        "idle": Policy(),
-        "random": Policy(finish="random"),
-        "always_shot": Policy(finish="always"),
-        "aimed_shot_now_press1": Policy(finish="aimed1"),
-        "aimed_shot_now_press4": Policy(finish="aimed4"),
-        "sprint_right_only": Policy(run_to=np.inf),
+        "always_shot": Policy(),
+        "aimed_shot_now_press1": Policy(finish="aimed"),
         "sprint_right_hold_only": Policy(run_to=np.inf),
     }
     if name in simple:
         return simple[name]
     if match := PASS.fullmatch(name):
-        kind, way, then, to, run_then = match.groups()
+        way, then, to, run_then = match.groups()
         run_to = float(to) if to else -np.inf
-        return Policy((DIRECTIONS[way], PASSES[kind]), True, run_to, must_own=bool(to), finish=_spell(then or run_then))
+        finish = "shotcycle" if (then or run_then) == "shotcycle" else "aimed"
+        return Policy((DIRECTIONS[way], SHORT_PASS), True, run_to, must_own=bool(to), finish=finish)
     if match := RUN.fullmatch(name):
         aimed, to_goal = "aimed" in name, name.startswith("run_to_goal")
         return Policy(
@@ -140,12 +126,6 @@ def policy_named(name: str) -> Policy:
             sprints="nosprint" not in name,
             to_goal=to_goal,
             must_own=aimed,
-            finish="aimed1" if aimed else "always",
+            finish="aimed" if aimed else "always",
         )
     raise ValueError(f"no policy is called {name!r}")
-
-
-def _spell(finish: str) -> str:
-    if finish.startswith("ALWAYS"):
-        return "always"
-    return "shotcycle" if finish == "shotcycle" else "aimed1"

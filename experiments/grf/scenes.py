@@ -21,7 +21,6 @@ Players = tuple[tuple[int, float, float], ...]  # role, x, y
 KEEPER = (GK, -1.0, 0.0)
 FAR_KEEPER = (GK, 1.0, 0.0)  # on the wrong goal line: an empty goal
 STRETCH = (55.0 / 54.4, 36.0 * 2.36 / 83.6)  # of players' places, as the engine does; the ball stays
-ACADEMY = MatchConfig(control="active")
 
 BACKS = ((LB, -0.422, -0.19576), (CB, -0.5, -0.06356), (CB, -0.5, 0.063559), (RB, -0.422, 0.19576))
 MIDDLE = ((CM, -0.184212, -0.10568), (CM, -0.267574, 0.0), (CM, -0.184212, 0.10568))
@@ -31,12 +30,11 @@ WAITING = (KEEPER, (RM, -0.05, 0.0), (CF, -0.01, 0.216102), *BACKS, *MIDDLE, (LM
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene: both teams, the ball, and whether the right team's players stand still for ever."""
+    """One scene: both teams, the ball, and how many steps an episode has."""
 
     left: Players
     right: Players
     ball: tuple[float, float]
-    lazy: bool = False
     duration: int = 400
 
 
@@ -68,7 +66,6 @@ SCENES = {
         (KEEPER, (CM, 0.6, 0.0), (CM, 0.7, 0.2), (CM, 0.7, -0.2)), (KEEPER, (CB, -0.75, 0.0)), (0.62, 0.0)
     ),
     "counterattack_easy": Scene(COUNTER_LEFT, COUNTER_RIGHT, (0.26, -0.11)),
-    "single_goal_versus_lazy": Scene(KICKING_OFF, WAITING, (-0.48, -0.06356), lazy=True, duration=3000),
     "11_vs_11": Scene(KICKING_OFF, WAITING, (0.0, 0.0), duration=3000),
 }
 
