@@ -1,4 +1,4 @@
-"""How often does a lone built-in back take the ball off a carrier who sprints or runs straight at goal, in both engines?
+"""How often does a lone back take the ball off a carrier who sprints or runs straight at goal, in both engines?
 
 The carrier starts just behind a resting ball; the back stands 3 to 10 m before him and up to 3 m aside, drawn anew
 for every episode. Both engines play the same scenes, with luck of their own. The odds of a built-in player's standing
