@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from regista.envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, STEP
+from regista.envs.football.constants import GK, KICK_PATIENCE, NOBODY, NORMAL, SHOT, STEP
 from regista.envs.football.physics.bodies import advance_players
 from regista.envs.football.physics.possession import ball_speed, forget_kick
 from regista.envs.football.physics.vectors import apart, length, toward
@@ -43,6 +43,11 @@ class Trap(NamedTuple):
     sudden_speed: float = 22.0  # m/s, at least
     first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m
+    volley_below: float = 0.55  # m, height of a ball below which a shot is struck as it comes; higher it is stopped,
+    volley_above: float = 1.4  # m, up to here, where it is headed,
+    volley: float = 0.15  # but for this share
+    volley_run: float = 3.3  # m/s, the swing slows a runner to this
+    settles: float = 0.25  # s in which a ball that is stopped for a shot drops, before the leg swings
 
 
 class MatesBall(NamedTuple):
@@ -230,12 +235,34 @@ def challenge(match, i, distance):
 def trap(match, i):
     """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
     player = match.players[i]
-    if player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from:
+    asks = player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from
+    stops = asks and stops_to_shoot(match, player)
+    if asks and not stops:
+        if player.kick == SHOT:
+            slow_to_volley(player)
         kick_first_time(match, i, 1.0)
         return
     cushion(match, i)
+    if stops and match.carrier == i:
+        match.ball.vz = min(match.ball.vz, 0.0)
+        player.brings_down, player.stance_wait = True, TRAP.settles
     if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
         foresee(match, player.team)
+
+
+@kernel
+def stops_to_shoot(match, player):
+    """Draw whether who has asked for a shot stops the ball first: too high for the foot, too low for the head."""
+    if player.kick != SHOT or not TRAP.volley_below < match.ball.z < TRAP.volley_above:
+        return False
+    return uniform(match) >= TRAP.volley
+
+
+@kernel
+def slow_to_volley(player):
+    """Slow a runner down to the pace at which he shoots a ball as it comes."""
+    share = min(TRAP.volley_run / (length(player.vx, player.vy) + 1e-9), 1.0)
+    player.vx, player.vy = share * player.vx, share * player.vy
 
 
 @kernel

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from regista.envs.football.constants import NOBODY
 from regista.envs.football.physics.bodies import PUSH
 from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.vectors import length
@@ -80,6 +81,7 @@ class Curl(NamedTuple):
 
     bend: float = 0.5  # share of the angle between body and shot, by which the shot starts off towards the body
     twist: float = 0.18 * math.pi  # rad, the body has turned with the leg to be no further off
+    twist_volley: float = 0.36 * math.pi  # rad, the same of who strikes the ball as it comes
     slow: float = 0.4  # share of that for a slow shot
     fast: float = 0.6  # more for the fastest:
     fastest: float = 70.0  # m/s
@@ -149,7 +151,7 @@ def strike(match, player, ux, uy, power):
     meant = force * (1.0 - bad) / math.sqrt(1.0 + BAD.height_meant * BAD.height_meant)
     ball.vx, ball.vy = meant * ux + weak * sx, meant * uy + weak * sy
     ball.vz = meant * BAD.height_meant + weak * sz
-    amount = bend(ball, player, CURL.twist, 1.0)
+    amount = bend(ball, player, CURL.twist_volley if match.carrier == NOBODY else CURL.twist, 1.0)
     ball.curl = CURL.taken * (CURL.per_bend * amount + CURL.spread * (2.0 * uniform(match) - 1.0))
     spin_back(match, CURL.spin_spread + CURL.spin_bad * bad)
 

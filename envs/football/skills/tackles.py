@@ -33,9 +33,9 @@ class Tackle(NamedTuple):
     built_in: float = 0.94  # of a built-in player,
     built_in_hurried: float = 0.225  # less per m/s of the carrier,
     built_in_far: float = 1.7  # more per m of the ball from the carrier's body,
-    built_in_most: float = 0.95  # but at most:
-    built_in_least: float = 0.45  # of that the least skilful have so much,
-    built_in_skill: float = 0.75  # and the more skilful more
+    built_in_most: float = 0.9  # but at most:
+    built_in_least: float = 0.6  # of that the least skilful have so much,
+    built_in_skill: float = 0.55  # and the more skilful more, but not more than all
     beside: float = 0.35  # cosine of straight ahead of who runs, from where on a built-in player tries
     behind: float = 0.3  # share of the chance that is left from behind
     behind_cosine: float = -0.3  # of straight ahead of the carrier: behind him
@@ -143,7 +143,7 @@ def chance_of_built_in(match, player, carrier, speed):
     It is the better the further that one has played the ball ahead.
     """
     chance = TACKLE.built_in - TACKLE.built_in_hurried * speed + TACKLE.built_in_far * apart(match.ball, carrier)
-    return min(chance, TACKLE.built_in_most) * (TACKLE.built_in_least + TACKLE.built_in_skill * player.skill)
+    return min(chance, TACKLE.built_in_most) * min(TACKLE.built_in_least + TACKLE.built_in_skill * player.skill, 1.0)
 
 
 @kernel
