@@ -32,7 +32,7 @@ GAMES = (  # the cheapest first
     "academy/counterattack_easy",
 )
 STEPS = 5_000_000
-SEEDS = range(310, 315)  # used for nothing else
+SEEDS = range(410, 415)  # used for nothing else
 
 
 def units(games: Sequence[str], seeds: int, budget: int) -> Iterator[Unit]:

@@ -56,9 +56,9 @@ DEFENSES = ("2vs2", "2vs2_counterattack", "2vs2_high_pass", "3vs3_cross_from_sid
 DEFENSE_STEPS = 5_000_000
 CONVERSE = ("academy/run_to_score", "academy/3_vs_1_with_keeper")
 CONVERSE_STEPS = 300_000
-SEEDS = range(300, 305)  # used for nothing else
-SCENES, SCENES_SEED, CHUNK = 200, 30_301, 10
-EXPERTS_SEED = 300
+SEEDS = range(400, 405)  # used for nothing else
+SCENES, SCENES_SEED, CHUNK = 200, 40_401, 10
+EXPERTS_SEED = 400
 GRF = EngineConfig(engine="grf", grf_workers=1)  # each process of ours has one that holds engines
 
 
