@@ -12,7 +12,7 @@ What processors do to it. Kernels are compiled without fast-math, so that LLVM n
 plus, times, division and square roots are the same everywhere. Compiled for a processor without AVX and FMA
 (`NUMBA_CPU_NAME=generic`), and not compiled at all, all rows come out the same, bit for bit. What differs is the
 mathematical library: glibc 2.36 without FMA (`GLIBC_TUNABLES`) gives another last bit for less than 0.1% of sines,
-cosines, exponentials, logarithms, arc functions and powers. That changes 4 of the rows, by at most 1e-13 m, until one
+cosines, exponentials, logarithms, arc functions and powers. That changes 3 of the rows, by at most 1e-13 m, until one
 of them meets a decision that is nearly a tie: from there on it is another match.
 
 So a row is compared only as far as nothing in it is near a threshold, by what `lab/record_football.py` has found: eight
