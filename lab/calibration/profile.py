@@ -72,14 +72,20 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("--effort", type=float, default=1.0)
     parser.add_argument("--csv", type=Path, help="file to write the profiles to")
     typed = parser.parse_args(argv)
-    os.environ["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(prefix="regista-knobs-")
+    with tempfile.TemporaryDirectory(prefix="regista-knobs-") as folder:
+        os.environ["NUMBA_CACHE_DIR"] = folder
+        run(typed)
+    return 0
+
+
+def run(typed: argparse.Namespace) -> None:
+    """Install the knobs that are asked for, and profile them."""
     from lab.calibration.groups import group
     from lab.calibration.knobs import install, parse
 
     chosen = [parse(text) for text in [*typed.knobs, *(group(typed.group) if typed.group else [])]]
     install(chosen)
     print_profiles(typed.family, chosen, typed.effort, typed.csv)
-    return 0
 
 
 def print_profiles(family: str, chosen: Sequence, effort: float, path: Path | None) -> None:

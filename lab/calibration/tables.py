@@ -9,7 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from lab.calibration import blocks, curls, hands, saves, shots_at_keeper, touches
+from lab.calibration import blocks, claims, curls, hands, saves, shots_at_keeper, stumbles, touches
+from regista.envs.football.skills.contacts import CLAIM, FEET
 from regista.envs.football.skills.first_touch import AT_REST, BRING_DOWN
 from regista.envs.football.skills.hands import HOLD, PARRY
 from regista.envs.football.skills.passes import FLIGHT
@@ -43,6 +44,8 @@ MEASURES = {
     "balls_at_rest": Measurement(touches.balls_at_rest, 2400),
     "passes_received": Measurement(touches.passes_received, 1200),
     "passes_kicked": Measurement(curls.passes_kicked, 1200),
+    "runs_at_keeper": Measurement(claims.measure, 1600),
+    "pairs_in_one_place": Measurement(stumbles.measure, 128),
 }
 HELD = ("fits", "surely")
 TABLES = {
@@ -107,5 +110,32 @@ TABLES = {
         curls.losses,
         curls.summary,
         least=-1e9,
+    ),
+    "claims": Table(
+        "skills/contacts.py CLAIM",
+        "runs_at_keeper",
+        CLAIM,
+        ("sure", "hurried"),
+        claims.prepare_box,
+        claims.claim_losses,
+        claims.claim_summary,
+    ),
+    "feet": Table(
+        "skills/contacts.py FEET",
+        "runs_at_keeper",
+        FEET,
+        ("chance", "swerve"),
+        claims.prepare_outside,
+        claims.feet_losses,
+        claims.feet_summary,
+    ),
+    "stumbles": Table(
+        "physics/bodies.py STUMBLE_SPEED, STEPS_ASIDE",
+        "pairs_in_one_place",
+        stumbles.Stumble(),
+        ("speed", "aside"),
+        stumbles.prepare,
+        stumbles.losses,
+        stumbles.summary,
     ),
 }
