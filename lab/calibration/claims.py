@@ -1,7 +1,7 @@
 """A carrier runs at a lone keeper, drawn and measured, and the fit of `CLAIM` and `FEET` (`skills/contacts.py`) to it.
 
-A row is the first time that the keeper is near the ball of a carrier who runs: how fast he runs, across whose reach, in
-the keeper's box or not, and whether the keeper soon has the ball or knocks it off. Read next: `__main__.py`.
+A row is the first time that the keeper is near the ball of a carrier who runs: how fast he runs, across whose reach,
+in the keeper's box or not, and whether the keeper soon has the ball or knocks it off. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -44,23 +44,34 @@ def measure(count: int, engine: str, seed: int) -> list[dict[str, Any]]:
 
 def meeting(recording: Recording, episode: int) -> dict[str, Any] | None:
     """Return the meeting of an episode, None where there is none that a running carrier begins."""
-    ball, length = recording.ball[episode], int(recording.lengths[episode])
-    keeper, owner = recording.players[episode, :, KEEPER], recording.owner[episode]
-    away = np.linalg.norm(ball[:length, :2] - keeper[:length, :2], axis=1)
-    step = int(np.argmax(away < NEAR))
-    before = recording.players[episode, step - 1, PLAYER, 2:]
-    speed = float(np.linalg.norm(before))
-    if step == 0 or owner[step - 1] != PLAYER or speed < STANDING:
+    step = first_meeting(recording, episode, KEEPER)
+    if step is None:
         return None
-    way = ball[step - 1, :2] - keeper[step - 1, :2]
-    swerve = abs(before[0] * way[1] - before[1] * way[0]) / (np.linalg.norm(way) + 1e-9)
-    later = slice(step - 1, step + SOON)
-    knocked = np.linalg.norm(np.diff(ball[later, 3:5], axis=0), axis=1) > KNOCKED
-    gone = owner[min(step + SOON, length - 1)] != PLAYER and not recording.scored[episode]
-    lost = bool(gone or knocked.any() or (owner[later] == KEEPER).any())
-    in_box = in_box_of(RIGHT, *keeper[step, :2])
-    numbers = (round(speed, 2), round(float(swerve), 2), int(in_box), int(lost))
+    run = recording.players[episode, step - 1, PLAYER, 2:]
+    keeper = recording.players[episode, :, KEEPER]
+    way = recording.ball[episode, step - 1, :2] - keeper[step - 1, :2]
+    swerve = abs(run[0] * way[1] - run[1] * way[0]) / (np.linalg.norm(way) + 1e-9)
+    in_box, lost = in_box_of(RIGHT, *keeper[step, :2]), is_lost(recording, episode, step, KEEPER)
+    numbers = (round(float(np.linalg.norm(run)), 2), round(float(swerve), 2), int(in_box), int(lost))
     return dict(zip(COLUMNS, numbers, strict=True))
+
+
+def first_meeting(recording: Recording, episode: int, other: int) -> int | None:
+    """Return the first step in which an opponent is near the ball of a carrier who runs, None if there is none."""
+    length = int(recording.lengths[episode])
+    away = recording.ball[episode, :length, :2] - recording.players[episode, :length, other, :2]
+    step = int(np.argmax(np.linalg.norm(away, axis=1) < NEAR))
+    speed = np.linalg.norm(recording.players[episode, step - 1, PLAYER, 2:])
+    return None if step == 0 or recording.owner[episode, step - 1] != PLAYER or speed < STANDING else step
+
+
+def is_lost(recording: Recording, episode: int, step: int, other: int) -> bool:
+    """Return whether that opponent soon has the ball or knocks it off, or the carrier has it no more."""
+    owner, length = recording.owner[episode], int(recording.lengths[episode])
+    later = slice(step - 1, step + SOON)
+    knocked = np.linalg.norm(np.diff(recording.ball[episode, later, 3:5], axis=0), axis=1) > KNOCKED
+    gone = owner[min(step + SOON, length - 1)] != PLAYER and not recording.scored[episode]
+    return bool(gone or knocked.any() or (owner[later] == other).any())
 
 
 def prepare_box(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:

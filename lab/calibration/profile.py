@@ -4,9 +4,11 @@ A family of `regista benchmark --suite grf` is replayed with one number at a tim
 shipped value; the loss is the mean over the family's rows of the squared difference in tolerances, at most 9 for a
 row. Printed are the best value, the range in which the loss is within a twentieth of the best, and the losses by
 factor. A number with a wide range is not told apart by the family. Random numbers are the same for all values.
+`--search` minimizes the same loss over all numbers together.
 
     python -m lab.calibration.profile passes skills.passes.FLIGHT.ground_cap skills.passes.FLIGHT.base
     python -m lab.calibration.profile motion:slide_rows,tired_rows --group slide --csv slide.csv
+    python -m lab.calibration.profile motion:slide_rows,tired_rows --group slide --search
 
 Groups are those of `groups.py`, families may be parts of them. A run compiles football once, for some minutes. Read
 next: `knobs.py`, `groups.py`.
@@ -19,12 +21,13 @@ import csv
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 FACTORS = (0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
+SEARCHED = (0.2, 0.05)  # by which a search moves numbers, at first and then
 MOST = 9.0  # squared tolerances that one row counts at most
 NEAR = 0.05  # share of the best loss by which as good values may be worse
 
@@ -36,18 +39,34 @@ def row_loss(difference: float, tolerance: float) -> float:
     return min((difference / max(tolerance, 0.01)) ** 2, MOST)
 
 
-def best_of(factors: Sequence[float], losses: Sequence[float]) -> tuple[float, float, float]:
+def best_of(factors: Sequence[float], losses: Sequence[float], near: float = NEAR) -> tuple[float, float, float]:
     """Return the factor of the least loss, the one nearest to 1 of equals, and the lowest and highest of the
-    connected ones that are nearly as good.
+    connected ones that are nearly as good: worse by a share `near` at most.
     """
     at = min(range(len(factors)), key=lambda k: (round(losses[k], 6), abs(factors[k] - 1.0)))
-    good = np.asarray(losses) <= losses[at] * (1.0 + NEAR) + 1e-12
+    good = np.asarray(losses) <= losses[at] * (1.0 + near) + 1e-12
     low = high = at
     while low > 0 and good[low - 1]:
         low -= 1
     while high < len(factors) - 1 and good[high + 1]:
         high += 1
     return factors[at], factors[low], factors[high]
+
+
+def coordinate_search(loss: Callable[[list[float]], float], start: Sequence[float]) -> tuple[list[float], float]:
+    """Minimize a loss from `start` on, one number at a time, by smaller and smaller factors; return numbers and loss."""
+    values, least = list(start), loss(list(start))
+    for step in SEARCHED:
+        moved = True
+        while moved:
+            moved = False
+            for k in range(len(values)):
+                for factor in (1.0 + step, 1.0 / (1.0 + step)):
+                    there = [*values[:k], factor * values[k], *values[k + 1 :]]
+                    if (now := loss(there)) < least - 1e-9:
+                        values, least, moved = there, now, True
+                        break
+    return values, least
 
 
 def family_loss(name: str, effort: float) -> float:
@@ -70,6 +89,7 @@ def main(argv: Sequence[str]) -> int:
     parser.add_argument("knobs", nargs="*", help="such as skills.saves.SAVE.body")
     parser.add_argument("--group", default="", help="of groups.py")
     parser.add_argument("--effort", type=float, default=1.0)
+    parser.add_argument("--search", action="store_true", help="fit the numbers together, by coordinate search")
     parser.add_argument("--csv", type=Path, help="file to write the profiles to")
     typed = parser.parse_args(argv)
     with tempfile.TemporaryDirectory(prefix="regista-knobs-") as folder:
@@ -85,7 +105,28 @@ def run(typed: argparse.Namespace) -> None:
 
     chosen = [parse(text) for text in [*typed.knobs, *(group(typed.group) if typed.group else [])]]
     install(chosen)
-    print_profiles(typed.family, chosen, typed.effort, typed.csv)
+    if typed.search:
+        print_search(typed.family, chosen, typed.effort)
+    else:
+        print_profiles(typed.family, chosen, typed.effort, typed.csv)
+
+
+def print_search(family: str, chosen: Sequence, effort: float) -> None:
+    """Fit all knobs together from the shipped values on; print them beside those."""
+    from lab.calibration.knobs import read, turn
+
+    shipped = [read(each) for each in chosen]
+
+    def loss(values: list[float]) -> float:
+        for each, value in zip(chosen, values, strict=True):
+            turn(each, value)
+        return family_loss(family, effort)
+
+    first = loss(shipped)
+    fitted, least = coordinate_search(loss, shipped)
+    print(f"family {family}: loss {first:.4f} as shipped, {least:.4f} fitted")
+    for each, was, now in zip(chosen, shipped, fitted, strict=True):
+        print(f"{each}: shipped {was:g}, fitted {now:.4g}")
 
 
 def print_profiles(family: str, chosen: Sequence, effort: float, path: Path | None) -> None:

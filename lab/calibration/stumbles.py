@@ -1,8 +1,8 @@
 """Two players put in one place, measured, and the fit of how they stumble apart (`physics/bodies.py`, `STUMBLE`).
 
 Two mates begin an episode in one place, far from the ball. A row is what they do in the first steps: how fast the one
-goes who stumbles further, and how far aside the other is. The time that it takes is told by the speeds that the summary
-prints, step by step. Read next: `__main__.py`.
+goes who stumbles further, and how far aside the other is. The time that it takes is told by the speeds that the
+summary prints, step by step. Read next: `__main__.py`.
 """
 
 from __future__ import annotations

@@ -9,11 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from lab.calibration import blocks, claims, curls, hands, saves, shots_at_keeper, stumbles, touches
+from lab.calibration import blocks, claims, curls, duels, hands, saves, shots_at_keeper, stumbles, touches
 from regista.envs.football.skills.contacts import CLAIM, FEET
 from regista.envs.football.skills.first_touch import AT_REST, BRING_DOWN
 from regista.envs.football.skills.hands import HOLD, PARRY
 from regista.envs.football.skills.passes import FLIGHT
+from regista.envs.football.skills.tackles import TACKLE
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ MEASURES = {
     "passes_received": Measurement(touches.passes_received, 1200),
     "passes_kicked": Measurement(curls.passes_kicked, 1200),
     "runs_at_keeper": Measurement(claims.measure, 1600),
+    "runs_at_back": Measurement(duels.measure, 1600),
     "pairs_in_one_place": Measurement(stumbles.measure, 128),
 }
 HELD = ("fits", "surely")
@@ -137,5 +139,14 @@ TABLES = {
         stumbles.prepare,
         stumbles.losses,
         stumbles.summary,
+    ),
+    "duels": Table(
+        "skills/tackles.py TACKLE",
+        "runs_at_back",
+        TACKLE,
+        ("built_in", "built_in_hurried", "built_in_far"),
+        duels.prepare,
+        duels.losses,
+        duels.summary,
     ),
 }

@@ -6,19 +6,21 @@ import numba
 import numpy as np
 import pytest
 
-from lab.calibration import blocks, curls, hands, knobs, saves, touches
+from lab.calibration import blocks, claims, curls, duels, hands, knobs, saves, touches
 from lab.calibration.__main__ import DATA, read, report
 from lab.calibration.groups import GROUPS, group, numbers
-from lab.calibration.profile import MOST, best_of, row_loss
+from lab.calibration.profile import MOST, best_of, coordinate_search, row_loss
 from lab.calibration.regression import bernoulli, binomial, fit, fit_fields, squares
 from lab.calibration.scenes import Recording, kick_time
+from lab.calibration.summary import PROFILES, lines, verdict
 from lab.calibration.tables import MEASURES, TABLES
 from lab.football_mutants import FOOTBALL
-from regista.envs.football.constants import CF, DIRECTION_RIGHT, GK, HALF_LENGTH, LEFT, RIGHT
+from regista.envs.football.constants import CB, CF, DIRECTION_RIGHT, GK, HALF_LENGTH, LEFT, RIGHT
 from regista.envs.football.kick_off import Roster
 from regista.envs.football.skills.first_touch import AT_REST, BRING_DOWN, bring_down, in_stride
 from regista.envs.football.skills.hands import HOLD, PARRY, ease_of_holding
 from regista.envs.football.skills.saves import SAVE, save_chance
+from regista.envs.football.skills.tackles import chance_of_built_in
 from regista.experiments.grf.stage import Stage
 
 RNG = np.random.default_rng(0)
@@ -150,6 +152,38 @@ def test_curls_are_recovered():
     assert found.values == pytest.approx([-250.0, 0.3], rel=0.05)
 
 
+def test_odds_of_keepers_and_backs_are_recovered():
+    seen = np.column_stack([RNG.uniform(1.5, 8.0, 8000), RNG.uniform(0.2, 1.2, 8000), np.zeros(8000)])
+    for law, changed, chances, name in (
+        (claims.CLAIM, {"sure": 1.7}, claims.claim_chances, "claims"),
+        (claims.FEET, {"chance": 0.8}, claims.feet_chances, "feet"),
+        (duels.TACKLE, {"built_in_far": 1.2}, duels.chances, "duels"),
+    ):
+        wanted = law._replace(**changed)
+        seen[:, 2] = RNG.random(len(seen)) < 0.02 + 0.96 * chances(wanted, seen)
+        losses = TABLES[name].losses
+        assert recovers(law, TABLES[name].names, lambda other, losses=losses: losses(seen, other), wanted)
+
+
+def test_odds_of_backs_are_the_simulators():
+    stage = Stage([(0.0, 0.0), (0.1, 0.0)], (0.0, 0.0), Roster([LEFT, RIGHT], [CF, CB]))
+    match = stage.matches[0]
+    match.players[1].skill, match.players[0].x, match.players[0].y, match.ball.y = SAVE.measured_skill, 0.0, 0.0, 0.0
+    for speed, far in ((2.0, 0.5), (5.0, 0.5), (7.0, 0.9)):
+        match.ball.x = far
+        chance = chance_of_built_in(match, match.players[1], match.players[0], speed)
+        assert duels.chances(duels.TACKLE, np.array([[speed, far, 0.0]]))[0] == pytest.approx(chance, abs=1e-9)
+
+
+def test_stumbles_are_recovered():
+    lies = np.arange(6)
+    seen = np.column_stack([np.tile(3.0 - 0.9 * lies, (50, 1)), np.full(50, 0.3)])
+    seen += RNG.normal(0.0, 0.01, seen.shape)
+    table = TABLES["stumbles"]
+    found = fit_fields(table.law, table.names, lambda law: table.losses(seen, law))
+    assert found.values == pytest.approx([3.0, 0.3], abs=0.02)
+
+
 def test_time_since_a_kick():
     ball = np.zeros((1, 2, 6))
     ball[0, 0, 3], ball[0, 1, 3:5] = 5.0, (25.0, 10.0)
@@ -206,6 +240,28 @@ def test_groups_name_numbers_of_the_simulator(name):
         value = knobs.in_source(each.module, each.name, each.field)
         assert (value[each.index] if each.index >= 0 else value) != 0.0
     assert numbers("skills.saves.SAVE.body") == ["skills.saves.SAVE.body"]
+
+
+def test_coordinate_search_finds_the_least():
+    wanted = (2.0, 0.5, -3.0)
+    values, least = coordinate_search(
+        lambda values: sum((value / best - 1.0) ** 2 for value, best in zip(values, wanted, strict=True)),
+        (1.0, 1.0, -1.0),
+    )
+    assert values == pytest.approx(wanted, rel=0.05) and least < 0.01
+
+
+def test_verdicts_on_shipped_values():
+    assert verdict([2.0, 1.5, 1.2, 1.0, 1.2, 1.5, 2.0], 0.05) == "best"
+    assert verdict([2.0, 1.5, 1.2, 1.04, 1.0, 1.5, 2.0], 0.05) == "near"
+    assert verdict([2.0, 1.5, 1.2, 1.1, 1.0, 1.5, 2.0], 0.05) == "elsewhere"
+    assert verdict([1.0, 1.0, 1.0, 1.01, 1.0, 1.0, 1.0], 0.05) == "not told apart"
+
+
+def test_stored_profiles_are_of_groups():
+    names = {path.stem for path in PROFILES.glob("*.csv")}
+    assert names and names <= set(GROUPS)
+    assert all(lines(path)[0].startswith(path.stem) for path in PROFILES.glob("*.csv"))
 
 
 def test_best_value_of_a_profile():
