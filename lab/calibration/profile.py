@@ -54,7 +54,7 @@ def best_of(factors: Sequence[float], losses: Sequence[float], near: float = NEA
 
 
 def coordinate_search(loss: Callable[[list[float]], float], start: Sequence[float]) -> tuple[list[float], float]:
-    """Minimize a loss from `start` on, one number at a time, by smaller and smaller factors; return numbers and loss."""
+    """Minimize a loss from `start` on, one number at a time, by smaller and smaller factors; return both."""
     values, least = list(start), loss(list(start))
     for step in SEARCHED:
         moved = True
