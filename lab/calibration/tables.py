@@ -46,7 +46,7 @@ MEASURES = {
     "passes_received": Measurement(touches.passes_received, 1200),
     "passes_kicked": Measurement(curls.passes_kicked, 1200),
     "runs_at_keeper": Measurement(claims.measure, 1600),
-    "runs_at_back": Measurement(duels.measure, 1600),
+    "runs_at_back": Measurement(duels.measure, 320),
     "pairs_in_one_place": Measurement(stumbles.measure, 128),
 }
 HELD = ("fits", "surely")
