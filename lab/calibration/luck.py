@@ -12,18 +12,18 @@ import numpy as np
 
 from regista.experiments.grf import blocks, chases, stage
 
-# family: effort of its profiles, and standard deviation of its loss by its mean
+# family: effort of its profiles (of chases four sets were played), and standard deviation of its loss by its mean
 LUCK: dict[str, tuple[float, float]] = {
     "passes": (2.0, 0.047),
     "shots": (0.5, 0.043),
     "keeper": (1.0, 0.122),
     "tackles": (2.0, 0.035),
     "chases": (0.5, 0.159),
-    "matches": (0.5, 0.1),
+    "matches": (0.5, 0.1),  # assumed, not measured
     "motion:drawn_turn_rows": (1.0, 0.057),
     "motion:slide_rows,tired_rows": (1.0, 0.0),
     "motion:start_rows,curve_rows": (1.0, 0.084),
-    "motion:steady_rows,curve_rows,carry_rows": (1.0, 0.1),
+    "motion:steady_rows,curve_rows,carry_rows": (1.0, 0.1),  # assumed, not measured
 }
 SETS, APART = 5, 100_003  # sets of random numbers, and by how much their seeds differ
 
