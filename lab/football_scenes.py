@@ -1,9 +1,9 @@
 """Which scenes hold a version of the football simulator: drawn programs, by what they are meant to bring about.
 
 Matches of eleven, open play of 2 to 17 players under all control modes, attacks, balls near the lines, duels, balls in
-flight, shots at keepers, high balls past opponents, each kind of restart, library behaviors, and engines with other
-factors. A scene is a text of a program with numbers drawn here. It is `lab/record_football.py` that plays and keeps
-them:
+flight, shots at keepers, balls struck at opponents close by, each kind of restart, library behaviors, and engines with
+other factors. A scene is a text of a program with numbers drawn here. It is `lab/record_football.py` that plays and
+keeps them:
 
     python -m lab.record_football --draw
 """
@@ -392,18 +392,22 @@ def engines(rng: Rng) -> Iterator[Scene]:
         yield scene(rng, f"engine {k}", draw, SHOOTS, start=start, engine_spread=0.25 if k in (0, 3) else 0.0)
 
 
-def lobs(rng: Rng) -> Iterator[Scene]:
-    """Yield balls that have just been struck at opponents close by, about as high as they reach."""
-    for k in range(2):
-        away = (0.8, 1.6)[k]
+def struck(rng: Rng) -> Iterator[Scene]:
+    """Yield balls struck at opponents close by a moment ago, about as high as these reach."""
+    ways = (  # m to the first opponent, m/s and m of the ball, s since the kick
+        (0.8, {"ball.vx": (8.0, 14.0), "ball.vz": (-1.0, 4.0), "ball.z": (1.6, 2.2)}, (0.0, 0.05)),
+        (1.2, {"ball.vx": (12.0, 16.0), "ball.vz": (0.3, 0.8), "ball.z": (1.88, 2.02)}, (0.0, 0.02)),
+    )
+    for k, (away, ball, age) in enumerate(ways):
 
         def draw(away: float = away) -> Draw:
             people = [Person("LeftCF", -0.6, 0.0), Person("RightCB", away, 0.1), Person("RightLB", away + 0.7, -0.3)]
             return Draw(rules(rng), (0.0, 0.0), [*people, *keepers(rng)])
 
-        start = {"ball.vx": (8.0, 14.0), "ball.vz": (-1.0, 4.0), "ball.z": (1.6, 2.2), "was_kicked": (1, 1)}
-        start |= {"last_touch": (1, 1), "kick_age": (0.0, 0.05)}  # of the striker; keepers come first
-        yield scene(rng, f"lob {k}", draw, SHOOTS, start=start, spread=0.15)
+        # the striker is player 1: keepers come first
+        start = {**ball, "was_kicked": (1, 1), "last_touch": (1, 1), "kick_age": age}
+        for part in range(2):
+            yield scene(rng, f"struck {2 * k + part}", draw, SHOOTS, start=start, spread=0.15)
 
 
 FAMILIES = (
@@ -420,7 +424,7 @@ FAMILIES = (
     restarts,
     behaviors,
     engines,
-    lobs,
+    struck,
 )
 
 
