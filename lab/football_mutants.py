@@ -170,7 +170,7 @@ def moments(kept: Any, row: int) -> Iterator[tuple[list[int], list[float]]]:
     from regista.envs.football.control.reward import team_reward
     from regista.envs.football.simulator import step_match
     from regista.envs.football.state import MATCH
-    from tests.envs.played import make_env, weighted
+    from tests.envs.played import LEFT_COUNTS, make_env, weighted
 
     env, paid = make_env(kept.scene), 0.0
     batch, settings = env._batch, env._settings
@@ -187,7 +187,8 @@ def moments(kept: Any, row: int) -> Iterator[tuple[list[int], list[float]]]:
         players = match.players[: match.num_players]
         places = [[match.ball.x, match.ball.y, match.ball.z], [*(p.x for p in players), *(p.y for p in players)]]
         digests = [float(weighted(np.array([numbers]))[0]) for numbers in places]
-        facts += [sum(player.cards for player in match.players), agents, match.ended]
+        cards = sum(player.cards + LEFT_COUNTS * player.has_left for player in match.players)
+        facts += [cards, agents, match.ended]
         yield [*facts, int(has_succeeded(match, settings.defending))], [*digests, paid]
 
 

@@ -263,19 +263,23 @@ def runs(rng: Rng) -> Iterator[Scene]:
 
 def cards(rng: Rng) -> Iterator[Scene]:
     """Yield players with cards: who slides and has one, and who has been sent off; and two in the same place."""
-    for k in range(3):
+    backs = ((-2.0, 0.5), (2.6, -0.5)), ((0.4, 1.4), (0.6, -1.5))  # before and behind the carrier, or at his sides
+    # players in the order of a match: keepers first, the left team before the right one
+    ways = (
+        ("all", backs[0], {"1.cards": (1, 1), "2.cards": (1, 1)}),
+        ("2", backs[0], {"1.cards": (2, 2), "1.leave_wait": (0.1, 2.0), "4.cards": (2, 2), "4.leave_wait": (0.5, 3.0)}),
+        ("1", backs[0], {"1.x": (3.0, 3.0), "1.y": (1.0, 1.0), "2.x": (3.0, 3.0), "2.y": (1.0, 1.0)}),
+        ("all", backs[1], {"1.cards": (1, 1), "2.cards": (1, 1)}),
+        ("all", backs[1], {"1.cards": (1, 1), "2.cards": (1, 1)}),
+    )
+    for k, (control, (one, other), start) in enumerate(ways):
 
-        def draw() -> Draw:
-            people = [Person("RightCF", 0.7, 0.0), Person("LeftCB", -2.0, 0.5), Person("LeftLB", 2.6, -0.5)]
+        def draw(one: Place = one, other: Place = other) -> Draw:
+            people = [Person("RightCF", 0.7, 0.0), Person("LeftCB", *one), Person("LeftLB", *other)]
             return Draw(rules(rng), (0.0, 0.0), [*people, *keepers(rng), *crowd(rng, "Right", 2, (0.0, 0.0), 8.0)])
 
-        # players in the order of a match: keepers first, the left team before the right one
-        start = [
-            {"1.cards": (1, 1), "2.cards": (1, 1)},
-            {"1.cards": (2, 2), "1.leave_wait": (0.1, 2.0), "4.cards": (2, 2), "4.leave_wait": (0.5, 3.0)},
-            {"1.x": (3.0, 3.0), "1.y": (1.0, 1.0), "2.x": (3.0, 3.0), "2.y": (1.0, 1.0)},
-        ][k]
-        yield scene(rng, f"cards {k}", draw, SLIDES, (("all", "none"), ("2", "2"), ("1", "none"))[k], start=start)
+        both = (control, "2" if control == "2" else "none")
+        yield scene(rng, f"cards {k}", draw, SLIDES, both, start=start, steps=2 * STEPS)
 
 
 def keepers_feet(rng: Rng) -> Iterator[Scene]:

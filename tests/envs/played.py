@@ -23,6 +23,7 @@ from regista.envs.football.vector_env import FootballVectorEnv
 FILE = Path(__file__).parent / "played.npz"
 EVERY = 10  # steps between two of which digests are kept
 TOLERANCE, RESOLUTION = 1e-5, 1e-6  # m of a digest: by how much it may differ, and how exactly it is kept
+LEFT_COUNTS = 100  # in the fact "cards": more than all cards, of a player who has been sent off and is gone
 LETTERS = "abcdefghijklmnopqrs"  # the 19 actions
 FACTS = ("mode", "carrier", "last touch", "owner", "left goals", "right goals", "cards", "agents", "ended", "success")
 DIGESTS = ("place of the ball", "places of the players", "observations", "rewards")
@@ -173,7 +174,8 @@ def facts_of(matches: np.ndarray, success: np.ndarray) -> np.ndarray:
     """Return what is exact of matches MATCH `[N]`, and of their `success` `[N]`: int64 `[N, F]`."""
     agents = matches["agents"].astype(np.int64) @ (np.arange(matches["agents"].shape[1]) ** 2 + 1)
     names = ("game_mode", "carrier", "last_touch", "reported_owner")
-    columns = [matches[name] for name in names] + [*matches["score"].T, matches["players"]["cards"].sum(1)]
+    cards = matches["players"]["cards"].sum(1) + LEFT_COUNTS * matches["players"]["has_left"].sum(1)
+    columns = [*(matches[name] for name in names), *matches["score"].T, cards]
     return np.stack([*columns, agents, matches["ended"], success], 1).astype(np.int64)
 
 
