@@ -72,4 +72,4 @@ def test_it_plays_from_plain_lists_as_well() -> None:
 def test_it_scores_where_random_play_does_not() -> None:
     assert goal_rate(CLOSE, bot=True) > 0.9 > 0.5 > goal_rate(CLOSE, bot=False)
     # 4 of 20 in Google Research Football
-    assert goal_rate(THREE_VS_ONE, bot=True) > 0.1 > 0.05 > goal_rate(THREE_VS_ONE, bot=False)
+    assert goal_rate(THREE_VS_ONE, bot=True) > 0.1 > 0.05 > goal_rate(THREE_VS_ONE, bot=False, count=400)

@@ -55,12 +55,11 @@ ROOT = Path(__file__).parents[2]
             "regista: --theta: must be at most 1, got 2.0",
         ),
         (["study"], 2, "regista: no study ''; there are single, generalisation, multi, "),
-        (["study", "transfer", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (
             ["benchmark", "--suite", "grf", "--measure", "--family", "keeper"],
             2,
-            "regista: --family: no 'keeper', only d",
+            "regista: --family: no 'keeper', only academy, d",
         ),
         (["benchmark", "--seconds", "0"], 2, "regista: --seconds: must be positive, got 0.0"),
     ],

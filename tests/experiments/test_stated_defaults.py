@@ -2,9 +2,11 @@
 
 import re
 from dataclasses import fields, is_dataclass, replace
+from types import SimpleNamespace
 
 import pytest
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.__main__ import main
 from regista.experiments.commands import clone, compare, study, train
 from regista.experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
@@ -110,8 +112,12 @@ def test_the_games_of_a_study_are_trained_as_its_help_says():
 @pytest.mark.parametrize("preset", ["fast", "thesis"])
 def test_clone_states_what_it_uses(preset, monkeypatch, capsys):
     used = []
+
+    def opened(path):
+        return SimpleNamespace(simulator=SIMULATOR_VERSION, path=path)
+
     monkeypatch.setattr(clone, "_begin", lambda config, demos, data: used.append(config.ppo) or 1 / 0)
-    monkeypatch.setattr("regista.experiments.run.demonstrations.Demonstrations.open", lambda path: None)
+    monkeypatch.setattr("regista.experiments.run.demonstrations.Demonstrations.open", opened)
     monkeypatch.setattr("regista.experiments.run.cloning_data.CloningData", lambda *settings: None)
     with pytest.raises(ZeroDivisionError):
         clone.main(["demos", "--preset", preset])
