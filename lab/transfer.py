@@ -4,11 +4,11 @@ Each part writes lab/results/transfer_PART.csv and can be stopped at any time; t
 another simulator version are dropped, and runs are trained again. `make grf` installs GRF. Core-minutes, of which two
 processes do two a minute:
 
-    python lab/transfer.py policies    # 50: nine games, two representations, five seeds
-    python lab/transfer.py defense     # 45: four defenses, three seeds, 5M steps
+    python lab/transfer.py policies    # 38: nine games, two representations, five seeds
+    python lab/transfer.py defense     # 22: four defenses, three seeds, 5M steps
     python lab/transfer.py scenes      # 6: 200 drawn scenes, the same actions in both engines
-    python lab/transfer.py experts     # 10: nine semi-expert programs, 200 episodes in each engine
-    python lab/transfer.py converse    # 95: PPO trained in GRF on two games, three seeds, 300k steps, played in ours
+    python lab/transfer.py experts     # 9: nine semi-expert programs, 200 episodes in each engine
+    python lab/transfer.py converse    # 95, estimated: PPO trained in GRF on two games, three seeds, 300k steps
     python lab/transfer.py tables      # seconds: all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
 
 The table of exploits is made of the rows of `policies`. Read next: `lab/transfer_tables.py`, which makes the tables.

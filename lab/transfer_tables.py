@@ -8,15 +8,14 @@ the goals by the distance of the last kick from the goal and by the keeper's dis
 from __future__ import annotations
 
 import csv
-import importlib.util
 import re
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.grf.episodes import ENDINGS, ENGINES
 from regista.experiments.grf.experts import experts
 from regista.experiments.grf.goals import FAR, OUT, shares
@@ -31,7 +30,6 @@ from ued.statistics import Interval, bootstrap, spearman, wilson
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "lab" / "results"
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n).*?(<!-- end -->)", re.S)
-VERSION = "regista.envs.football.version"
 REPRESENTATIONS = ("simple115", "features")
 SAMPLES = 4000
 EXPLOIT, HARDLY, FEW = 0.5, 0.1, 20  # shares of our goals and of GRF's; goals below which nothing is said
@@ -42,8 +40,7 @@ Rows = list[dict[str, str]]
 
 def simulator_version() -> str:
     """Return the version of our simulator, the one place where the lab's scripts take it from."""
-    known = importlib.util.find_spec(VERSION)
-    return str(import_module(VERSION).SIMULATOR_VERSION) if known else "unversioned"
+    return str(SIMULATOR_VERSION)
 
 
 # ---------------------------------------------------------------- cells
@@ -58,7 +55,7 @@ def percent(interval: Interval) -> str:
 def number(interval: Interval, sign: str = "") -> str:
     """Return a number with its interval, if it has one."""
     if interval.estimate != interval.estimate:
-        return "no goal in ours"
+        return "no goal, ours"
     ends = f" [{interval.low:{sign}.2f}, {interval.high:{sign}.2f}]" if interval.known else ""
     return f"{interval.estimate:{sign}.2f}{ends}"
 
@@ -76,7 +73,7 @@ def unique(rows: Rows, name: str) -> list[str]:
 def per_run(rows: Rows) -> str:
     """Return the episodes of a run in both engines, as words."""
     ours, grf = (" or ".join(unique(chosen(rows, engine=engine), "episodes")) for engine in ENGINES)
-    return f"{ours} episodes of each run in ours, {grf} in GRF"
+    return f"{ours} episodes of each run in our simulator, {grf} in GRF"
 
 
 def seeds(rows: Rows) -> str:
@@ -133,7 +130,7 @@ def policies(rows: Rows) -> str:
     """Return the table of nine games."""
     head = ["game", "env steps"]
     for name in REPRESENTATIONS:
-        head += [f"`{name}`: goals in ours", "in GRF", "ratio"]
+        head += [f"`{name}`: goals, ours", "GRF", "ratio"]
     table = [[*head, "both: ratio"]]
     for game, found in ratios(rows).items():
         mine = chosen(rows, game=game)
@@ -146,7 +143,7 @@ def policies(rows: Rows) -> str:
     about = (
         "Policies trained with DR in our simulator, `scoring,checkpoints`, academy levels with `-p jitter=1`, all with "
         f"`--engine-spread 0.15`; {seeds(rows)}, {per_run(rows)}, actions sampled. Nothing was searched on these "
-        f"seeds. Ratio: mean goals in GRF by mean goals in ours. {OVER_RUNS}."
+        f"seeds. Ratio: mean goals in GRF divided by mean goals in our simulator. {OVER_RUNS}."
     )
     return f"{as_markdown(table)}\n\n{about}\n\n**{'; '.join(verdicts(rows))}.**"
 
@@ -213,8 +210,8 @@ def defense(rows: Rows) -> str:
     table = [
         [
             "game",
-            "goal difference in ours, by seed",
-            "in GRF, by seed",
+            "goal difference, ours, by seed",
+            "GRF, by seed",
             "GRF − ours",
             "ours: " + " / ".join(words),
             "GRF",
@@ -277,7 +274,7 @@ def ranks(rows: Rows) -> Interval:
 def programs(rows: Rows) -> str:
     """Return the table of semi-expert programs."""
     known = {expert.name: expert for expert in experts()}
-    table = [["program", "agents", "goals in ours", "in GRF", "published, GRF"]]
+    table = [["program", "agents", "goals, ours", "GRF", "published, GRF"]]
     for name in unique(rows, "program"):
         mine = [chosen(rows, program=name, engine=engine)[0] for engine in ENGINES]
         rates = [percent(wilson(int(row["goals"]), int(row["episodes"]))) for row in mine]
@@ -292,7 +289,7 @@ def programs(rows: Rows) -> str:
 
 def converse(rows: Rows) -> str:
     """Return the table of policies that were trained in GRF."""
-    table = [["game", "seed", "goals in GRF", "in ours"]]
+    table = [["game", "seed", "goals, GRF", "ours"]]
     for game in unique(rows, "game"):
         for seed in sorted(unique(chosen(rows, game=game), "seed")):
             mine = [chosen(rows, game=game, seed=seed, engine=engine)[0] for engine in ("grf", "ours")]
@@ -307,7 +304,7 @@ def converse(rows: Rows) -> str:
 
 def academy(rows: Rows) -> str:
     """Return the table of academy games beside the thesis's published scores."""
-    table = [["game", "env steps", "runs", "goals in ours", "in GRF", "published, PPO trained in GRF, 5M env steps"]]
+    table = [["game", "env steps", "runs", "goals, ours", "GRF", "published, PPO trained in GRF, 5M env steps"]]
     kinds = sorted({(unique(rows, "game").index(row["game"]), int(row["budget"])) for row in rows})
     for game, budget in ((unique(rows, "game")[number], str(budget)) for number, budget in kinds):
         runs = results(mine := chosen(rows, game=game, budget=budget))
@@ -336,7 +333,10 @@ def of_policies(rows: Rows) -> list[list[str]]:
     games = [game for game in unique(rows, "game") if any("**" in x for x in exploited(chosen(rows, game=game)))]
     return [
         [f"Games on which a policy keeps {WANTED:.0%} of its goals in GRF", "; ".join(verdicts(rows)) + lowest],
-        ["Games with a way of scoring that works only in ours", f"{len(games)}: {', '.join(games)}" if games else "0"],
+        [
+            "Games with a way of scoring that works only in our simulator",
+            f"{len(games)}: {', '.join(games)}" if games else "0",
+        ],
     ]
 
 
@@ -346,12 +346,12 @@ def summary(files: dict[str, Rows]) -> str:
     if rows := files["policies"]:
         table += of_policies(rows)
     if rows := files["defense"]:
-        table.append(["Defenses: goal difference in GRF less that in ours", number(gaps(rows), "+")])
+        table.append(["Defenses: goal difference in GRF minus ours", number(gaps(rows), "+")])
     if rows := files["converse"]:
         ours, grf = (
             goal_rate([Counted(int(r["goals"]), int(r["episodes"])) for r in chosen(rows, engine=e)]) for e in ENGINES
         )
-        table.append(["Goals of PPO trained in GRF", f"{percent(grf)} in GRF, {percent(ours)} in ours"])
+        table.append(["Goals of PPO trained in GRF", f"{percent(grf)} in GRF, {percent(ours)} in our simulator"])
     if rows := files["scenes"]:
         same, own = (100 * over_scenes(rows, f"endings_agree{limit}", np.mean).estimate for limit in ("", "_limit"))
         table.append(["Drawn scenes: endings that agree", f"{same:.0f}%; GRF with itself {own:.0f}%"])

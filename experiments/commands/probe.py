@@ -176,7 +176,7 @@ def main(argv: Sequence[str]) -> int:
     write_text(config.out / "table.md", table + "\n")
     save_csv(runs, config.out / "curves.csv")
     draw(runs, config.methods, config.out / "curves.png")
-    heading = f"The frontier: {plots.listed(config.methods)}"
+    heading = "The frontier"
     pictures = {"Share of the turns known, over simulated steps": "curves.png"}
     results_page.write_page(config.out, heading, ["probe", *argv], table, pictures)
     print(table)

@@ -28,7 +28,7 @@ def lab():
 
 
 def run_rows(game, representation="features", seed=SEED, ours=80, grf=30, **more):
-    """Return the rows of a run: so many goals of 200 episodes in ours and of 50 in GRF."""
+    """Return the rows of a run: so many goals of 200 episodes in our simulator and of 50 in GRF."""
     ends = dict.fromkeys([f"ended/{word}" for word in ENDINGS[:-1]], 0.0)
     key = {"simulator": "7", "game": game, "representation": representation, "seed": seed, "env_steps": 500_000}
     row = {"mean_return": -0.25, "return_error": 0.01, "median_length": 60.0, **ends, **more}
@@ -88,7 +88,7 @@ def test_tables_say_what_is_in_the_files(lab, results):
     assert tables.NOTHING not in made and made.count("Simulator 7; `python lab/") == len(tables.TABLES)
     assert "simple115: 0 of 2 games at 0.8 or more, 0 below 0.5; features: 2 of 2" in made
     assert "both: 0 of 2 games at 0.8 or more, 0 below 0.5; lowest ratio, both: 0.73" in made  # 0.2 and 0.38 of 0.4
-    assert f"seeds {SEED} to {SEED + 4}" in made and "200 episodes of each run in ours, 50 in GRF" in made
+    assert f"seeds {SEED} to {SEED + 4}" in made and "200 episodes of each run in our simulator, 50 in GRF" in made
     assert "**from >30 m**" in made and "| 2: academy/run_to_score, 1v1Free |" in made
     assert "| endings that agree | 50% [50, 50] | 75% [75, 75] |" in made
     assert "over 9 programs: 1.00 [1.00, 1.00]" in made

@@ -252,7 +252,7 @@ def trap(match, i):
 
 @kernel
 def stops_to_shoot(match, player):
-    """Draw whether who has asked for a shot stops the ball first: too high for the foot, too low for the head."""
+    """Draw whether a player stops a ball before the shot that he asked for: above his foot, below his head."""
     if player.kick != SHOT or not TRAP.volley_below < match.ball.z < TRAP.volley_above:
         return False
     return uniform(match) >= TRAP.volley
