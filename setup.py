@@ -8,7 +8,7 @@ from pathlib import Path
 
 from setuptools import setup
 
-LINKS = {f"regista/{name}": f"../{name}" for name in ("envs", "minigames", "experiments")}
+LINKS = {f"regista/{name}": f"../{name}" for name in ("kernels", "envs", "minigames", "experiments")}
 LOST = """\
 Regista cannot be built from {root}: {links} must be symbolic links to {targets}, and are not. \
 Git on Windows and some programs that unpack zip archives write a small file in place of a link. \

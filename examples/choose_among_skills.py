@@ -14,7 +14,7 @@ import torch
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.minigames.suites import MINIGAMES
 from ued import PLR, PLRConfig, PPOConfig
-from ued.mixture import Mixture
+from ued.adapters.mixture import Mixture
 
 SKILLS = ("1v1Restricted", "1v1Free", "ChoosePassing")
 EVERY = 10  # updates between two lines

@@ -15,7 +15,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 import ued
-from ued.scenic3 import Role, ScenicProgram, ScenicUPOMDP
+from regista.envs.scenic3 import Role, ScenicProgram, ScenicUPOMDP
 
 PROGRAM = Path(__file__).with_name("driving.scenic")
 PEDALS = ((0.0, 1.0), (0.0, 0.3), (0.0, 0.0), (0.5, 0.0))  # throttle and brake of each action

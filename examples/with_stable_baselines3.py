@@ -12,7 +12,7 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 from ued import ALPGMMConfig, ThetaSpace, UPOMDPWrapper
-from ued.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
+from ued.adapters.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
 from ued.methods.alp_gmm import ALPLevels
 
 RANGES = {"length": (0.1, 2.0), "gravity": (5.0, 30.0)}

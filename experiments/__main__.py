@@ -49,7 +49,7 @@ Begin with: regista compare 1v1Restricted --out demo
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts threads; see `scenic_lite.kernels.jit`
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts threads; see `regista.kernels.jit`
     parent = os.environ.pop(PARENT, None)
     if parent is not None:
         end_with(int(parent))

@@ -28,7 +28,7 @@ from regista.experiments.run.table import read_columns, read_rows
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from regista.experiments.studies.runs import StudyRuns, training
 from regista.minigames.suites import NAMED
-from ued.parameters import choice_in
+from ued.core.parameters import choice_in
 from ued.statistics import bootstrap
 
 FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted

@@ -1,7 +1,8 @@
 """`import envs` in a checkout gives the modules of `regista.envs`, not a second copy of them under another name.
 
-The root of a checkout is often on `sys.path`, and with it the folders that `regista.envs`, `regista.minigames` and
-`regista.experiments` are links to. Each calls `lead_inside` when it is imported under its bare name.
+The root of a checkout is often on `sys.path`, and with it the folders that `regista.kernels`, `regista.envs`,
+`regista.minigames` and `regista.experiments` are links to. Each calls `lead_inside` when it is imported under its bare
+name.
 """
 
 import sys
@@ -35,7 +36,7 @@ class _Inside(MetaPathFinder, Loader):
 
 
 def lead_inside(name: str) -> None:
-    """Let `name`, one of the three folders, be the package `regista.name`, and so everything below it."""
+    """Let `name`, one of the four folders, be the package `regista.name`, and so everything below it."""
     if not any(isinstance(finder, _Inside) for finder in sys.meta_path):
         sys.meta_path.insert(0, _Inside())
     sys.modules[name] = import_module(f"regista.{name}")

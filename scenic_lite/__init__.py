@@ -3,7 +3,6 @@
 `load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. README.md is the
 manual of the language. The rooms, from the ground up:
 
-    kernels     what the language and a simulator compile with
     syntax      text → tokens → checked tree
     values      random expressions as graphs, and the plane that they lie in
     core        scopes, types, budget: what every chapter stands on
@@ -12,7 +11,7 @@ manual of the language. The rooms, from the ground up:
     scene       θ → scenes, and back
     dynamics    behaviors and monitors: the reference, the compiler, the machine
 
-Read next: `loader`, `values.graph`, `scene.program`; then `dynamics.reference.interpreter`.
+Read next: `loader`, `values.graph`, `scene.program`; then `tests/reference/interpreter.py`.
 """
 
 from scenic_lite.core.world import Domain

@@ -9,13 +9,23 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-LINKED = ("envs", "minigames", "experiments")  # imported as regista.envs ..., the folder of that name being a link
+LINKED = (
+    "kernels",
+    "envs",
+    "minigames",
+    "experiments",
+)  # imported as regista.envs ..., the folder of that name being a link
 
 # A room is a folder or a single file. A package's `__init__` is its roof: nothing inside the package imports it.
 FLOORS = {
+    "kernels": (
+        "numba_cache",
+        "numba_linking",
+        "jit",
+        "rng",
+    ),
     "scenic_lite": (
         "errors",
-        "kernels",  # what the language and the simulator compile with
         "syntax",  # text -> checked tree
         "values",  # random expressions, operations, the plane
         "core",  # scopes, types, budget: what every chapter stands on
@@ -25,7 +35,6 @@ FLOORS = {
         "loader",
         "dynamics.machine",  # what runs in the kernel
         "dynamics.compiler",  # behaviors -> its code
-        "dynamics.reference",  # what behaviors mean
         "dynamics",
     ),
     "envs": (
@@ -54,43 +63,38 @@ FLOORS = {
         "football.gym_env",
         "football.parallel_env",  # PettingZoo
         "football.replay",
-    ),
-    "ued": (
-        "seeding",
-        "resumable",  # states by a list of names
-        "config",
-        "room",  # how much memory there is
-        "statistics",
-        "files",
-        "checkpoint",
-        "cells",  # of columns with finitely many values
-        "processes",  # what a process asks of the system
-        "parameters",  # what the columns of theta are
-        "level_space",  # levels, and which there are
-        "upomdp",  # the seam
-        "episode_limit",
-        "gym_upomdp",
-        "mixture",
-        "probes",
-        "curriculum",
-        "learning",  # student, rollout, PPO
-        "cloning",  # of demonstrations
-        "levels",  # records, queue, buffer, scores, teacher
-        "method",  # what methods are made of
-        "methods",  # the papers
-        "evaluation",
-        "curriculum_wrapper",
-        "recorder",
-        "task",
-        "policy",  # a trained student, elsewhere
-        "sb3",  # for Stable-Baselines3
-        "torchrl",  # for TorchRL
         "scenic3.names",  # Scenic 3 itself: what is random, by name and line
         "scenic3.columns",  # as columns of theta
         "scenic3.program",  # theta -> scenes
         "scenic3.view",  # as pictures
         "scenic3.episode",  # a simulation, step by step
         "scenic3.vector_env",  # processes of them
+    ),
+    "ued": (
+        "config",  # hyperparameters
+        "statistics",
+        "core.seeding",
+        "core.resumable",  # states by a list of names
+        "core.room",  # how much memory there is
+        "core.files",
+        "core.checkpoint",
+        "core.cells",  # of columns with finitely many values
+        "core.processes",  # what a process asks of the system
+        "core.parameters",  # what the columns of theta are
+        "core.level_space",  # levels, and which there are
+        "core.upomdp",  # the seam
+        "core.episode_limit",
+        "core.curriculum",
+        "core.painter",  # how levels look
+        "core.task",  # what a run trains on
+        "probes",
+        "learning",  # student, rollout, PPO
+        "levels",  # records, queue, buffer, scores, teacher
+        "methods.method",  # what methods are made of
+        "methods",  # the papers
+        "evaluation",
+        "adapters",  # Gymnasium, Stable-Baselines3, TorchRL; a trained student, elsewhere
+        "recorder",
     ),
     "experiments": (
         "run",

@@ -21,7 +21,7 @@ assert constants is regista.envs.football.constants and constants is sys.modules
 assert minigames is regista.minigames and Minigame is regista.minigames.suites.Minigame
 assert experiments.run.errors.UsageError is regista.experiments.run.errors.UsageError
 assert envs.toy_world.__spec__.name == envs.toy_world.__name__ == "regista.envs.toy_world"
-bare = [name for name in sys.modules if name.partition(".")[0] in ("envs", "minigames", "experiments")]
+bare = [name for name in sys.modules if name.partition(".")[0] in ("kernels", "envs", "minigames", "experiments")]
 assert all(sys.modules[name] is sys.modules[f"regista.{{name}}"] for name in bare), bare
 """
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from regista.envs.football.version import SIMULATOR_VERSION
-from scenic_lite.kernels import jit
+from regista.kernels import jit
 from tests.wheels import LINKS, ROOT, build_sdist, build_wheel, clone, install, pip, run
 
 pytestmark = pytest.mark.slow
 
-FOLDERS = {"regista/envs": "envs", "regista/minigames": "minigames", "regista/experiments": "experiments"}
+FOLDERS = {f"regista/{name}": name for name in ("kernels", "envs", "minigames", "experiments")}
 DATA = {".scenic", ".csv", ".pyi", ".typed", ".html"}  # what programs read, besides Python
 
 
@@ -80,7 +80,7 @@ def test_a_tree_without_its_links_is_refused(tmp_path, words):
     tree = clone(tmp_path / "tree", links=False)
     done = pip(*words, tree, "--no-build-isolation", folder=tmp_path)
     assert done.returncode != 0
-    assert f"Regista cannot be built from {tree}: {', '.join(LINKS)} must be symbolic links to ../envs" in (
+    assert f"Regista cannot be built from {tree}: {', '.join(LINKS)} must be symbolic links to ../kernels" in (
         done.stdout + done.stderr
     )
     assert not [*tmp_path.glob("out/*")]
@@ -95,7 +95,7 @@ def test_no_name_in_a_wheel_is_undefined(unpacked):
 IMPORTS = """
 import importlib, sys
 
-OURS = {"regista", "scenic_lite", "ued", "envs", "minigames", "experiments", ""}
+OURS = {"regista", "kernels", "scenic_lite", "ued", "envs", "minigames", "experiments", ""}
 for name in sys.argv[1:]:
     try:
         importlib.import_module(name)
@@ -119,7 +119,7 @@ def test_every_module_of_a_wheel_can_be_imported(unpacked, python, tmp_path):
 
 
 SOURCES = """
-from scenic_lite.kernels import jit
+from regista.kernels import jit
 from regista.envs.football.version import SIMULATOR_VERSION
 
 print(jit.digest(), SIMULATOR_VERSION, *(path.relative_to(jit.ROOT) for path in jit.sources()))

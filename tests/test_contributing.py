@@ -17,7 +17,18 @@ import pytest
 from tests.pages import ROOT, add_row, blocks, write
 
 PAGES = ("minigame", "simulator", "method")
-COPIED = ("envs", "examples", "experiments", "minigames", "regista", "scenic_lite", "tests", "ued", "pyproject.toml")
+COPIED = (
+    "kernels",
+    "envs",
+    "examples",
+    "experiments",
+    "minigames",
+    "regista",
+    "scenic_lite",
+    "tests",
+    "ued",
+    "pyproject.toml",
+)
 
 
 @pytest.fixture

@@ -43,7 +43,7 @@ def python(tmp_path_factory):
 def project(tmp_path_factory):
     """Return a user's project, with folders of the names that Regista's have in its repository."""
     folder = tmp_path_factory.mktemp("project")
-    for name, text in {"envs": "", "minigames": FOREIGN, "experiments": FOREIGN}.items():
+    for name, text in {"envs": "", "kernels": FOREIGN, "minigames": FOREIGN, "experiments": FOREIGN}.items():
         (folder / name).mkdir()
         (folder / name / "__init__.py").write_text(text)
     (folder / "envs" / "mine.py").write_text(PUT)

@@ -11,7 +11,7 @@ import venv
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-LINKS = ("regista/envs", "regista/minigames", "regista/experiments")
+LINKS = ("regista/kernels", "regista/envs", "regista/minigames", "regista/experiments")
 
 
 def clone(folder: Path, *, links: bool = True) -> Path:

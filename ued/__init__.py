@@ -4,7 +4,7 @@
 
 Names are loaded when first used, so that `import ued` stays quick and environments need no torch; editors and type
 checkers read them in `__init__.pyi`.
-Read next: `upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
+Read next: `core.upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
 import os
@@ -18,11 +18,11 @@ if "torch" not in sys.modules:
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 _EXPORTS = {  # by module; the methods and their settings are those of `methods.METHODS`
-    "ued.checkpoint": ("CheckpointError",),
+    "ued.core.checkpoint": ("CheckpointError",),
     "ued.config": ("AdversaryConfig", "BufferConfig", "PPOConfig"),
-    "ued.curriculum": ("Curriculum", "ThetaSpace"),
+    "ued.core.curriculum": ("Curriculum", "ThetaSpace"),
     "ued.evaluation": ("Evaluation", "evaluate"),
-    "ued.gym_upomdp": ("GymUPOMDP", "LevelError", "UPOMDPWrapper"),
+    "ued.adapters.gym": ("GymUPOMDP", "UPOMDPWrapper"),
     "ued.learning.ppo": ("PPO",),
     "ued.learning.student": ("Student",),
     "ued.levels.adversary": ("Adversary",),
@@ -30,14 +30,14 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.levels.record": ("level_record_dtype",),
     "ued.levels.batch": ("LevelBatch",),
     "ued.levels.table": ("read_level",),
-    "ued.method": ("Method",),
+    "ued.methods.method": ("Method",),
     "ued.methods": ("METHODS",),
-    "ued.mixture": ("Mixture",),
-    "ued.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range", "Seeds"),
-    "ued.policy": ("load_policy",),
-    "ued.task": ("Task",),
-    "ued.level_space": ("ThetaError", "level_dtype", "luck_seed"),
-    "ued.upomdp": ("UPOMDP",),
+    "ued.adapters.mixture": ("Mixture",),
+    "ued.core.parameters": ("Choice", "Integer", "LevelFamily", "LogRange", "Range", "Seeds"),
+    "ued.adapters.policy": ("load_policy",),
+    "ued.core.task": ("Task",),
+    "ued.core.level_space": ("LevelError", "ThetaError", "level_dtype", "luck_seed"),
+    "ued.core.upomdp": ("UPOMDP",),
 }
 
 

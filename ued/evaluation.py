@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ued.core.level_space import SEEDS
+from ued.core.seeding import SeedStream, torch_generator
+from ued.core.upomdp import UPOMDP, successes
 from ued.learning.student import Player, Student
-from ued.level_space import SEEDS
-from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP, successes
 
 OnEnd = Callable[[int], None]  # called with how many episodes have just ended
 LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.cells import middle_of
-from ued.level_space import check_theta
-from ued.parameters import Column, Range
-from ued.upomdp import UPOMDP
+from ued.core.cells import middle_of
+from ued.core.level_space import check_theta
+from ued.core.parameters import Column, Range
+from ued.core.upomdp import UPOMDP
 
 ACTIONS = 4
 

@@ -23,8 +23,8 @@ from regista.envs.football.scenic.scripted_step import as_seen, run_program_beha
 from regista.envs.football.scenic.world_table import THE_BALL, Cast
 from regista.envs.football.simulator import choose_actions, play
 from regista.envs.football.state import MATCH
+from regista.kernels.jit import kernel
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
-from scenic_lite.kernels.jit import kernel
 
 # MATCH with fields as attributes: one object for all batches, or Numba compares two types field by field in every step
 RECORD = np.dtype((np.record, MATCH))

@@ -13,7 +13,7 @@ from regista.envs.football.rules.whistle import off_pitch
 from regista.envs.football.skills.contacts import meet_ball, reachable
 from regista.envs.football.skills.hands import carry_in_hands
 from regista.envs.football.skills.kicks import leave_foot, swing_frame
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -72,7 +72,7 @@ class FootballEnv(gymnasium.Env):
         self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a match; raises `ued.upomdp.ThetaError` for an invalid θ."""
+        """Start a match; raises `ued.core.upomdp.ThetaError` for an invalid θ."""
         super().reset(seed=seed)
         options = options or {}
         if "theta" in options:

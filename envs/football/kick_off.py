@@ -15,7 +15,7 @@ from regista.envs.football.ai.formation import formation_slots
 from regista.envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from regista.envs.football.control.control_modes import assign_agents
 from regista.envs.football.state import ENGINE, MATCH, NOBODY_YET
-from scenic_lite.kernels.rng import streams
+from regista.kernels.rng import streams
 
 NO_KICK = 9.0  # s since the last kick, where nobody has kicked yet
 

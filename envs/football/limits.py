@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from regista.envs.football.field_kinds import Kind, Place, Real, Table, Whole, stored
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; of two, the greater number has the greater
 WORD = 8  # bytes

@@ -19,7 +19,7 @@ from pettingzoo import ParallelEnv
 from regista.envs.football.constants import LEFT, NUM_ACTIONS
 from regista.envs.football.gym_env import ENDINGS, FootballEnv
 from scenic_lite import Program
-from ued.upomdp import of_one_agent
+from ued.core.upomdp import of_one_agent
 
 TEAMS = ("left", "right")
 REASONS = {words: number for number, words in ENDINGS.items()}
@@ -75,7 +75,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start a match; raises `ued.upomdp.ThetaError` for a θ that is none."""
+        """Start a match; raises `ued.core.upomdp.ThetaError` for a θ that is none."""
         observation, _ = self.match.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
         return self._apart(observation), self._infos({"ended": ""})

@@ -29,7 +29,7 @@ from regista.envs.football.rules.offside import mark_offside
 from regista.envs.football.rules.referee import apply_rules, forget_events
 from regista.envs.football.scenic.scripted_step import command_players, run_program_behaviors, run_program_monitors
 from regista.envs.football.skills.kicks import swing_legs
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -24,10 +24,10 @@ from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
+from regista.kernels.rng import stream
 from scenic_lite import Program, load
-from scenic_lite.kernels.rng import stream
-from ued.level_space import whole
-from ued.upomdp import UPOMDP, check_count
+from ued.core.level_space import whole
+from ued.core.upomdp import UPOMDP, check_count
 
 
 class FootballVectorEnv(UPOMDP):

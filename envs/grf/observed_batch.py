@@ -8,8 +8,8 @@ from __future__ import annotations
 from regista.envs.football.batch import close_row, open_row, watch_row
 from regista.envs.football.observation.observe import remember_minimap
 from regista.envs.grf.observed_match import read_start, read_step
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 SEEDS = 2_000_000_000  # that the engine's own environment draws from
 

@@ -30,7 +30,7 @@ from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 from regista.envs.football.physics.possession import forget_kick
 from regista.envs.football.physics.vectors import length
 from regista.envs.grf.worker import TEAM
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 STANDING = 0.3  # m/s below which a body's velocity does not tell where it looks
 

@@ -20,9 +20,9 @@ import numpy as np
 import torch
 
 from ued.config import AdversaryConfig
+from ued.core.parameters import Choice, Column, Parameter, Range, numbered, snap
+from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary
-from ued.parameters import Choice, Column, Parameter, Range, numbered, snap
-from ued.seeding import torch_generator
 
 RESULTS = Path(__file__).with_suffix(".csv")
 UPDATES, LEVELS = 90, 80

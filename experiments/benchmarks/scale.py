@@ -22,7 +22,7 @@ from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.table import cannot_write
 from ued.config import ACCELConfig, BufferConfig, PairedConfig, PLRConfig
-from ued.curriculum import Curriculum, ThetaSpace
+from ued.core.curriculum import Curriculum, ThetaSpace
 from ued.levels.record import RESULTS
 
 ENVIRONMENTS = (1, 4, 16, 64, 256, 1024, 4096, 16_384)

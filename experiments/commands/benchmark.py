@@ -172,7 +172,7 @@ def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
 def first_step(config: BenchmarkConfig) -> Measurement:
     """Measure how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
     from regista.envs.football.batch import step_batch
-    from scenic_lite.kernels.jit import compiled
+    from regista.kernels.jit import compiled
 
     state = "from the cache" if compiled(step_batch) else "compiled now, once"
     began = time.perf_counter()

@@ -10,7 +10,7 @@
     cloning.pt       everything that is needed to go on; the same command does, after a kill, to the same tables
     config.json, checkpoint.pt    a run that was never trained
 
-Read next: `ued.cloning`.
+Read next: `ued.learning.cloning`.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ from regista.experiments.run.progress import Progress
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import Table, cannot_write, spell
 from ued.config import LARGEST_SEED, Checked, CloningConfig, PPOConfig, most_threads, setting
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 if TYPE_CHECKING:
     from regista.experiments.run.cloning_data import CloningData
     from regista.experiments.run.demonstrations import Demonstrations
     from scenic_lite import Program
-    from ued.cloning import Agreement, Cloner
+    from ued.learning.cloning import Agreement, Cloner
 
 DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
 
@@ -127,8 +127,8 @@ def clone(
 ) -> None:
     """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
     from regista.experiments.pictures.cloning import draw_cloning
-    from ued.cloning import Cloner
-    from ued.seeding import torch_generator
+    from ued.core.seeding import torch_generator
+    from ued.learning.cloning import Cloner
 
     cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
     table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
@@ -178,7 +178,7 @@ def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict
 
 def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
     """Go on from the last epoch, if there was one; return whether there is more to do, and the seconds spent."""
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     path = run.path / "cloning.pt"
     if not path.exists():
@@ -190,7 +190,7 @@ def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
 
 
 def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None:
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     checkpoint.save(run.path / "cloning.pt", {"cloner": cloner.state_dict(), "goes_on": goes_on, "elapsed": elapsed})
 

@@ -114,8 +114,8 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
 
 def _student(run: RunFolder, program: Any, greedy: bool) -> Callable[[int], Choose]:
     from regista.experiments.run.evaluator import load_student
+    from ued.core.seeding import torch_generator
     from ued.learning.student import Player
-    from ued.seeding import torch_generator
 
     student, _ = load_student(run, program)
     return lambda seed: Player(student, torch_generator(seed), greedy)

@@ -126,7 +126,7 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
 def inspect_task(config: InspectConfig) -> int:
     """Show a task of one's own: its parameters, levels drawn from it or the typed one, and their first frames."""
     from regista.experiments.pictures.task_view import describe_task, draw_task
-    from ued.level_space import check_theta
+    from ued.core.level_space import check_theta
 
     scene = tasks.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
     upomdp = tasks.make_upomdp(scene, 1 if config.theta else config.n, config.seed)
@@ -144,7 +144,7 @@ def inspect_scenic3(path: Path, config: InspectConfig) -> int:
     if config.show not in ("theta", "scenes") or config.png is not None or config.rrd is not None:
         raise UsageError("of programs that Scenic itself reads, inspect shows theta and scenes, without pictures")
     try:
-        from ued.scenic3 import ScenicProgram
+        from regista.envs.scenic3 import ScenicProgram
 
         reading = config.reading
         program: Any = ScenicProgram(

@@ -24,7 +24,7 @@ from regista.experiments.run.config import EngineConfig, ProgramConfig
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.table import cannot_write
 from ued.config import LARGEST_SEED, Checked, setting
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 if TYPE_CHECKING:
     from regista.envs.football.replay import Record

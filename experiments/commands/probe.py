@@ -30,7 +30,7 @@ from regista.experiments.run.signals import StopRequest, held_back
 from regista.experiments.run.table import cannot_write
 from regista.experiments.run.workers import LaunchConfig, processes, train_unfinished
 from ued.config import BufferConfig, Checked, PLRConfig, PPOConfig, RepairedConfig, setting
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 if TYPE_CHECKING:
     from ued.statistics import Interval

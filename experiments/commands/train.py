@@ -152,7 +152,7 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
 
     Where environments can give no state, open episodes begin anew.
     """
-    from ued.policy import spaces_of
+    from ued.adapters.policy import spaces_of
 
     progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
     whole = method.upomdp.gives_state

@@ -20,7 +20,7 @@ from regista.envs.football.state import MATCH
 from regista.experiments.grf.figures import Panel, draw_panels
 from regista.experiments.grf.report import read_data
 from regista.experiments.grf.rows import Row, by_share
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 TITLE = "ball"
 REQUIRED = 1.0

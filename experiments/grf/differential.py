@@ -28,7 +28,7 @@ from regista.experiments.grf.figures import Panel, draw_panels
 from regista.experiments.grf.rows import Row, by_distance, by_factor
 from regista.experiments.run.table import cannot_write
 from scenic_lite import load
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 
 TITLE = "drawn scenes: ours to GRF's, and GRF's among themselves"
 REQUIRED = 1.0

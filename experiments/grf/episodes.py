@@ -16,7 +16,7 @@ from regista.envs.football.vector_env import FootballVectorEnv
 
 if TYPE_CHECKING:
     from regista.experiments.pictures.side_by_side import SideBySide
-    from ued.recorder.layout import ScenePainter
+    from ued.core.painter import ScenePainter
 
 Choose = Callable[[Any, int], np.ndarray]  # observations [N, ...] and the number of the step -> actions [N(, A)]
 ENGINES = ("ours", "grf")

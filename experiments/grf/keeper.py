@@ -40,7 +40,7 @@ from regista.experiments.grf.figures import Panel, draw_panels
 from regista.experiments.grf.report import read_data
 from regista.experiments.grf.rows import Row, by_distance, by_share
 from regista.experiments.grf.stage import OPEN_END, Stage, Trace
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 TITLE = "keeper"
 REQUIRED = 0.8

@@ -25,7 +25,7 @@ from regista.experiments.grf.report import read_data
 from regista.experiments.grf.rows import Row, by_factor
 from regista.experiments.grf.scenes import SCENES
 from regista.experiments.run.evaluator import ENVIRONMENTS
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 
 TITLE = "scripted players against the built-in team"
 REQUIRED = 0.8  # share of the rows that should be within tolerance

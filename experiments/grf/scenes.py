@@ -14,7 +14,7 @@ from regista.envs.football.constants import CB, CF, CM, GK, LB, LM, RB, RM
 from regista.envs.football.kick_off import MatchConfig, Roster
 from regista.envs.football.physics.motion import take_stance
 from regista.experiments.grf.stage import Stage
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 Players = tuple[tuple[int, float, float], ...]  # role, x, y
 

@@ -242,8 +242,8 @@ class BothEngines:
         return [side_by_side(f"{self.run.path.name} {row}", painter, ours, grf, row) for row in range(count)]
 
     def _choose(self, greedy: bool) -> Choose:
+        from ued.core.seeding import torch_generator
         from ued.learning.student import Player
-        from ued.seeding import torch_generator
 
         player = Player(self.student, torch_generator(SEED), greedy)
 

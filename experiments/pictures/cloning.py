@@ -17,7 +17,7 @@ from regista.experiments.run.table import read_columns
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ued.cloning import Agreement
+    from ued.learning.cloning import Agreement
 
 TRAINED, HELD_OUT = "#9aa3ab", "#1f6fb4"
 

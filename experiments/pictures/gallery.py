@@ -20,8 +20,8 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_columns, read_rows
-from ued.files import write_whole
-from ued.parameters import axis_of
+from ued.core.files import write_whole
+from ued.core.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
 
 PAGE = Path(__file__).with_name("gallery.html")

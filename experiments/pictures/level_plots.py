@@ -16,7 +16,7 @@ from regista.experiments.pictures import plots
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
 from regista.experiments.run.table import read_columns
-from ued.parameters import Parameter
+from ued.core.parameters import Parameter
 from ued.recorder.shades import smooth
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ import numpy as np
 
 from regista.experiments.run.progress import count
 from regista.experiments.run.table import cannot_write, read_columns, read_header
-from ued.files import write_whole
+from ued.core.files import write_whole
 from ued.methods import METHODS
 
 if TYPE_CHECKING:

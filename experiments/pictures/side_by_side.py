@@ -20,7 +20,8 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.recorder.layout import ScenePainter, blueprint, log_ground, plane_view, recording
+from ued.core.painter import ScenePainter
+from ued.recorder.layout import blueprint, log_ground, plane_view, recording
 
 PARTED = 1.5  # m between the balls, or between two places of one player
 

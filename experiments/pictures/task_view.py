@@ -13,7 +13,7 @@ import numpy as np
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.results import align
-from ued.upomdp import UPOMDP
+from ued.core.upomdp import UPOMDP
 
 DRAWS = 1024  # of which it is told how many are valid
 MOST_COLUMNS = 40  # that are listed

@@ -16,7 +16,7 @@ from regista.experiments.run.tasks import TaskScene
 if TYPE_CHECKING:
     from gymnasium.spaces import Discrete, Space
 
-    from ued.upomdp import UPOMDP
+    from ued.core.upomdp import UPOMDP
 
 
 class Untrained:

@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 from regista.experiments.run import tasks
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.tasks import TaskScene
+from ued.core.room import RoomError, check_environments, space_bytes
 from ued.methods import METHODS
-from ued.room import RoomError, check_environments, space_bytes
 
 if TYPE_CHECKING:
     import torch
@@ -296,7 +296,7 @@ def make_upomdp(program: Any, num_envs: int, config: FootballConfig | None, seed
     import numba
 
     from regista.envs.football.batch import step_batch
-    from scenic_lite.kernels.jit import compiled
+    from regista.kernels.jit import compiled
 
     if config.engine == "regista" and not compiled(step_batch):
         warn(f"compiling kernels (once, about {COMPILE_SECONDS} s)")
@@ -341,7 +341,7 @@ def _environments(program: Program | MixedProgram, num_envs: int, config: Footba
 
     if not isinstance(program, MixedProgram):
         return FootballVectorEnv(program, num_envs, config=config)
-    from ued.mixture import Mixture
+    from ued.adapters.mixture import Mixture
 
     members = [FootballVectorEnv(member, num_envs, config=config) for member in program.programs]
     try:

@@ -1,7 +1,7 @@
 """Demonstrations as what a student learns from: steps in chunks, some episodes held out.
 
 Parts of a folder are put together to chunks that fit into memory; where all of them fit, they are read once. Read next:
-`ued.cloning`.
+`ued.learning.cloning`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import torch
 from regista.envs.football.constants import NUM_ACTIONS
 from regista.experiments.run.demonstrations import Demonstrations, Summary
 from regista.experiments.run.errors import CommandError
-from ued.cloning import Demonstrated, discounted
+from ued.learning.cloning import Demonstrated, discounted
 
 CHUNK_BYTES = 256 * 2**20
 

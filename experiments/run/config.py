@@ -21,7 +21,7 @@ from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, nearest
 from regista.experiments.run.tasks import is_task
 from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
-from ued.files import write_whole
+from ued.core.files import write_whole
 from ued.methods import METHODS
 
 Config = TypeVar("Config")

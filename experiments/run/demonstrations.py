@@ -30,7 +30,7 @@ from regista.experiments.run import versions
 from regista.experiments.run.errors import DAMAGE, CommandError
 from regista.experiments.run.table import cannot_write, check_files, spell
 from ued.config import LARGEST_SEED, Checked, setting
-from ued.files import is_partial, write_whole
+from ued.core.files import is_partial, write_whole
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Space

@@ -60,7 +60,7 @@ class Part:
 def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray) -> Part:
     """Play one episode on each of the levels `[N]`; the program plays where nobody chooses (`env.scripted`)."""
     from regista.envs.football.replay import Record
-    from ued.upomdp import successes
+    from ued.core.upomdp import successes
 
     observation, _ = env.reset_to_levels(levels)
     state, size = env.get_state(), env.num_envs

@@ -36,7 +36,7 @@ from regista.experiments.run.owner import OWNER, owned
 from regista.experiments.run.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from regista.experiments.run.tasks import is_task
-from ued.files import is_partial, write_whole
+from ued.core.files import is_partial, write_whole
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ class RunFolder:
 
     def load(self) -> dict[str, Any] | None:
         """Return the checkpoint, None if the run has none yet. Raises `CheckpointError` for one that is damaged."""
-        from ued import checkpoint
+        from ued.core import checkpoint
 
         if not self.checkpoint.exists():
             return None
@@ -202,7 +202,7 @@ class RunFolder:
 
     def save(self, state: dict[str, Any]) -> None:
         """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
-        from ued import checkpoint
+        from ued.core import checkpoint
 
         checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
         self.saved_update = state["update"]
@@ -227,7 +227,7 @@ class RunFolder:
         """Return whether the checkpoint is at the end of the budget, and the picture is drawn, which comes last."""
         if not (self.checkpoint.exists() and self.picture.exists()):
             return False
-        from ued import checkpoint
+        from ued.core import checkpoint
 
         done = checkpoint.load_entry(self.checkpoint, "env_steps")
         if not isinstance(done, int):

@@ -4,7 +4,7 @@
     regista train AcademyLadder --method paired
 
 It is written as names joined by +, not as one Scenic program: a program has the same players in all its scenes, and
-the games of a ladder have not. Read next: `ued.mixture`; `run.build`, which makes environments of it.
+the games of a ladder have not. Read next: `ued.adapters.mixture`; `run.build`, which makes environments of it.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ued.cells import index_in
-from ued.level_space import level_dtype
+from ued.core.cells import index_in
+from ued.core.level_space import level_dtype
 
 if TYPE_CHECKING:
     from regista.envs.football.view.render import FootballPainter

@@ -39,7 +39,7 @@ class Origin:
 
 def load(path: Path) -> Origin:
     """Read the first student of a run folder or of a checkpoint. Raises `CommandError` or `CheckpointError`."""
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     file = path / "checkpoint.pt" if path.is_dir() else path
     if path.is_dir() and not file.exists():
@@ -75,7 +75,7 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
 
     Raises `CommandError` where a run has begun otherwise.
     """
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     for run in runs:
         source, kept = of_seed(path, run.config.seed) if path else None, run.path / "origin.pt"
@@ -129,7 +129,7 @@ def check(origin: Origin, config: TrainConfig) -> None:
 
 def keep(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> None:
     """Write what a run begins with into its folder; nothing, and what an earlier try left away, if with no student."""
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     path = run.path / "origin.pt"
     if origin is None:
@@ -145,7 +145,7 @@ def begin_with(run: RunFolder, method: Any) -> None:
 
     Raises `CommandError` for a student of another number of players or agents.
     """
-    from ued import checkpoint
+    from ued.core import checkpoint
 
     path = run.path / "origin.pt"
     if not path.exists():

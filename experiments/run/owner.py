@@ -20,7 +20,7 @@ from pathlib import Path
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.table import cannot_write
-from ued.files import PARTIAL
+from ued.core.files import PARTIAL
 
 OWNER = "owner.json"
 BEAT_SECONDS = 10.0  # between signs of life

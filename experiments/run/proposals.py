@@ -15,8 +15,8 @@ import numpy as np
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.results import align
 from regista.experiments.run.table import read_columns, read_rows
-from ued.cells import Cells
-from ued.parameters import Parameter, axis_of, choice_in
+from ued.core.cells import Cells
+from ued.core.parameters import Parameter, axis_of, choice_in
 from ued.recorder.shades import unique_names
 
 PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # of the updates of a run

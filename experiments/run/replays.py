@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
-from ued.level_space import level_dtype
-from ued.recorder.layout import ScenePainter
-from ued.upomdp import UPOMDP
+from ued.core.level_space import level_dtype
+from ued.core.painter import ScenePainter
+from ued.core.upomdp import UPOMDP
 
 MAX_STEPS = 2_000  # of the episodes on one level
 STEP_SECONDS = 0.1  # of an environment that says nothing of it

@@ -21,7 +21,7 @@ from regista.experiments.run import results as estimate
 from regista.experiments.run import versions
 from regista.experiments.run.results import LevelResult, Result, align, select, unique
 from regista.experiments.run.table import cannot_write, spell
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 if TYPE_CHECKING:
     from ued.statistics import Interval

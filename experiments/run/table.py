@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 EXACT = "theta/"  # the beginning of the names of columns whose numbers are not cut
 WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers

@@ -27,8 +27,8 @@ from regista.experiments.run.errors import EXTRAS, CommandError, UsageError, exi
 if TYPE_CHECKING:
     import numpy as np
 
-    from ued.task import Make, Task
-    from ued.upomdp import UPOMDP
+    from ued.core.task import Make, Task
+    from ued.core.upomdp import UPOMDP
 
 NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # what a task is called; no minigame has a colon
 
@@ -51,7 +51,7 @@ class TaskScene:
 
     def theta(self, upomdp: UPOMDP) -> np.ndarray | None:
         """Return θ `[L, D]` of the levels of a test, None for random ones. Raises `CommandError` for none of it."""
-        from ued.level_space import check_theta
+        from ued.core.level_space import check_theta
 
         if self.levels is None:
             return None
@@ -90,7 +90,7 @@ def name_of(task: Any) -> str:
 
     Raises `UsageError` for one that has none: it must stand at the top of a file.
     """
-    from ued.task import Task
+    from ued.core.task import Task
 
     make = task.make if isinstance(task, Task) else task
     module = inspect.getmodule(make)
@@ -105,7 +105,7 @@ def load_task(name: str) -> tuple[Task, str]:
 
     Raises `UsageError` where there is none, `TrustError` for one that only a run folder names.
     """
-    from ued.task import Task
+    from ued.core.task import Task
 
     place, _, attribute = name.rpartition(":")
     if not place.endswith(".py") or Path(place).expanduser().is_file():
@@ -190,7 +190,7 @@ def load_scenes(name: str, training: str) -> dict[str, TaskScene]:
 
 def make_upomdp(scene: TaskScene, num_envs: int, seed: int) -> UPOMDP:
     """Make `num_envs` environments of a scene, with seeded streams. Raises `CommandError` for what is no UPOMDP."""
-    from ued.upomdp import UPOMDP
+    from ued.core.upomdp import UPOMDP
 
     with _yours(f"make({num_envs}) failed"):
         upomdp = scene.make(num_envs)

@@ -18,7 +18,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 
 from regista.experiments.run.errors import CommandError
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 FLAG = "--trust"  # of every command
 

@@ -19,7 +19,7 @@ from regista.envs.football.constants import DIRECTION_RIGHT, IDLE, SPRINT
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.grf.differential import OURS
 from regista.experiments.grf.episodes import Episodes, play_keys
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 
 STEPS, LOOKED_AT = 40, (15, 25, 40)
 WORKERS = 16  # engines at once

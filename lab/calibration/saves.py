@@ -22,7 +22,7 @@ from regista.envs.football.physics.ball import advance_ball
 from regista.envs.football.physics.pitch import in_box_of
 from regista.envs.football.skills.saves import DIVE, SAVE, SaveOdds, follow_shot
 from regista.experiments.grf.stage import Stage
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 LAW, NAMES = SAVE, ("body", "body_gap", "hands", "halfway", "line_halfway", "effort")
 TIMES = (0.0, 0.22, 0.35, 0.45, 0.6, 9.0)  # s

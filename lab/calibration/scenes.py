@@ -15,7 +15,7 @@ import numpy as np
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.grf.differential import OURS
 from regista.experiments.grf.episodes import Episodes, play
-from ued.level_space import SEEDS, level_dtype
+from ued.core.level_space import SEEDS, level_dtype
 
 BATCH = 16  # episodes that are played side by side
 HEAD = """param game_duration = {steps}

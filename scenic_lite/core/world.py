@@ -3,7 +3,7 @@
 A step of the world is seen as two tables of numbers: one row per object of the program, and a row of facts about the
 match as a whole. What a program reads (`ball.position`, `simulation()`) is made from these by functions that never
 look at a number, so that the same functions serve numbers and the compiler's registers. Read next:
-`dynamics.reference.interpreter`, which runs programs in one; `envs/toy_world.py`, the smallest.
+`tests/reference/interpreter.py`, which runs programs in one; `envs/toy_world.py`, the smallest.
 """
 
 from __future__ import annotations

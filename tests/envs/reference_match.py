@@ -21,7 +21,7 @@ from regista.envs.football.scenic.world_table import NUM_FIELDS, write_world
 from regista.envs.football.simulator import step_everybody
 from scenic_lite import Program
 from scenic_lite.core.world import Commands, Verdict
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 
 
 class Moment(NamedTuple):

@@ -20,7 +20,7 @@ from regista.envs.football.observation.features import features_names
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.envs.football.version import SIMULATOR_VERSION
 from scenic_lite import ScenicError
-from ued.level_space import ThetaError
+from ued.core.level_space import ThetaError
 
 ROOT = Path(__file__).parent.parent.parent
 FREE = minigames.MINIGAMES["1v1Free"].program

@@ -13,8 +13,8 @@ from regista.envs.football.scenic.world_fields import FACTS, FIELDS
 from scenic_lite import load
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.bytecode import FAULT, FAULT_ROW, PROGRAM_ERROR
-from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.errors import ScenicError
+from tests.reference.interpreter import Reference
 
 HEAD = """
 from football.behaviors import *

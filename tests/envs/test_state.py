@@ -9,7 +9,7 @@ from pitch import duel
 from regista.envs.football.constants import CM, GK
 from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
 from regista.envs.football.state import BALL_FIELDS, ENGINE_FIELDS, MATCH, MATCH_FIELDS, PLAYER_FIELDS
-from scenic_lite.kernels.rng import streams, uniform
+from regista.kernels.rng import streams, uniform
 
 
 def test_every_field_is_declared_once() -> None:

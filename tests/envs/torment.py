@@ -30,8 +30,8 @@ from regista.envs.football.rules.fouls import report_foul
 from regista.envs.football.simulator import step_match, step_players
 from regista.envs.football.skills.contacts import FEET
 from regista.envs.football.skills.hands import PARRY
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 COMPLAINTS = (
     *("sane", "a player's numbers are not finite", "a player is off the grass", "a player is too fast"),

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
+from ued.core.upomdp import UPOMDP
 from ued.levels.batch import LevelBatch
 from ued.levels.record import level_record_dtype, make_records
-from ued.upomdp import UPOMDP
 
 
 class ThetaColumn(NamedTuple):

@@ -10,7 +10,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.test_demonstrate import PAIR, RUN
-from ued import checkpoint
+from ued.core import checkpoint
 
 pytestmark = pytest.mark.slow
 
@@ -111,7 +111,7 @@ def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_p
 
 
 def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsys):
-    from ued.cloning import Cloner
+    from ued.learning.cloning import Cloner
 
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     assert main(["clone", str(demos / "one"), "--out", str(whole), *FEW]) == 0

@@ -41,8 +41,8 @@ from regista.experiments.run.results import (
 )
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import read_rows
+from ued.core.level_space import level_dtype
 from ued.evaluation import Evaluation
-from ued.level_space import level_dtype
 
 ROOT = Path(__file__).parents[2]
 SHORT = ["--total-env-steps", "5000", "--eval-every", "2000", "--eval-episodes", "8", "--episodes", "20", "--no-record"]

@@ -15,8 +15,8 @@ from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, TrainConfig, presets
 from regista.experiments.run.folder import RunFolder
 from ued.config import PPOConfig
+from ued.core.seeding import torch_generator
 from ued.learning.student import Student
-from ued.seeding import torch_generator
 
 
 @pytest.mark.parametrize("name", ["fast", "thesis"])

@@ -16,9 +16,9 @@ from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import Table
 from regista.experiments.studies import rows
 from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
-from ued import checkpoint
-from ued.checkpoint import CheckpointError
-from ued.policy import load_policy
+from ued.adapters.policy import load_policy
+from ued.core import checkpoint
+from ued.core.checkpoint import CheckpointError
 
 DAMAGES = {
     "config.json": (b"", b"[" * 100_000, b"\xff\xfe", b'{"seed": NaN}', b"null", b'{"minigame": 3}'),

@@ -21,7 +21,7 @@ from regista.experiments.run.table import read_rows
 ROOT = Path(__file__).parents[2]
 TASK = """
 from ued.probes import Frontier
-from ued.task import Task
+from ued.core.task import Task
 
 task = Task(lambda num_envs: Frontier(num_envs, 4), tests={"open": [[0.0, 0.0, 0.0, -1.0]]})
 """

@@ -22,8 +22,8 @@ from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, EngineConfig, TaskTrainConfig, TrainConfig
 from regista.experiments.run.workers import LaunchConfig
 from tests.torture.files import TASK
-from ued import room
 from ued.config import PPOConfig, bounds_of, most_threads
+from ued.core import room
 
 LINES = [[name] for name in COMMANDS if name != "study"] + [["study", name] for name in STUDIES]
 SECONDS = 5.0  # of processor time for a refusal
@@ -201,8 +201,8 @@ def test_environments_that_do_not_fit_are_refused(game, tmp_path, capsys, monkey
 def test_needs_are_estimated_from_below():
     from gymnasium.spaces import Box, Discrete
 
+    from ued.core.seeding import torch_generator
     from ued.learning.student import Student
-    from ued.seeding import torch_generator
 
     for space in (Box(-1, 1, (50,)), Box(0, 255, (72, 96, 16), "uint8")):
         for changes in ({}, {"shared_torso": True}, {"memory": "gru"}, {"hidden_layers": 4}):

@@ -8,10 +8,10 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.events import NEGLECT_UPDATES, Watch
 from regista.experiments.run.proposals import read_proposals, render_proposals
 from regista.experiments.run.table import Table
+from ued.core.parameters import Choice, Column, Range
+from ued.core.upomdp import level_dtype
 from ued.levels.diagnostics import choice_metrics
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.parameters import Choice, Column, Range
-from ued.upomdp import level_dtype
 
 DRAWS = (Column("side", Choice("left", "in the way", "right", weights=(25, 1, 25))), Column("x", Range(0, 10)))
 

@@ -16,8 +16,8 @@ import pytest
 from regista.experiments.run.recording import RunRecorder, viewer_answers
 from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.config import BufferConfig
-from ued.curriculum import ThetaSpace
-from ued.level_space import level_dtype
+from ued.core.curriculum import ThetaSpace
+from ued.core.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.recorder import CurriculumRecorder, Recording

@@ -14,7 +14,7 @@ import regista
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
 from regista.experiments.run.folder import RunFolder
-from ued import checkpoint
+from ued.core import checkpoint
 
 ROOT = Path(__file__).parent.parent.parent
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "128", "--eval-episodes", "4"]

@@ -17,7 +17,7 @@ from regista.experiments.grf.episodes import NO_ACTION, Episodes, join
 from regista.experiments.grf.goals import goals_of
 from regista.experiments.grf.transfer import Played, Result, leaving, summary
 from regista.experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
-from ued import checkpoint
+from ued.core import checkpoint
 
 pytestmark = pytest.mark.slow
 

@@ -15,7 +15,7 @@ import regista
 from regista.experiments.__main__ import main
 from regista.experiments.run import tasks, trust
 from regista.experiments.run.folder import RunFolder
-from ued import checkpoint
+from ued.core import checkpoint
 
 ROOT = Path(__file__).parents[2]
 TINY = ["--num-envs", "2", "--num-steps", "8", "--total-env-steps", "16", "--eval-episodes", "1"]

@@ -15,7 +15,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.recording import RunRecorder
 from regista.experiments.run.table import read_rows
 from regista.experiments.studies import page, rows
-from ued import checkpoint
+from ued.core import checkpoint
 
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--num-minibatches", "1", "--total-env-steps", "64", "--no-record"]
 GAME = "academy/empty_goal_close"

@@ -14,8 +14,8 @@ import numpy as np
 from regista.envs.toy_world import properties, toy_world
 from scenic_lite import Domain, Program, load
 from scenic_lite.core.types import Instance
-from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.values.geometry import Vector
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run
 
 MOST_TRACES, MOST_RECORDS, MOST_PER_STEP = 30, 5, 20

@@ -10,7 +10,7 @@ import numpy as np
 
 from regista.envs.toy_world import toy_world
 from scenic_lite import Domain, ScenicError, load
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 SYNTAX = ("ScenicParseError", "ParseCompileError", "ScenicSyntaxError", "TokenParseError", "PythonParseError")

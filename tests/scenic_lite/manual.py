@@ -19,7 +19,7 @@ import numpy as np
 from regista.envs.toy_world import toy_world
 from scenic_lite import Program, Scenes, ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.toy_world import Trace, first_table, run
 

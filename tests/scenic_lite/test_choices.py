@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scene import things
 
-from ued.parameters import cells_in, snap
+from ued.core.parameters import cells_in, snap
 
 PROGRAM = """
 aside = Discrete({Range(-25, -6): 25, Range(-2, 2): 1, Range(6, 25): 25})

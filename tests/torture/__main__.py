@@ -36,7 +36,7 @@ from tests.torture.language import attack as attack_language
 from tests.torture.matches import attack as play_matches
 from tests.torture.options import attack as type_wrongly
 from tests.torture.worker import Worker
-from ued.files import write_whole
+from ued.core.files import write_whole
 
 LIFE = Path(__file__).with_name("life.json")  # the report that the page quotes
 PAGE = Path(__file__).resolve().parents[2] / "RELIABILITY.md"

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.torture.forks import KINDS, ROOT, End, Forks, Order
-from ued.files import PARTIAL
+from ued.core.files import PARTIAL
 from ued.methods import METHODS
 
 TASK = f"{ROOT / 'tests' / 'torture' / 'toy_task.py'}:walk"

@@ -30,8 +30,8 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.table import read_columns
 from tests.envs.hostile import damaged
 from tests.torture.forks import undrawn
-from ued.checkpoint import CheckpointError
-from ued.policy import load_policy
+from ued.adapters.policy import load_policy
+from ued.core.checkpoint import CheckpointError
 
 TASK = f"{Path(__file__).with_name('toy_task.py')}:walk"
 FILES = ("checkpoint.pt", "checkpoint.pt", "config.json", "metrics.csv", "levels.csv", "program.scenic")

@@ -6,9 +6,9 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 from gymnasium.vector.utils import batch_space
 
-from ued.level_space import check_theta
-from ued.parameters import numbered
-from ued.upomdp import UPOMDP
+from ued.core.level_space import check_theta
+from ued.core.parameters import numbered
+from ued.core.upomdp import UPOMDP
 
 
 class Probe(UPOMDP):

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from ued.config import setting
 from ued.levels.queue import LevelQueue
-from ued.method import Method
+from ued.methods.method import Method
 from ued.methods.dr import RandomLevels
 
 

@@ -8,9 +8,9 @@ import pytest
 import torch
 
 from ued.config import AdversaryConfig
+from ued.core.parameters import Choice, Column, Integer, Range, numbered, snap
+from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary, RunningScale
-from ued.parameters import Choice, Column, Integer, Range, numbered, snap
-from ued.seeding import torch_generator
 
 PEAK = 0.5
 UNIFORM_STD = 1 / math.sqrt(3)

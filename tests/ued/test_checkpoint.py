@@ -15,10 +15,10 @@ import pytest
 import torch
 from probes import Follow, Landscape
 
-from ued import checkpoint
-from ued.checkpoint import CheckpointError
 from ued.config import PairedConfig, PPOConfig
-from ued.level_space import level_dtype
+from ued.core import checkpoint
+from ued.core.checkpoint import CheckpointError
+from ued.core.level_space import level_dtype
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
 

@@ -106,7 +106,7 @@ def test_a_batch_is_torchrls_environment(make):
     pytest.importorskip("torchrl")
     from torchrl.envs import check_env_specs
 
-    from ued.torchrl import TorchRLEnv
+    from ued.adapters.torchrl import TorchRLEnv
 
     env = TorchRLEnv(make())
     env.set_seed(0)
@@ -116,7 +116,7 @@ def test_a_batch_is_torchrls_environment(make):
 
 def test_torchrl_sees_whole_episodes_each_on_its_level():
     pytest.importorskip("torchrl")
-    from ued.torchrl import TorchRLEnv
+    from ued.adapters.torchrl import TorchRLEnv
 
     env = TorchRLEnv(Frontier(4, longest=3))
     env.set_seed(0)
@@ -136,7 +136,7 @@ def test_torchrl_resets_some_environments_and_plays_no_team():
     pytest.importorskip("torchrl")
     from test_team import Roles
 
-    from ued.torchrl import TorchRLEnv
+    from ued.adapters.torchrl import TorchRLEnv
 
     env = TorchRLEnv(Frontier(4, longest=3, blocked_above=1.0))
     env.set_seed(0)
@@ -152,7 +152,7 @@ def test_stable_baselines_trains_on_a_batch():
     pytest.importorskip("stable_baselines3")
     from stable_baselines3 import PPO
 
-    from ued.sb3 import SB3VecEnv
+    from ued.adapters.sb3 import SB3VecEnv
 
     env = cartpole()
     theta = env.levels["theta"].copy()
@@ -163,7 +163,7 @@ def test_stable_baselines_trains_on_a_batch():
 
 def test_stable_baselines_is_told_of_the_end_of_an_episode():
     pytest.importorskip("stable_baselines3")
-    from ued.sb3 import SB3VecEnv
+    from ued.adapters.sb3 import SB3VecEnv
 
     env = SB3VecEnv(cartpole(2))
     env.seed(3)

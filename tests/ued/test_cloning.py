@@ -5,10 +5,10 @@ import pytest
 import torch
 from gymnasium.spaces import Box, Discrete
 
-from ued.cloning import Agreement, Cloner, Demonstrated, discounted
 from ued.config import CloningConfig, PPOConfig
+from ued.core.seeding import torch_generator
+from ued.learning.cloning import Agreement, Cloner, Demonstrated, discounted
 from ued.learning.student import Student
-from ued.seeding import torch_generator
 
 SEEN, ACTIONS = Box(-np.inf, np.inf, (3,)), Discrete(4)
 

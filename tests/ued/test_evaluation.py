@@ -6,9 +6,9 @@ from probes import Landscape, TwoStep
 
 from ued import evaluation
 from ued.config import PPOConfig
+from ued.core.seeding import torch_generator
 from ued.evaluation import evaluate
 from ued.learning.student import Student
-from ued.seeding import torch_generator
 
 
 class Lengths(Landscape):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 import torch
 
+from ued.adapters.mixture import Mixture
 from ued.config import AdversaryConfig
+from ued.core.parameters import Choice, Column, Integer, cells_in, edit, numbered, snap
+from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary
 from ued.levels.diagnostics import theta_metrics
-from ued.mixture import Mixture
-from ued.parameters import Choice, Column, Integer, cells_in, edit, numbered, snap
-from ued.seeding import torch_generator
 
 SEEDS, UPDATES, LEVELS, NOISE = 20, 16, 64, 0.3
 UNLIKELY = 0.01  # a test of no difference fails below this

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ued.config import BufferConfig
-from ued.curriculum import ThetaSpace
-from ued.level_space import level_dtype
+from ued.core.curriculum import ThetaSpace
+from ued.core.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
 

@@ -17,11 +17,11 @@ import pytest
 from gymnasium.spaces import Box, Discrete
 
 import ued
-from ued.gym_upomdp import GymUPOMDP
+from ued.adapters.gym import GymUPOMDP
+from ued.adapters.mixture import Mixture
+from ued.core.parameters import Column, Range
+from ued.core.upomdp import UPOMDP
 from ued.methods import METHODS
-from ued.mixture import Mixture
-from ued.parameters import Column, Range
-from ued.upomdp import UPOMDP
 
 PPO = ued.PPOConfig(num_steps=24, num_minibatches=1, update_epochs=1, hidden_size=8)
 BUFFER = ued.BufferConfig(capacity=12)

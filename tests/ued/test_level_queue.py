@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 from ued.levels.queue import LevelQueue
 from ued.levels.record import level_record_dtype, make_records
 

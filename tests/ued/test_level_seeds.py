@@ -5,12 +5,12 @@ import pytest
 from test_level_identity import BUFFER, METHODS, PPO, SETTINGS, Rooms, Track, Watch, put, rooms
 
 import ued
-from ued.curriculum import ThetaSpace
-from ued.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
-from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
-from ued.level_space import SEEDS, luck_seed
+from ued.adapters.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
+from ued.adapters.gym import GymUPOMDP, UPOMDPWrapper
+from ued.adapters.mixture import Mixture
+from ued.core.curriculum import ThetaSpace
+from ued.core.level_space import SEEDS, luck_seed
 from ued.methods.plr import PLRLevels
-from ued.mixture import Mixture
 
 # ---------------------------------------------------------------- what an environment is given
 
@@ -136,8 +136,8 @@ def test_a_wrapped_environment_repeats_a_level():
 def test_stable_baselines_and_torchrl_play_levels_with_layouts():
     stable = pytest.importorskip("stable_baselines3")
     pytest.importorskip("torchrl")
-    from ued.sb3 import SB3VecEnv
-    from ued.torchrl import TorchRLEnv
+    from ued.adapters.sb3 import SB3VecEnv
+    from ued.adapters.torchrl import TorchRLEnv
 
     batch = rooms()
     pool = batch.sample_levels(3)

@@ -10,10 +10,11 @@ from gymnasium.spaces import Box, Discrete
 from probes import Landscape, Probe
 from test_team import ARRANGEMENTS, Roles, arranged, numbers
 
-from ued import checkpoint
-from ued.cloning import Cloner
 from ued.config import CloningConfig, PairedConfig, PPOConfig
+from ued.core import checkpoint
+from ued.core.seeding import torch_generator
 from ued.evaluation import evaluate
+from ued.learning.cloning import Cloner
 from ued.learning.memory import GRU, Past
 from ued.learning.networks import Team
 from ued.learning.ppo import Batch, KLRegularizer
@@ -21,7 +22,6 @@ from ued.learning.student import Player, Student
 from ued.methods import METHODS
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
-from ued.seeding import torch_generator
 
 QUICK = PPOConfig(
     num_steps=16, learning_rate=5e-3, num_minibatches=2, hidden_size=16, hidden_layers=1, gamma=0.9, memory="gru"

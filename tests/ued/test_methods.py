@@ -34,12 +34,12 @@ from ued import (
     checkpoint,
 )
 from ued.config import AdversaryConfig, ALPGMMConfig
-from ued.curriculum import ThetaSpace
+from ued.core.curriculum import ThetaSpace
+from ued.core.parameters import edit, numbered
 from ued.levels.record import NONE, Origin
-from ued.method import Method
+from ued.methods.method import Method
 from ued.methods.paired import kl_target
 from ued.methods.sfl import SFLLevels
-from ued.parameters import edit, numbered
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)

@@ -12,9 +12,8 @@ from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.__main__ import main
 from tests.torture.calls import attack
 from ued import GymUPOMDP
-from ued.gym_upomdp import LevelError
-from ued.level_space import ThetaError
-from ued.parameters import Choice, Integer, LogRange, Range, ThetaMap
+from ued.core.level_space import LevelError, ThetaError
+from ued.core.parameters import Choice, Integer, LogRange, Range, ThetaMap
 from ued.probes import Frontier
 
 

@@ -6,12 +6,12 @@ import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PLRConfig, PPOConfig, RobustPLR
-from ued import parameters as kinds
+from ued.adapters.mixture import Mixture
 from ued.config import AdversaryConfig
+from ued.core import parameters as kinds
+from ued.core.parameters import Column
 from ued.evaluation import evaluate
 from ued.levels.adversary import Adversary
-from ued.mixture import Mixture
-from ued.parameters import Column
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)

@@ -26,9 +26,9 @@ from ued import (
     SFLConfig,
     ThetaSpace,
 )
+from ued.core.parameters import ThetaMap, edit, snap
+from ued.core.upomdp import UPOMDP
 from ued.levels.diagnostics import theta_metrics
-from ued.parameters import ThetaMap, edit, snap
-from ued.upomdp import UPOMDP
 
 KINDS = {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
 SMALL = PPOConfig(num_steps=8, hidden_size=8, update_epochs=1, num_minibatches=1)

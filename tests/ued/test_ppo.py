@@ -9,11 +9,11 @@ from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Te
 from probes import Choice, Constant, Endless, Follow, Reach, TwoStep
 
 from ued.config import PPOConfig
+from ued.core.seeding import torch_generator
 from ued.learning.networks import Categorical, Gaussian
 from ued.learning.ppo import explained_variance
 from ued.learning.student import Normaliser, Student
 from ued.methods.dr import DR
-from ued.seeding import torch_generator
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
 

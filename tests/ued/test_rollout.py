@@ -6,11 +6,11 @@ import torch
 from probes import Endless, TwoStep
 
 from ued.config import PPOConfig
+from ued.core.seeding import torch_generator
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.worker import RolloutWorker, collect
 from ued.levels.record import level_record_dtype, make_records
-from ued.seeding import torch_generator
 
 
 def random_rollout(steps=40, envs=6, seed=0):

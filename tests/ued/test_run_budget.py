@@ -6,10 +6,10 @@ import torch
 from gymnasium.spaces import Box, Discrete
 
 from ued.config import ACCELConfig, AdversaryConfig, PairedConfig, PLRConfig, PPOConfig, RepairedConfig
+from ued.core.parameters import Column, Range
+from ued.core.upomdp import UPOMDP
 from ued.levels.budget import Budget
 from ued.methods import METHODS
-from ued.parameters import Column, Range
-from ued.upomdp import UPOMDP
 
 PPO = PPOConfig(num_steps=16, hidden_size=8, update_epochs=1, num_minibatches=1)
 LONG = 100  # steps of an episode

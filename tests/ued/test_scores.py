@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 from ued.levels.record import level_record_dtype, make_records
 from ued.levels.scores import population_regret, regret, score
 

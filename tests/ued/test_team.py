@@ -8,7 +8,9 @@ import torch
 from gymnasium.spaces import Box, Discrete, MultiDiscrete
 from probes import Follow, Probe
 
+from ued.adapters.mixture import Mixture
 from ued.config import PPOConfig
+from ued.core.seeding import torch_generator
 from ued.learning.networks import Linears
 from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae
@@ -17,8 +19,6 @@ from ued.learning.value_stats import EpisodeValues
 from ued.methods import METHODS
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
-from ued.mixture import Mixture
-from ued.seeding import torch_generator
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
 ARRANGEMENTS = [(team, critic) for team in ("independent", "shared") for critic in ("own", "central")]

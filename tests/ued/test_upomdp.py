@@ -9,8 +9,8 @@ from gymnasium.spaces import Box
 from gymnasium.utils.env_checker import check_env
 
 from ued import DR, Paired, PPOConfig
-from ued.gym_upomdp import GymUPOMDP, UPOMDPWrapper
-from ued.level_space import ThetaError, check_theta
+from ued.adapters.gym import GymUPOMDP, UPOMDPWrapper
+from ued.core.level_space import ThetaError, check_theta
 
 RANGES = {"length": (0.2, 2.0), "push": (2.0, 15.0)}
 
@@ -91,7 +91,7 @@ def test_an_invalid_level_is_replaced_and_reported():
 
 
 def test_sampling_gives_up_with_a_sentence_when_nothing_is_valid(monkeypatch):
-    monkeypatch.setattr("ued.level_space.MAX_TRIES", 20)
+    monkeypatch.setattr("ued.core.level_space.MAX_TRIES", 20)
     env = cartpole(2, NoShortPoles())
     env.theta_map.valid = lambda theta: np.zeros(len(theta), bool)
     with pytest.raises(ThetaError, match=r"no valid theta found in 20 draws for 2 of 2 rows"):

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from ued.files import is_partial, write_whole
+from ued.core.files import is_partial, write_whole
 
 
 def test_a_refused_write_leaves_the_file_as_it_was_and_nothing_beside(tmp_path, monkeypatch):

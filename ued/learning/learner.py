@@ -1,6 +1,6 @@
 """A learner: a student with all that plays and teaches it.
 
-Read next: `method`, which lets one or more of them play the same levels.
+Read next: `methods.method`, which lets one or more of them play the same levels.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import torch
 from gymnasium.spaces import Discrete
 
 from ued.config import PPOConfig
+from ued.core.seeding import SeedStream, torch_generator
+from ued.core.upomdp import UPOMDP
 from ued.learning.ppo import PPO, FadingKL, KLRegularizer
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.upload import Upload
 from ued.learning.value_stats import EpisodeValues
 from ued.learning.worker import Episodes, OnEpisodeEnd, RolloutWorker
-from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP
 
 RECENT = 100  # episodes of a rolling return
 

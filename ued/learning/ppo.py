@@ -19,12 +19,12 @@ import torch
 from torch import Tensor
 
 from ued.config import PPOConfig
+from ued.core.resumable import Resumable
 from ued.learning.adam import Adam, clip_norm
 from ued.learning.memory import Past
 from ued.learning.networks import Policy
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
-from ued.resumable import Resumable
 
 
 class PPO(Resumable):

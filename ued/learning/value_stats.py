@@ -11,8 +11,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ued.core.resumable import Resumable
 from ued.learning.rollout import Rollout
-from ued.resumable import Resumable
 
 NAMES = ("mean_value", "positive_advantage", "absolute_advantage")
 

@@ -15,12 +15,12 @@ import numpy as np
 import torch
 from gymnasium.spaces import Discrete
 
+from ued.core.resumable import Resumable
+from ued.core.upomdp import UPOMDP
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
-from ued.resumable import Resumable
-from ued.upomdp import UPOMDP
 
 # Called with the environments `[k]` whose episodes have just ended, their returns and success `[k]` (1, 0, nan: not
 # known); returns the environments `[c]` that change their level and the level records `[c]` that they get. The others

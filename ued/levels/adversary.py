@@ -17,11 +17,11 @@ import torch
 from torch import Tensor
 
 from ued.config import AdversaryConfig
+from ued.core.parameters import Parameter, numbered
+from ued.core.resumable import Resumable
 from ued.learning.adam import Adam
 from ued.levels.theta_distribution import ThetaDistribution
 from ued.levels.unimodal import Unimodal
-from ued.parameters import Parameter, numbered
-from ued.resumable import Resumable
 
 MOST_LOG_RATIO = 20.0  # of thousands of columns together: the exponential stays finite
 LOSSES = ("policy_loss", "value_loss", "grad_norm")

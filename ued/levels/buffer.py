@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 from ued.config import BufferConfig, PLRConfig, RepairedConfig
-from ued.level_space import LevelSpace, level_dtype
+from ued.core.level_space import LevelSpace, level_dtype
+from ued.core.resumable import Resumable
 from ued.levels.budget import Budget
 from ued.levels.ranking import Ranking
 from ued.levels.record import NONE, Origin, make_records, number
-from ued.resumable import Resumable
 
 EPSILON = 1e-8  # so that a power of 0 is no division by 0
 

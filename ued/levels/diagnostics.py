@@ -2,7 +2,7 @@
 
 These numbers tell a curriculum that collapses from one that works: a teacher stuck on few levels has a low entropy and
 coverage; one that aims too high has a low success rate; regret that is luck pays it for chance (see `regret_split`).
-Read next: `method`, which logs them in every update.
+Read next: `methods.method`, which logs them in every update.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ued.cells import index_in
+from ued.core.cells import index_in
+from ued.core.parameters import Parameter, choice_in
 from ued.levels.record import Origin, mean_returns, solved
-from ued.parameters import Parameter, choice_in
 
 BINS = 10  # of each column of θ that is a real number
 MOST_CHOICES, MOST_OPTIONS = 4, 8  # of which metrics tell one by one

@@ -4,7 +4,7 @@ A student's environment that has played its level often enough takes the next on
 others go on. So no episode is cut off by a change of level, none is lost or counted as 0, long episodes are not left
 out, and no environment waits for the longest. A student whose episodes are shorter would run ahead; when it is
 `max_lead` levels ahead of the slowest, it plays its level again until the others have caught up, and those episodes
-train it but do not count. Read next: `method`, whose `play` hides this queue.
+train it but do not count. Read next: `methods.method`, whose `play` hides this queue.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ued.curriculum import Curriculum
-from ued.level_space import whole
+from ued.core.curriculum import Curriculum
+from ued.core.level_space import whole
+from ued.core.resumable import Resumable
 from ued.levels.record import NONE, number
-from ued.resumable import Resumable
 
 # Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
 # of their number, for one request of many levels costs hardly more than one of one.

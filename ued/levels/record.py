@@ -2,7 +2,7 @@
 
 It is the one record between whoever chooses levels and whoever trains on them: `Curriculum.propose(n)` returns records
 with their results open, a trainer fills these in, `Curriculum.update(records)` learns from them. Read next:
-`curriculum`, the protocol; `levels.queue`, which hands records to students.
+`core.curriculum`, the protocol; `levels.queue`, which hands records to students.
 """
 
 from __future__ import annotations

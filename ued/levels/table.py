@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ued.level_space import level_dtype
+from ued.core.level_space import level_dtype
 
 
 def read_level(run: str | Path, id: int, turn: int | None = None) -> np.ndarray:

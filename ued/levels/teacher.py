@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from ued.config import TeacherConfig
-from ued.curriculum import LevelSpace, need_vector
-from ued.level_space import level_dtype, whole
+from ued.core.curriculum import LevelSpace, need_vector
+from ued.core.level_space import level_dtype, whole
+from ued.core.resumable import Resumable
+from ued.core.seeding import SeedStream, torch_generator
+from ued.core.upomdp import UPOMDP
 from ued.levels.adversary import Adversary, Proposals
 from ued.levels.budget import Budget
 from ued.levels.diagnostics import choice_metrics
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.resumable import Resumable
-from ued.seeding import SeedStream, torch_generator
-from ued.upomdp import UPOMDP
 
 
 class Teacher(Resumable):

@@ -25,9 +25,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ued.cells import Cells
+from ued.core.cells import Cells
+from ued.core.parameters import Parameter, choice_in
 from ued.learning.networks import IMPOSSIBLE, linear
-from ued.parameters import Parameter, choice_in
 
 # The bumps of each real number as they begin: together uniform within a few percent, and symmetric.
 FIRST_MEANS = (-0.98, -0.49, 0.0, 0.49, 0.98)

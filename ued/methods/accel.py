@@ -15,12 +15,12 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import ACCELConfig
-from ued.curriculum import LevelSpace
+from ued.core.curriculum import LevelSpace
 from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
-from ued.method import Method
+from ued.methods.method import Method
 from ued.methods.plr import PLRLevels
 
 TRIES = 8  # to edit a level into a valid one

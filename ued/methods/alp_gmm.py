@@ -16,13 +16,13 @@ from typing import ClassVar
 import numpy as np
 
 from ued.config import ALPGMMConfig
-from ued.curriculum import LevelSpace, RandomLevelPool, need_vector
-from ued.level_space import level_dtype
+from ued.core.curriculum import LevelSpace, RandomLevelPool, need_vector
+from ued.core.level_space import level_dtype
+from ued.core.resumable import Resumable
 from ued.levels.gaussian_mixture import GaussianMixture, aic, fit
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.method import Method
-from ued.resumable import Resumable
+from ued.methods.method import Method
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
 REMEMBERED = 10_000  # episodes among which the nearest is sought

@@ -12,12 +12,12 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import MinimaxConfig
-from ued.curriculum import LevelSpace
+from ued.core.curriculum import LevelSpace
 from ued.levels.budget import Budget
 from ued.levels.queue import LevelQueue
 from ued.levels.record import mean_returns
 from ued.levels.teacher import Teacher
-from ued.method import Method
+from ued.methods.method import Method
 
 
 class Minimax(Method):

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ued.config import PairedConfig
-from ued.curriculum import LevelSpace
+from ued.core.curriculum import LevelSpace
 from ued.learning.learner import Learner
 from ued.learning.ppo import KLRegularizer
 from ued.levels import scores
@@ -27,7 +27,7 @@ from ued.levels.budget import Budget
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
-from ued.method import Method
+from ued.methods.method import Method
 
 
 class Paired(Method):

@@ -21,7 +21,7 @@ from ued.config import PairedConfig, PairedLiteralConfig
 from ued.learning.rollout import Rollout
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
-from ued.method import Method
+from ued.methods.method import Method
 from ued.methods.paired import PairedLevels, paired_regret
 
 

@@ -15,15 +15,15 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import PLRConfig
-from ued.curriculum import LevelSpace, RandomLevelPool
-from ued.level_space import level_dtype
+from ued.core.curriculum import LevelSpace, RandomLevelPool
+from ued.core.level_space import level_dtype
+from ued.core.resumable import Resumable
 from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records
-from ued.method import Method
-from ued.resumable import Resumable
+from ued.methods.method import Method
 
 
 class PLR(Method):

@@ -17,12 +17,12 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import RepairedConfig
-from ued.curriculum import LevelSpace
+from ued.core.curriculum import LevelSpace
 from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
-from ued.method import Method
+from ued.methods.method import Method
 from ued.methods.paired import PairedLevels, add_students, has_antagonist, kl_target, paired_regret
 
 

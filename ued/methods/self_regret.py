@@ -15,12 +15,12 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import SelfRegretConfig
-from ued.curriculum import LevelSpace
+from ued.core.curriculum import LevelSpace
 from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.queue import LevelQueue
 from ued.levels.teacher import Teacher
-from ued.method import Method
+from ued.methods.method import Method
 
 
 class SelfRegret(Method):

@@ -15,13 +15,13 @@ from __future__ import annotations
 import numpy as np
 
 from ued.config import SFLConfig
-from ued.curriculum import LevelSpace, RandomLevelPool
-from ued.level_space import level_dtype
+from ued.core.curriculum import LevelSpace, RandomLevelPool
+from ued.core.level_space import level_dtype
+from ued.core.resumable import Resumable
 from ued.levels import scores
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records, mean_played, solved
-from ued.method import Method
-from ued.resumable import Resumable
+from ued.methods.method import Method
 
 TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
 

@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence, Set
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.recorder.shades import SOURCE_COLOURS, Colour
+from ued.core.painter import Colour, ScenePainter
+from ued.recorder.shades import SOURCE_COLOURS
 from ued.recorder.writer import Writer
 
 PlayState = Literal["Paused", "Playing", "Following"]
@@ -27,27 +28,6 @@ MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over upda
 SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 DARK: Colour = (12, 12, 14)
-
-
-class ScenePainter(Protocol):
-    """What a domain tells the recorder of its looks. Places are in metres, +y up."""
-
-    bounds: tuple[float, float, float, float]  # of where levels are: x low, x high, y low, y high
-    reach: tuple[float, float, float, float]  # of where things get while a level is played, likewise
-    background: Colour
-    line_colour: Colour
-    markers: Sequence[tuple[str, Colour, float]]  # by class: name, colour, radius (m)
-    classes: np.ndarray  # [K] the class of each point of a scene
-    focus: int  # the point that stands for the whole level on a map
-
-    def lines(self) -> list[np.ndarray]:
-        """Return the strips of the ground, each `[n, 2]`."""
-
-    def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
-
-    def frame(self, env: Any) -> np.ndarray:
-        """Return the points of the first environment of `env` as it stands: `[K, 2]`."""
 
 
 def layout(

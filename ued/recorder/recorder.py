@@ -33,17 +33,18 @@ from typing import Any
 import numpy as np
 import rerun
 
+from ued.core.painter import ScenePainter
+from ued.core.upomdp import Parameter
 from ued.levels.batch import LevelBatch
 from ued.levels.buffer import LevelBuffer
 from ued.recorder import buffer_log
 from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
-from ued.recorder.layout import ScenePainter, layout
+from ued.recorder.layout import layout
 from ued.recorder.scene_log import Episodes, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
 from ued.recorder.writer import Writer
-from ued.upomdp import Parameter
 
 MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
 

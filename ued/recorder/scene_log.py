@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import rerun
 
+from ued.core.painter import ScenePainter
 from ued.levels.batch import LevelBatch
 from ued.levels.record import NONE
-from ued.recorder.layout import TOP_LEVELS, ScenePainter, log_ground, turn_y_up
+from ued.recorder.layout import TOP_LEVELS, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m

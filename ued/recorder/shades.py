@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-Colour = tuple[int, int, int]
+from ued.core.painter import Colour
 
 STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOUR: Colour = (255, 82, 82)

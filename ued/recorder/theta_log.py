@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import rerun
 
-from ued.parameters import Parameter, axis_of, choice_in
+from ued.core.parameters import Parameter, axis_of, choice_in
 from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
 from ued.recorder.shades import smooth, unique_names
 

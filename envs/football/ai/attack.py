@@ -18,8 +18,8 @@ from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.possession import forget_kick
 from regista.envs.football.physics.vectors import apart, length
 from regista.envs.football.skills.steering import chase
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Forces(NamedTuple):

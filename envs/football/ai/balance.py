@@ -12,7 +12,7 @@ import math
 from regista.envs.football.constants import LEFT, NOBODY, NORMAL, RIGHT, STEP
 from regista.envs.football.physics.pitch import forward
 from regista.envs.football.state import BALL_MEMORY
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 NO_HOLD, FULL_HOLD = 0.5, 1.5
 HOLD_SLACK = 1.5  # s added to both teams' times to the ball before they are compared

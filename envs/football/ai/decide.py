@@ -18,8 +18,8 @@ from regista.envs.football.ai.support import choose_runners
 from regista.envs.football.constants import GK, LEFT, NOBODY, NORMAL, RIGHT, STEP
 from regista.envs.football.physics.possession import first_at_ball, man_on_ball, owns
 from regista.envs.football.skills.steering import go_for_ball
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 MARKED_EVERY, MARKED_AT = 4, 3  # steps; which of them: at first nobody is marked
 SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of who has been the first at a free ball; s, added to both

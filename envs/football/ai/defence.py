@@ -18,7 +18,7 @@ from regista.envs.football.physics.pitch import forward, own_goal_x
 from regista.envs.football.physics.possession import look_ahead, man_on_ball, meeting_time, travelled
 from regista.envs.football.physics.vectors import apart, length, squared_apart, toward
 from regista.envs.football.skills.steering import AWAIT, await_ball, go_for_ball, slide
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Duel(NamedTuple):

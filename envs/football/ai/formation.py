@@ -18,7 +18,7 @@ from regista.envs.football.ai.balance import lean_towards, mean_ball
 from regista.envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, LEFT, RIGHT
 from regista.envs.football.physics.pitch import forward
 from regista.envs.football.physics.vectors import length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 # Slots of the numbers 0 to 10
 SLOTS = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from regista.envs.football.physics.vectors import length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Interception(NamedTuple):

@@ -22,7 +22,7 @@ from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.skills.hands import HOLD_STEPS, has_hands
 from regista.envs.football.skills.saves import dive
 from regista.envs.football.skills.steering import chase, slide
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Stand(NamedTuple):

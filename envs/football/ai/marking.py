@@ -14,7 +14,7 @@ from regista.envs.football.constants import GK, HALF_LENGTH, LEFT, NOBODY, NORMA
 from regista.envs.football.physics.pitch import own_goal_x
 from regista.envs.football.physics.possession import man_on_ball
 from regista.envs.football.physics.vectors import length, squared_apart
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Danger(NamedTuple):

@@ -15,7 +15,7 @@ from regista.envs.football.ai.support import onside_line
 from regista.envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, HIGH_PASS, LONG_PASS, NOBODY, SHORT_PASS
 from regista.envs.football.physics.pitch import attacked_goal_x, forward, own_goal_x
 from regista.envs.football.physics.vectors import apart, length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Worth(NamedTuple):

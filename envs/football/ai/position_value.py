@@ -12,7 +12,7 @@ from regista.envs.football.ai.formation import MINDSET
 from regista.envs.football.constants import HALF_LENGTH
 from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.vectors import length, squared_apart
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Value(NamedTuple):

@@ -15,7 +15,7 @@ from regista.envs.football.ai.support import runs_behind, support_share, support
 from regista.envs.football.constants import CF, NOBODY
 from regista.envs.football.physics.possession import first_at_ball, man_on_ball
 from regista.envs.football.physics.vectors import apart
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Own(NamedTuple):

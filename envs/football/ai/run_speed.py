@@ -11,7 +11,7 @@ from typing import NamedTuple
 from regista.envs.football.ai.formation import MINDSET, between
 from regista.envs.football.constants import DRIBBLE_SPEED, RUN_SPEED
 from regista.envs.football.physics.vectors import apart
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Effort(NamedTuple):

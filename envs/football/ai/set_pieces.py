@@ -33,8 +33,8 @@ from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.rules.offside import mark_offside
 from regista.envs.football.rules.whistle import look_at
 from regista.envs.football.skills.kicks import AFTER_KICK, aim, leave_foot
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Taker(NamedTuple):

@@ -16,8 +16,8 @@ from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.vectors import length, toward
 from regista.envs.football.skills.kicks import GAUGE
 from regista.envs.football.skills.shots import SHOT_SKILL
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class When(NamedTuple):

@@ -14,7 +14,7 @@ from regista.envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBOD
 from regista.envs.football.physics.pitch import attacked_goal_x, forward
 from regista.envs.football.physics.possession import man_on_ball
 from regista.envs.football.physics.vectors import apart, length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Forces(NamedTuple):

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from regista.envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
 from regista.envs.football.control.keys import is_button
 from regista.envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Designation(NamedTuple):

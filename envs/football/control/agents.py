@@ -23,8 +23,8 @@ from regista.envs.football.constants import (
 )
 from regista.envs.football.control.active_player import choose_active
 from regista.envs.football.control.keys import key_of_command, key_of_wish
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 @kernel

@@ -18,7 +18,7 @@ from regista.envs.football.constants import (
     RIGHT,
     RUNNING,
 )
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -40,8 +40,8 @@ from regista.envs.football.physics.possession import ball_speed, forget_kick, lo
 from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.skills.first_touch import is_about_to_play
 from regista.envs.football.skills.steering import slide
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Ask(NamedTuple):

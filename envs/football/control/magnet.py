@@ -15,7 +15,7 @@ from regista.envs.football.physics.possession import ball_speed
 from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.skills.shots import eased
 from regista.envs.football.skills.steering import AWAIT, await_ball, chase
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Pull(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from regista.envs.football.constants import LEFT, METRES_PER_X, METRES_PER_Y, NOBODY
 from regista.envs.football.control.agents import num_agents
 from regista.envs.football.physics.vectors import length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 CHECKPOINTS, CHECKPOINT_REWARD = 10, 0.1
 FIRST_CHECKPOINT, CHECKPOINT_SPAN = 0.99, 0.8  # units of Google Research Football to (1, 0)

@@ -12,7 +12,7 @@ import math
 from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
 from regista.envs.football.control.agents import seen_by
 from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 SELF_NAMES = ("self.x", "self.y", "self.vx", "self.vy", "self.facing_x", "self.facing_y", "self.tired", "self.down")
 BALL_NAMES = ("ball.dx", "ball.dy", "ball.z", "ball.vx", "ball.vy", "ball.vz", "ball.near")

@@ -14,7 +14,7 @@ from regista.envs.football.control.agents import num_agents
 from regista.envs.football.observation.features import write_features
 from regista.envs.football.observation.simple115 import write_simple115
 from regista.envs.football.observation.smm import remember, write_planes
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
 

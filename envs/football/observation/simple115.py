@@ -13,7 +13,7 @@ import numpy as np
 
 from regista.envs.football.constants import HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
 from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING, UNIT_X, UNIT_Y
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 SIZE = 115
 TEAM = 11  # players of a team that there is room for

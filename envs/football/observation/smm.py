@@ -15,7 +15,7 @@ import numpy as np
 
 from regista.envs.football.constants import LEFT, NOBODY
 from regista.envs.football.observation.units import UNIT_X, UNIT_Y
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 HEIGHT, WIDTH = 72, 96  # pixels
 FRAMES = 4  # that are remembered

@@ -17,7 +17,7 @@ from regista.envs.football.constants import (
     HALF_LENGTH,
     POST_RADIUS,
 )
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Air(NamedTuple):

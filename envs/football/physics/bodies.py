@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from regista.envs.football.constants import APRON, BODY_RADIUS, DT, HALF_LENGTH, HALF_WIDTH, LEFT, STEP
 from regista.envs.football.physics.vectors import length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Push(NamedTuple):

@@ -26,7 +26,7 @@ from regista.envs.football.physics.running import (
     straight,
 )
 from regista.envs.football.physics.vectors import toward
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits, by the speed wanted; the last: knocking it on in a sprint
 

@@ -13,8 +13,8 @@ from regista.envs.football.physics.dribble import run_with_ball
 from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.running import BRAKING, STANCE, TOES, run_free
 from regista.envs.football.physics.vectors import apart, toward
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Slide(NamedTuple):

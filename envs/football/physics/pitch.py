@@ -6,7 +6,7 @@ Read next: `physics.ball`.
 from __future__ import annotations
 
 from regista.envs.football.constants import BOX_DEPTH, BOX_HALF_WIDTH, HALF_LENGTH, LEFT
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

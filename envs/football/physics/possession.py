@@ -12,7 +12,7 @@ from regista.envs.football.constants import LEFT, NOBODY, RIGHT, STEP, THROW_IN
 from regista.envs.football.physics.ball import AIR, GROUND, MEAN_DRAG, rolled
 from regista.envs.football.physics.bodies import PUSH
 from regista.envs.football.physics.vectors import apart, length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Owned(NamedTuple):

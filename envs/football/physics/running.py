@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 from regista.envs.football.constants import GK, RUN_SPEED, STEP
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Braking(NamedTuple):

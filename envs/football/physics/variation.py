@@ -9,8 +9,8 @@ Read next: `state`, the table of the factors.
 from __future__ import annotations
 
 from regista.envs.football.constants import GK
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 @kernel

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -20,7 +20,7 @@ from regista.envs.football.constants import (
 from regista.envs.football.physics.pitch import in_box_of
 from regista.envs.football.physics.possession import lose_ball
 from regista.envs.football.rules.whistle import stand_still, stop_play
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which it is a foul, a yellow and a red card
 CAUTIONED, SENT_OFF = 1, 2  # `cards`

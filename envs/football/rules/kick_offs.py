@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from regista.envs.football.constants import NOBODY
 from regista.envs.football.rules.whistle import move_to, put_ball
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -10,7 +10,7 @@ import math
 from regista.envs.football.constants import FREE_KICK
 from regista.envs.football.physics.pitch import forward
 from regista.envs.football.rules.whistle import stop_play
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -21,7 +21,7 @@ from regista.envs.football.constants import (
 from regista.envs.football.physics.pitch import forward, own_goal_x
 from regista.envs.football.physics.vectors import apart, length
 from regista.envs.football.rules.whistle import move_to
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Block(NamedTuple):

@@ -27,7 +27,7 @@ from regista.envs.football.rules.fouls import judge_foul, send_off
 from regista.envs.football.rules.kick_offs import kick_off_again, second_half
 from regista.envs.football.rules.restarts import set_up
 from regista.envs.football.rules.whistle import off_pitch, stop_play
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 GOAL_KICK_X = 0.92 * HALF_LENGTH
 THROW_IN_X = HALF_LENGTH - 0.6  # m, throw-ins are taken within this

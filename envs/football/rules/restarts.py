@@ -12,7 +12,7 @@ from regista.envs.football.physics.pitch import forward
 from regista.envs.football.physics.vectors import apart, toward
 from regista.envs.football.rules.placing import EVEN, place_players
 from regista.envs.football.rules.whistle import move_to
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 THROWER_OUT, RUN_UP, RUN_UP_FREE, RUN_UP_PENALTY = 0.3, 2.3, 2.3, 3.0  # m behind the ball, where the taker starts
 HELD_AT = 1.5  # m, height of the ball in the hands of who throws it in

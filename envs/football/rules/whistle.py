@@ -8,7 +8,7 @@ from __future__ import annotations
 from regista.envs.football.constants import BALL_RADIUS, FREE_KICK, HALF_LENGTH, HALF_WIDTH, NOBODY, OUT_MARGIN
 from regista.envs.football.physics.possession import forget_kick, lose_ball
 from regista.envs.football.physics.vectors import toward
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 

@@ -22,10 +22,10 @@ from regista.envs.football.constants import (
 )
 from regista.envs.football.control.agents import seen_by
 from regista.envs.football.scenic.world_table import THE_BALL, write_world
+from regista.kernels.jit import kernel
 from scenic_lite.dynamics.machine import bytecode
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
-from scenic_lite.kernels.jit import kernel
 
 _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TERMINATED
 

@@ -14,7 +14,7 @@ import numpy as np
 from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
 from regista.envs.football.control.agents import seen_by
 from regista.envs.football.scenic.world_fields import FIELDS
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 THE_BALL = -1  # in place of a player's index
 NUM_FIELDS, HEADING = len(FIELDS), FIELDS.index("heading")

@@ -12,8 +12,8 @@ from regista.envs.football.constants import DT, NOBODY
 from regista.envs.football.physics.possession import lose_ball
 from regista.envs.football.physics.vectors import length, toward
 from regista.envs.football.skills.saves import foresee
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Block(NamedTuple):

@@ -29,8 +29,8 @@ from regista.envs.football.skills.tackles import (
     within_reach,
 )
 from regista.envs.football.skills.touch import take
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Trap(NamedTuple):

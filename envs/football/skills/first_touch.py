@@ -15,8 +15,8 @@ from regista.envs.football.physics.dribble import push_on
 from regista.envs.football.physics.running import READY, START, SURE
 from regista.envs.football.physics.vectors import length
 from regista.envs.football.skills.touch import take
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Difficulty(NamedTuple):

@@ -16,8 +16,8 @@ from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.rules.offside import whistled
 from regista.envs.football.skills.saves import SAVE
 from regista.envs.football.skills.touch import take
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import normal, uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import normal, uniform
 
 
 class Hold(NamedTuple):

@@ -26,8 +26,8 @@ from regista.envs.football.rules.offside import whistled
 from regista.envs.football.skills.passes import aim_pass, play_pass
 from regista.envs.football.skills.saves import foresee_shot
 from regista.envs.football.skills.shots import aim_shot, angle_between, strike
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Gauge(NamedTuple):

@@ -12,8 +12,8 @@ from regista.envs.football.constants import HIGH_PASS, LEFT, LONG_PASS, NOBODY
 from regista.envs.football.physics.vectors import length
 from regista.envs.football.skills.first_touch import difficulty
 from regista.envs.football.skills.shots import bend
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Choice(NamedTuple):

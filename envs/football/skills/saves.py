@@ -22,8 +22,8 @@ from regista.envs.football.physics.pitch import in_box_of, own_goal_x
 from regista.envs.football.physics.possession import ball_speed
 from regista.envs.football.physics.running import READY
 from regista.envs.football.physics.vectors import length, squared_apart
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class SaveOdds(NamedTuple):

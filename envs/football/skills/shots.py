@@ -15,8 +15,8 @@ from regista.envs.football.constants import NOBODY
 from regista.envs.football.physics.bodies import PUSH
 from regista.envs.football.physics.pitch import attacked_goal_x
 from regista.envs.football.physics.vectors import length
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Aim(NamedTuple):

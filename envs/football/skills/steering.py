@@ -12,7 +12,7 @@ from regista.envs.football.constants import NOBODY
 from regista.envs.football.physics.motion import SLIDE
 from regista.envs.football.physics.possession import ball_speed, look_ahead, time_needed, time_to_meet, travelled
 from regista.envs.football.physics.vectors import apart, length
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 class Await(NamedTuple):

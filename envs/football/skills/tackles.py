@@ -13,8 +13,8 @@ from regista.envs.football.physics.motion import SLIDE
 from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.rules.fouls import report_foul
 from regista.envs.football.skills.touch import take
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 
 
 class Tackle(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 from regista.envs.football.constants import BALL_RADIUS, NOBODY
 from regista.envs.football.physics.possession import lose_ball
 from regista.envs.football.rules.offside import whistled
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 
 
 @kernel

@@ -11,6 +11,8 @@ import math
 
 import numpy as np
 
+from regista.kernels.jit import kernel
+from regista.kernels.rng import uniform
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import (
     COMPLETE,
@@ -41,8 +43,6 @@ from scenic_lite.dynamics.machine.vm_geometry import (
     sector_meets_rectangle,
     sort_order,
 )
-from scenic_lite.kernels.jit import kernel
-from scenic_lite.kernels.rng import uniform
 
 TURN = 2 * math.pi
 

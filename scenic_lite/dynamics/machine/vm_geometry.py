@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from scenic_lite.kernels.jit import kernel
+from regista.kernels.jit import kernel
 from scenic_lite.values import formulas
 from scenic_lite.values.formulas import CLOSENESS
 

@@ -12,7 +12,7 @@ from regista.envs.football.vector_env import FootballVectorEnv
 from regista.envs.grf.observed_match import follow_kicks
 from regista.experiments.__main__ import main
 from tests.envs.grf.fixtures import fake_python
-from ued.level_space import check_theta
+from ued.core.level_space import check_theta
 
 PROGRAM = """
 param game_duration = 9

@@ -12,8 +12,8 @@ from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.compiled import Compiled
-from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.values.geometry import Vector
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.toy_world import Controller, first_table, run
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from regista.kernels.rng import streams
 from scenic_lite.core.world import Commands, Verdict
 from scenic_lite.dynamics.machine.bytecode import NO_COMMAND, REJECTED, TERMINATED
 from scenic_lite.dynamics.machine.compiled import Compiled
 from scenic_lite.dynamics.machine.vm import end, over, run_behaviors, run_watchers
-from scenic_lite.kernels.rng import streams
 from scenic_lite.values.graph import RandomExpr, Value
 
 RNG_DTYPE = np.dtype([("random", "u8")])

@@ -4,7 +4,7 @@ import numpy as np
 
 from regista.envs.toy_world import toy_world
 from scenic_lite import load
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.toy_world import first_table, run
 
 

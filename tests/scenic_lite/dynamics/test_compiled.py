@@ -16,8 +16,8 @@ from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine import opcodes, vm
 from scenic_lite.dynamics.machine.opcodes import OPCODES
-from scenic_lite.dynamics.reference.interpreter import Reference
 from tests.football_programs import DYNAMIC, name_of
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics import feature_programs, python_programs
 from tests.scenic_lite.dynamics.compare import alike, differences
 from tests.scenic_lite.dynamics.controller import CompiledController

@@ -12,7 +12,7 @@ from scenic_lite.core.world import packed
 from scenic_lite.dynamics.compiler import lists
 from scenic_lite.dynamics.compiler.compile import compile_program
 from scenic_lite.dynamics.machine.opcodes import COPY_MANY
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.generated import program as generated

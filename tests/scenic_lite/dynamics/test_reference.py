@@ -5,7 +5,7 @@ import pytest
 
 from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.playing import actions, played
 from tests.scenic_lite.dynamics.toy_world import first_table, run

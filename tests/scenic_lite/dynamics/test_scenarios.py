@@ -9,7 +9,7 @@ import pytest
 from regista.envs.toy_world import toy_world
 from scenic_lite import ScenicError, load
 from scenic_lite.dynamics.compiler.compile import compile_program
-from scenic_lite.dynamics.reference.interpreter import Reference
+from tests.reference.interpreter import Reference
 from tests.scenic_lite.dynamics.compare import differences
 from tests.scenic_lite.dynamics.controller import CompiledController
 from tests.scenic_lite.dynamics.playing import actions, played

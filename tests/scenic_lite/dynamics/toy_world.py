@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from scenic_lite.core.world import Commands, Verdict
-from scenic_lite.dynamics.reference.interpreter import Reference
 from scenic_lite.scene.program import Program
+from tests.reference.interpreter import Reference
 
 
 class Controller(Protocol):

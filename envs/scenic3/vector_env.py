@@ -1,0 +1,264 @@
+"""N simulations of a Scenic program as a UPOMDP, each in a process of its own: Scenic's state is global.
+
+An episode is its level and its actions: repeated, it is the same. So a process that died or hangs is started again and
+repeats its episode up to where it was, and a checkpoint goes on where it stopped, to the same numbers.
+Read next: `episode`, what a process plays; `ued.core.upomdp`, the seam.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+
+from regista.envs.scenic3.episode import Episode, Role
+from regista.envs.scenic3.program import ScenicProgram
+from ued.core.level_space import LevelError, check_theta
+from ued.core.processes import end_with_parent
+from ued.core.upomdp import UPOMDP, check_count
+
+BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
+STEP_SECONDS = 30.0  # for each step
+MOST_DEATHS = 3  # of processes over one request
+
+
+class WorkerGoneError(Exception):
+    """A process that died or hangs."""
+
+
+class Player:
+    """What a process does: it plays the episodes that it is told to, one at a time."""
+
+    def __init__(self, program: ScenicProgram, role: Role) -> None:
+        self.program, self.role = program, role
+        self.simulator: Any = None
+        self.episode: Episode | None = None
+
+    def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> Any:
+        """Play an episode of a level, with this seed of its luck, up to after these actions.
+
+        Returns what is seen at the start, or the outcome of the last action.
+        """
+        if self.episode is not None:
+            self.episode.close()
+        if self.simulator is None:
+            self.simulator = self.program.scenario.getSimulator()
+        self.episode = Episode(self.program.scene(theta, seed), self.simulator, self.role, luck)
+        answer = self.episode.begin()
+        for action in actions:
+            answer = self.episode.step(action)
+        return answer
+
+    def step(self, action: Any) -> Any:
+        """Play on."""
+        assert self.episode is not None
+        return self.episode.step(action)
+
+    def render(self) -> np.ndarray:
+        """Show what is played."""
+        assert self.episode is not None
+        return self.episode.render()
+
+    def serve(self, pipe: Connection, other_end: Connection) -> None:
+        """Answer requests until the other end is closed, which a process that was forked has, too."""
+        other_end.close()
+        end_with_parent(signal.SIGKILL)  # at once: it holds the lock of a run folder, too
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever he does at one himself
+        with suppress(EOFError, BrokenPipeError):
+            while True:
+                name, *arguments = pipe.recv()
+                try:
+                    answer = True, getattr(self, name)(*arguments)
+                except Exception as error:  # of the program, its simulator, the role
+                    answer = (
+                        False,
+                        f"{type(error).__name__}: {error}\n{''.join(traceback.format_tb(error.__traceback__, -4))}",
+                    )
+                pipe.send(answer)
+
+
+class Worker:
+    """One process with a player, and what has been played of its episode."""
+
+    def __init__(self, player: Player) -> None:
+        self.player = player
+        self.theta, self.seed, self.luck = np.zeros(0), 0, 0
+        self.actions: list[Any] = []
+        self._process: Any = None
+        self._pipe: Connection | None = None
+
+    @property
+    def pid(self) -> int | None:
+        """The number of the process; None: it has not begun."""
+        return None if self._pipe is None else self._process.pid
+
+    def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> None:
+        """Ask for an episode, up to after these actions."""
+        self.theta, self.seed, self.luck, self.actions = theta, seed, luck, list(actions)
+        self._ask("begin", theta, seed, luck, self.actions)
+
+    def step(self, action: Any) -> None:
+        """Ask for a step."""
+        self.actions.append(action)
+        self._ask("step", action)
+
+    def answer(self) -> Any:
+        """Return the answer, if need be from a process that repeats what the one asked has played.
+
+        Raises `LevelError` for what goes wrong on a level, time and again or in its code.
+        """
+        for _ in range(MOST_DEATHS):
+            try:
+                well, answer = self._receive()
+            except WorkerGoneError as gone:
+                self.kill()
+                fate = str(gone)
+                self._ask("begin", self.theta, self.seed, self.luck, self.actions)
+                continue
+            if well:
+                return answer
+            raise self._error(answer)
+        self.kill()
+        raise self._error(f"{MOST_DEATHS} processes in a row: {fate}")
+
+    def render(self) -> np.ndarray:
+        """Ask for a picture, and return it."""
+        self._ask("render")
+        try:
+            well, answer = self._receive()
+        except WorkerGoneError:
+            self.kill()
+            self.begin(self.theta, self.seed, self.luck, self.actions)
+            self.answer()
+            return self.render()
+        if not well:
+            raise self._error(answer)
+        return answer
+
+    def kill(self) -> None:
+        """End the process."""
+        if self._pipe is not None:
+            self._pipe.close()
+            self._process.kill()
+            self._process.join()
+        self._pipe = None
+
+    def _error(self, text: str) -> LevelError:
+        row = ", ".join(f"{x:.6g}" for x in self.theta)
+        level = f"theta [{row}], seed {self.seed}"
+        return LevelError(f"{self.player.program.file} failed after {len(self.actions)} steps ({level}): {text}")
+
+    def _ask(self, *request: Any) -> None:
+        if self._pipe is None:
+            self._pipe, theirs = multiprocessing.Pipe()
+            self._process = multiprocessing.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
+            self._process.start()
+            theirs.close()
+        with suppress(OSError):  # it has died: `answer` sees to it
+            self._pipe.send(request)
+
+    def _receive(self) -> Any:
+        assert self._pipe is not None
+        try:
+            if not self._pipe.poll(BEGIN_SECONDS + STEP_SECONDS * len(self.actions)):
+                raise WorkerGoneError("no answer")
+            return self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise WorkerGoneError("it died") from error
+
+
+class ScenicUPOMDP(UPOMDP):
+    """N simulations of a program, in which an agent plays a role. A valid Gymnasium vector environment.
+
+    Args:
+        program: whose random values are θ.
+        role: what the agent sees, may do, and is paid for.
+        num_envs: N, each a process of some 200 MB, most of which they share.
+
+    `info["success"]` is what the role says; `info["ending"]` `[N]`, in a step with endings, how the program ended an
+    episode, "rejected" where it broke a requirement meanwhile, "" where it did not.
+    Raises `LevelError` for what goes wrong in a simulation or in the role, with θ and seed.
+    """
+
+    render_mode = "rgb_array"
+    metadata: dict[str, Any] = {**UPOMDP.metadata, "render_modes": ["rgb_array"]}  # noqa: RUF012
+
+    def __init__(self, program: ScenicProgram, role: Role, num_envs: int = 1) -> None:
+        super().__init__(check_count(num_envs), role.observation_space, role.action_space, program.draws)
+        self.program, self.role, self.max_episode_steps = program, role, role.max_steps
+        self.workers = [Worker(Player(program, role)) for _ in range(num_envs)]
+        self._observations = np.zeros((num_envs, *role.observation_space.shape), role.observation_space.dtype)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        return self.program.valid(check_theta(theta, self.theta_dim))
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
+
+    def theta_of(self, values: Any) -> np.ndarray:
+        """Return the θ `[D]` of values by name. Raises `ValueError` for other names, and where values have no θ."""
+        return self.program.theta_of(values)
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        for level, luck, index in zip(levels, self.luck_seeds(where), where, strict=True):
+            self.workers[index].begin(level["theta"].copy(), int(level["seed"]), int(luck))
+        for index in where:
+            self._observations[index] = self.workers[index].answer()
+        return self._observations.copy()
+
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        rewards, success = np.zeros(self.num_envs), np.full(self.num_envs, np.nan)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        endings = np.full(self.num_envs, "", object)
+        playing = np.flatnonzero(~self.idle)
+        for index in playing:
+            self.workers[index].step(actions[index])
+        for index in playing:
+            seen, rewards[index], terminated[index], truncated[index], told = self.workers[index].answer()
+            self._observations[index] = seen
+            success[index], endings[index] = float(told.get("success", np.nan)), told.get("ending", "")
+        info: dict[str, Any] = {"success": success}
+        if (terminated | truncated).any():
+            info["ending"] = endings
+        return self._observations.copy(), rewards, terminated, truncated, info
+
+    def render(self) -> tuple[np.ndarray, ...]:
+        """Return what each environment looks like from above, or as the role draws it."""
+        return tuple(worker.render() for worker in self.workers)
+
+    # ------------------------------------------------------------ state
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the levels and what has been played of them: repeating it is resuming."""
+        return {**self.level_state(), "actions": [np.array(worker.actions) for worker in self.workers]}
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self.set_level_state(state, "actions")
+        luck = self.luck_seeds(np.arange(self.num_envs))
+        rows = zip(self.workers, self.levels, luck, state["actions"], strict=True)
+        for worker, level, seed, actions in rows:
+            worker.begin(level["theta"].copy(), int(level["seed"]), int(seed), list(actions))
+        for index, worker in enumerate(self.workers):
+            answer = worker.answer()
+            self._observations[index] = answer[0] if worker.actions else answer
+        return self._observations.copy()
+
+    def resized(self, num_envs: int) -> ScenicUPOMDP:
+        """Return a second one of so many environments; nothing is reset yet."""
+        return ScenicUPOMDP(self.program, self.role, num_envs)
+
+    def copy(self) -> ScenicUPOMDP:
+        twin = self.resized(self.num_envs)
+        twin.set_state(self.get_state())
+        return twin
+
+    def close_extras(self, **kwargs: Any) -> None:
+        for worker in self.workers:
+            worker.kill()

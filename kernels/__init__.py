@@ -1,0 +1,9 @@
+"""What the language and simulators compile with: the `kernel` decorator, its linking, its cache, random numbers.
+
+Imported as `regista.kernels`; `regista/kernels` is a link to this folder. Read next: `jit`.
+"""
+
+if __name__ == "kernels":  # the root of a checkout is on `sys.path`
+    from regista.bare_names import lead_inside
+
+    lead_inside(__name__)

@@ -1,0 +1,182 @@
+"""`kernel`: how every compiled function of Regista is compiled and where the result is kept.
+
+Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
+file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see: a file
+with kernels imports from others with kernels and from leaves, or else an edit there compiles football anew.
+Read next: `regista.envs.football.simulator`, the largest user.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import os
+import re
+import shutil
+import stat
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+# Numba and torch bring an OpenMP pool each. Threads that wait by spinning take the cores from each other's work: two
+# threads then train ten times slower than one. This must be said before either library starts its pool.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+import numba
+import numpy as np
+
+ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
+PACKAGES = ("regista/kernels", "scenic_lite", "regista/envs")
+KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
+# Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
+LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # the latter: without Numba's counting of references
+KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
+KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
+
+_numba_config: Any = numba.config
+_IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))?", re.MULTILINE)
+
+
+def kernel(function: Callable | None = None, *, parallel: bool = False, inline: bool = False) -> Any:
+    """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
+
+    Kernels make no arrays: so they need not count references to those that they are handed, which would cost them a
+    tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in
+    C. With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python. With `inline` it becomes
+    part of whatever calls it: a batch of arrays costs more to hand over than many a kernel does.
+    """
+
+    def decorate(undecorated: Callable) -> Any:
+        if _numba_config.DISABLE_JIT:
+            return undecorated
+        previous = _numba_config.CACHE_DIR
+        _numba_config.CACHE_DIR = str(CACHE)
+        try:
+            return _dispatcher(undecorated, {**OPTIONS, "parallel": parallel, "forceinline": inline})
+        finally:
+            _numba_config.CACHE_DIR = previous  # other libraries keep their own caches
+
+    return decorate if function is None else decorate(function)
+
+
+def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
+    """Return the function as Numba's own dispatcher, or as a `Kernel` where its inside is known."""
+    if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
+        return numba.njit(cache=True, **options)(function)
+    from regista.kernels.numba_linking import Kernel
+
+    made = Kernel(function, {"nopython": True, **options})
+    made.enable_caching()
+    return made
+
+
+def compiled(function: Any) -> bool:
+    """Return whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
+    if not hasattr(function, "signatures") or function.signatures:
+        return True
+    folder = Path(function.stats.cache_path)
+    stem = f"{function.py_func.__module__.rpartition('.')[2]}.{function.py_func.__qualname__}-"
+    return folder.is_dir() and any(path.name.startswith(stem) for path in folder.glob("*.nbc"))
+
+
+def sources() -> list[Path]:
+    """List the files that kernels stand in and all of ours that those import: what compiled code depends on."""
+    texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    seen: set[Path] = set()
+    pending = [path for path, text in texts.items() if "regista.kernels.jit import" in text]
+    pending += (path for path in texts if path.parent == ROOT / "regista" / "kernels")  # what compiles them
+    while pending:
+        path = pending.pop()
+        if path in seen:
+            continue
+        seen.add(path)
+        for dotted, names in _IMPORT.findall(texts[path]):
+            base = ROOT / Path(*dotted.split("."))
+            modules = [base, *(base / name for name in re.findall(r"\w+", names))]  # a name may be a module, too
+            pending += [
+                file
+                for module in modules
+                for file in (module.with_suffix(".py"), module / "__init__.py")
+                if file in texts
+            ]
+    return sorted(seen)
+
+
+def digest() -> str:
+    """Name the present state of `sources()`, and of what compiles them, in 16 hexadecimal digits.
+
+    A checkout and an installed package with the same sources have the same digest and share compiled kernels.
+    """
+    config = _numba_config
+    made_by = (numba.__version__, np.__version__, LINKING, config.BOUNDSCHECK, config.USING_SVML)
+    state = hashlib.sha256(" ".join(map(str, made_by)).encode())
+    for path in sources():
+        state.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return state.hexdigest()[:16]
+
+
+def _cache_folder() -> Path:
+    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder.
+
+    What lies in a cache is run. So a folder into which somebody else could have put something is not used.
+    """
+    user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    for parent in (Path(chosen) if chosen else user_cache, Path(tempfile.gettempdir()) / f"regista-{os.getuid()}"):
+        folder = parent / digest()
+        try:
+            parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            if not _private(parent.resolve()):
+                continue
+            folder.mkdir(mode=0o700, exist_ok=True)
+            if not _private(folder):
+                continue
+            folder.chmod(0o700)
+            folder.touch()  # newest: `_forget` goes by age
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError:
+            continue
+        _forget(parent)
+        return folder
+    fresh = Path(tempfile.mkdtemp(prefix="regista-"))
+    atexit.register(_remove, fresh, os.getpid())
+    print(f"regista: compiled kernels are kept in {fresh} until this program ends", file=sys.stderr)
+    return fresh
+
+
+def _private(folder: Path) -> bool:
+    """Return whether a folder is the user's, and nobody else may write into it; say it where that is not so."""
+    status = folder.lstat()
+    mine, writable = status.st_uid == os.getuid(), bool(status.st_mode & 0o022)
+    if mine and not writable and stat.S_ISDIR(status.st_mode):
+        return True
+    why = "it belongs to somebody else" if not mine else "others may write into it" if writable else "it is no folder"
+    print(f"regista: {folder} is not used as a cache of compiled kernels: {why}", file=sys.stderr)
+    return False
+
+
+def _remove(folder: Path, maker: int) -> None:
+    """Remove a temporary cache when the process ends that made it, not when a child of it does."""
+    if os.getpid() == maker:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _forget(parent: Path) -> None:
+    """Remove the caches of all but the newest few digests that are days old; leave whatever else lies there alone."""
+    ages = {}
+    for path in parent.iterdir():
+        with suppress(OSError):  # another program may be tidying up, too
+            if re.fullmatch(r"[0-9a-f]{16}", path.name):
+                ages[path] = time.time() - path.stat().st_mtime
+    for path in sorted(ages, key=lambda path: ages[path])[KEPT_CACHES:]:
+        if ages[path] > KEPT_SECONDS:
+            shutil.rmtree(path, ignore_errors=True)
+
+
+CACHE = _cache_folder()

@@ -1,0 +1,72 @@
+"""Where the machine code of a kernel is kept: under its file's name within Regista, not under its path on the disk.
+
+Numba names the folder after the path of the source file, so each clone and each environment would compile the same
+kernels again. The cache folder of `kernels.jit` is named after a digest of all sources, so equal copies of Regista can
+share it. Read next: `kernels.numba_linking`, whose kernels are kept so.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
+PACKAGES = ("regista", "scenic_lite")
+
+_config: Any = numba.config
+
+
+class _PlaceWithin(_CacheLocator):
+    """The folder for the kernels of one folder of Regista, in the cache of `kernels.jit`."""
+
+    def __init__(self, py_func: Any, py_file: str, within: Path) -> None:
+        self._py_file = py_file
+        self._line = py_func.__code__.co_firstlineno
+        self._folder = Path(_config.CACHE_DIR) / ".".join(within.parent.parts)
+
+    @classmethod
+    def from_function(cls, py_func: Callable, py_file: str) -> _PlaceWithin | None:
+        """Return the place of a function, or None for a function that is not part of Regista: Numba then finds one."""
+        path = Path(py_file)
+        within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
+        if not _config.CACHE_DIR or within.parts[:1] not in {(name,) for name in PACKAGES}:
+            return None
+        place = cls(py_func, py_file, within)
+        try:
+            place.ensure_cache_path()
+        except OSError:
+            return None
+        return place
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return _digest(self._py_file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+
+@cache
+def _digest(file: str) -> str:
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
+_PLACES: list[Any] = [_PlaceWithin, *CompileResultCacheImpl._locator_classes]
+
+
+class _KernelCacheImpl(CompileResultCacheImpl):
+    _locator_classes = _PLACES
+
+
+class KernelCache(FunctionCache):
+    """Numba's cache of one function, in the place of `_PlaceWithin`."""
+
+    _impl_class = _KernelCacheImpl

@@ -1,0 +1,53 @@
+"""Random numbers from the stream that a record holds in its field `random`, the same for any number of threads.
+
+The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003): shifts and exclusive ors
+only, so that it runs uncompiled without a warning about overflow. Streams start from SplitMix64 hashes of
+the seeds (Steele, Lea and Flood, OOPSLA 2014). Football's matches and the machine that runs behaviors
+(`dynamics.machine.vm`) draw from it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from regista.kernels.jit import kernel
+
+_A, _B, _C = np.uint64(13), np.uint64(7), np.uint64(17)
+_FIRST, _BITS = 0x9E3779B97F4A7C15, 2**64 - 1
+_TO_53_BITS = np.uint64(11)
+_UNIT = 2.0**-53
+_TWO_PI = 2.0 * math.pi
+
+
+def streams(seeds: npt.ArrayLike) -> np.ndarray:
+    """Hash seeds [N] into starting states [N] uint64, none of them the forbidden 0."""
+    return np.array([stream(seed) for seed in np.atleast_1d(np.asarray(seeds)).astype(np.uint64).tolist()], np.uint64)
+
+
+def stream(seed: int) -> int:
+    """Hash a seed of 64 bits into a starting state, never the forbidden 0."""
+    state = seed + _FIRST & _BITS
+    state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & _BITS
+    state = (state ^ state >> 27) * 0x94D049BB133111EB & _BITS
+    return state ^ state >> 31 or _FIRST
+
+
+@kernel
+def uniform(rng):
+    """Draw from [0, 1) and move the stream of `rng`, a record, on by one."""
+    state = rng.random
+    state ^= state << _A
+    state ^= state >> _B
+    state ^= state << _C
+    rng.random = state
+    return float(state >> _TO_53_BITS) * _UNIT
+
+
+@kernel
+def normal(rng):
+    """Draw from the standard normal distribution by Box and Muller's method: two uniform draws."""
+    radius = math.sqrt(-2.0 * math.log(1.0 - uniform(rng)))
+    return radius * math.cos(_TWO_PI * uniform(rng))

@@ -1,0 +1,99 @@
+"""A curriculum inside single Gymnasium environments, for trainers that reset environments as they please.
+
+Stable-Baselines3 and many others know nothing of levels: they call `reset()` when an episode is over. So the
+environment itself asks the curriculum what to play, and tells it what came of it. All environments must live in the
+trainer's process (`DummyVecEnv`, `SyncVectorEnv`). Read next: `examples/with_stable_baselines3.py`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, SupportsFloat
+
+import gymnasium
+import numpy as np
+
+from ued.adapters.gym import UPOMDPWrapper, told_success
+from ued.core.curriculum import Curriculum
+from ued.core.resumable import Resumable
+
+
+class CurriculumFeed(Resumable):
+    """Hands a curriculum's levels to environments one at a time, and brings it those that are through.
+
+    The trainer's critic is not known here, so scores that need values are out of reach; and the trainer learns from
+    all that it plays, so robust methods and candidates only looked at are not what their papers describe.
+
+    Args:
+        curriculum: what chooses the levels.
+        batch: level records that are collected before the curriculum learns from them.
+    """
+
+    state_fields = ("curriculum", "visits")
+
+    def __init__(self, curriculum: Curriculum, batch: int = 16) -> None:
+        if batch < 1:
+            raise ValueError(f"batch must be at least 1, got {batch}")
+        self.curriculum, self.batch = curriculum, batch
+        self.finished: list[np.ndarray] = []
+        self.visits = 0  # of levels so far
+        self.metrics: dict[str, float] = {}
+
+    def next(self) -> np.ndarray:
+        """Return the next level record, `[1]`: a visit of a level, new or not."""
+        record = self.curriculum.propose(1)
+        record["turn"] = self.visits
+        self.visits += 1
+        return record
+
+    def finish(self, record: np.ndarray) -> None:
+        """Take a record `[1]` with its returns; let the curriculum learn when there are enough."""
+        self.finished.append(record)
+        if len(self.finished) >= self.batch:
+            self.metrics = self.curriculum.update(np.concatenate(self.finished))
+            self.finished = []
+
+
+class CurriculumWrapper(gymnasium.Wrapper):
+    """An environment that plays the levels of a feed: each for as many whole episodes as its record asks for.
+
+    `env` is a `UPOMDPWrapper`, bare: whatever wraps it comes on the outside. An episode that the trainer abandons by
+    an early `reset` does not count.
+    """
+
+    env: UPOMDPWrapper
+
+    def __init__(self, env: UPOMDPWrapper, feed: CurriculumFeed) -> None:
+        super().__init__(env)
+        self.feed = feed
+        self.record: np.ndarray | None = None  # [1] of the level being played
+        self.total = 0.0
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Start an episode on the level whose turn it is; `options["theta"]` and `["level"]` overrule the curriculum.
+
+        All episodes of a visit start from the layout of the level's own seed; `seed` is that of other levels alone.
+        """
+        self.total = 0.0
+        options = options or {}
+        if options.keys() & {"theta", "level"}:
+            self.record = None
+            return self.env.reset(seed=seed, options=options)
+        if self.record is not None:
+            return self.env.play_again(options)
+        self.record = self.feed.next()
+        level = {"level": self.record["level"], "visit": int(self.record["turn"][0])}
+        return self.env.reset(seed=seed, options={**options, **level})
+
+    def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Step; note the return when the episode is over."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        self.total += float(reward)
+        if (terminated or truncated) and self.record is not None:
+            num_played = int(self.record["num_played"][0, 0])
+            self.record["returns"][0, 0, num_played] = self.total
+            self.record["success"][0, 0, num_played] = told_success(info)
+            self.record["num_played"][0, 0] = num_played + 1
+            if num_played + 1 == self.record["num_episodes"][0]:
+                self.feed.finish(self.record)
+                self.record = None
+        return observation, reward, terminated, truncated, info

@@ -1,0 +1,221 @@
+"""Several programs in one UPOMDP: levels of different games in one batch, the game a part of the level.
+
+So a curriculum chooses among skills as it chooses among levels (thesis, section 5.1): the first column of θ says which
+program, cut evenly as a discrete choice, and the others are that program's own, as many as it has. Every method works
+on it as it stands. Read next: `core.upomdp`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, flatdim
+
+from ued.core import parameters
+from ued.core.cells import index_in
+from ued.core.level_space import check_theta, level_dtype
+from ued.core.parameters import Choice, Column, Range, snap
+from ued.core.upomdp import UPOMDP
+
+
+class Mixture(UPOMDP):
+    """N environments, each of which plays whichever of K programs its level asks for.
+
+    Args:
+        members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. They
+            belong to the mixture from then on; those of their environments that nobody plays are `idle`.
+        names: of the programs.
+
+    θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
+    order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
+    padded with zeros to the longest, and a one-hot of the program behind, for each agent. Where `only` is the index of
+    a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
+
+    Raises `ValueError` for members that do not go together.
+    """
+
+    def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
+        _check(members, names)
+        self.members, self.program_names, self.only = tuple(members), tuple(names), only
+        self.program_draws = tuple(tuple(member.draws) for member in members)
+        first = members[0]
+        self.num_agents = first.num_agents
+        self.sizes = [flatdim(member.agent_observation_space) for member in members]
+        self.width = max(self.sizes)
+        widest = max(map(len, self.program_draws))
+        draws = [Column("program", Choice(*names))]
+        draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
+        seen = (self.width + len(members),)
+        space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
+        super().__init__(first.num_envs, space, first.single_action_space, draws)
+        self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
+        self.seed_is_luck = all(member.seed_is_luck for member in members)
+        for k, member in enumerate(self.members):
+            member.upcoming = partial(self._upcoming_of, k)
+
+    @property
+    def max_episode_steps(self) -> int | None:  # type: ignore[override]
+        """The largest limit of the programs, where all of them have one."""
+        limits = [member.max_episode_steps for member in self.members]
+        return None if None in limits else max(limit for limit in limits if limit is not None)
+
+    @property
+    def observation_unit(self) -> np.ndarray:
+        """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
+        units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
+        for k, member in enumerate(self.members):
+            unit = member.observation_unit
+            units[k, : self.sizes[k]] = 0.0 if unit is None else unit
+        return units.min(axis=0)
+
+    def program_of(self, theta: Any) -> np.ndarray:
+        """Return the index `[n]` of the program that each row of θ `[n, 1 + max D]` chooses."""
+        theta = check_theta(theta, self.theta_dim)
+        if self.only is not None:
+            return np.full(len(theta), self.only, np.int32)
+        return index_in(theta[:, 0], len(self.members)).astype(np.int32)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        theta = check_theta(theta, self.theta_dim)
+        program, valid = self.program_of(theta), np.zeros(len(theta), bool)
+        for k, member in enumerate(self.members):
+            mine = program == k
+            if mine.any():
+                valid[mine] = member.valid(theta[mine, 1 : 1 + member.theta_dim])
+        return valid
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        theta = check_theta(theta, self.theta_dim)
+        return [
+            {"program": self.program_names[k]} | self.members[k].describe(row[1 : 1 + self.members[k].theta_dim])[0]
+            for row, k in zip(theta, self.program_of(theta), strict=True)
+        ]
+
+    def make_levels(self, theta: Any) -> np.ndarray:
+        levels = super().make_levels(theta)
+        levels["program"] = self.program_of(levels["theta"])
+        for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
+            mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
+            levels["theta"][mine, own] = snap(levels["theta"][mine, own], member.draws)
+            if member.seeds is not None:
+                levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
+        return levels
+
+    def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
+        edited, program = theta.copy(), self.program_of(theta)
+        for k, own in enumerate(self.program_draws):  # the columns behind mean what the member's mean
+            mine, columns = program == k, (self.draws[0], *own, *self.draws[1 + len(own) :])
+            edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
+        return edited
+
+    def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
+        for k, member in enumerate(self.members):
+            if member.seeds is None:
+                mine = levels["program"] == k
+                levels["seed"][mine] = seeds[mine]
+
+    # ------------------------------------------------------------ the environments
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        program = self.program_of(levels["theta"])
+        levels["program"] = self.levels["program"][where] = program
+        for k, member in enumerate(self.members):
+            member.idle[where] = program != k
+            mine = where[program == k]
+            if len(mine):
+                self._start_member(k, levels[program == k], mine)
+        return self._observations.copy()
+
+    def _start_member(self, k: int, levels: np.ndarray, where: np.ndarray) -> None:
+        mask = np.zeros(self.num_envs, bool)
+        mask[where] = True
+        numbers = self.visits[where], self.episodes[where]
+        observations, _ = self.members[k].reset_to_levels(self._of_member(k, levels), mask, *numbers)
+        self._see(k, observations, where, self._observations)
+
+    def _of_member(self, k: int, levels: np.ndarray) -> np.ndarray:
+        """Return levels `[n]` of program k as that program's own."""
+        dim = self.members[k].theta_dim
+        own = np.zeros(len(levels), level_dtype(dim))
+        own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + dim]
+        return own
+
+    def _upcoming_of(self, k: int) -> np.ndarray:
+        levels = self.levels[:0] if self.upcoming is None else self.upcoming()
+        return self._of_member(k, levels[self.program_of(levels["theta"]) == k])
+
+    def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
+        """Put observations of program k, of the environments `where`, in their places."""
+        into[where] = 0.0
+        into[where, ..., : self.sizes[k]] = observations[where]
+        into[where, ..., self.width + k] = 1.0
+
+    def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        rewards = np.zeros(self.num_envs)
+        terminated, truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        success = np.full(self.num_envs, np.nan)
+        for k, member in enumerate(self.members):
+            where = np.flatnonzero(~member.idle)
+            if not len(where):
+                continue
+            observations, reward, over, cut, info = member.advance(actions)
+            rewards[where], terminated[where], truncated[where] = reward[where], over[where], cut[where]
+            self._see(k, observations, where, self._observations)
+            success[where] = np.asarray(info.get("success", success), float)[where]
+        return self._observations.copy(), rewards, terminated, truncated, {"success": success}
+
+    # ------------------------------------------------------------ state
+
+    @property
+    def gives_state(self) -> bool:
+        return all(member.gives_state for member in self.members)
+
+    def get_state(self) -> dict[str, Any]:
+        return {
+            "members": [member.get_state() for member in self.members],
+            "idle": [member.idle.copy() for member in self.members],
+            "observations": self._observations.copy(),
+            **self.level_state(),
+        }
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        self.set_level_state(state, "members", "idle", "observations")
+        for member, saved, idle in zip(self.members, state["members"], state["idle"], strict=True):
+            member.set_state(saved)
+            member.idle[:] = idle
+        self._observations[:] = state["observations"]
+        return self._observations.copy()
+
+    def resized(self, num_envs: int) -> Mixture:
+        """Return a mixture of the same programs, not yet reset, with so many environments; members must be able to."""
+        members: list[Any] = list(self.members)
+        return Mixture([member.resized(num_envs) for member in members], self.program_names, self.only)
+
+    def copy(self) -> Mixture:
+        twin = Mixture([member.copy() for member in self.members], self.program_names, self.only)
+        twin.set_state(self.get_state())
+        return twin
+
+    def close_extras(self, **kwargs: Any) -> None:
+        for member in self.members:
+            member.close()
+
+
+def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
+    if not members or len(members) != len(names) or len(set(names)) < len(names):
+        raise ValueError(f"a mixture needs one name for each member, all different; got {len(members)} and {names}")
+    first = members[0]
+    for member, name in zip(members, names, strict=True):
+        if member.num_envs != first.num_envs:
+            raise ValueError(f"{name} has {member.num_envs} environments, {names[0]} {first.num_envs}")
+        if member.num_agents != first.num_agents:
+            raise ValueError(f"{name} has {member.num_agents} agents, {names[0]} {first.num_agents}")
+        if member.single_action_space != first.single_action_space:
+            raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
+        if member.paid_apart:
+            raise ValueError(f"{name} has opponents; a mixture needs agents who are paid together")
+        if len(member.agent_observation_space.shape or ()) != 1:
+            raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

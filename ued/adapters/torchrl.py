@@ -1,0 +1,86 @@
+"""A UPOMDP as TorchRL's batched environment, as VMAS has it: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
+
+Each episode is on a random level, or on what `upomdp.next_levels` gives; "theta" says on which. TorchRL sees the last
+observation of an episode, then resets.
+Read next: `sb3`, the same for Stable-Baselines3.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import torch
+from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
+from tensordict import TensorDict, TensorDictBase
+from torch import Tensor
+from torchrl.data import Binary, Bounded, Categorical, Composite, MultiCategorical, TensorSpec, Unbounded
+from torchrl.envs import EnvBase
+
+from ued.core.upomdp import UPOMDP
+
+
+class TorchRLEnv(EnvBase):
+    """N environments of one agent for TorchRL, whose discrete actions count from 0.
+
+    Raises `ValueError` for a team, and for spaces that TorchRL has no word for.
+    """
+
+    def __init__(self, upomdp: UPOMDP) -> None:
+        if upomdp.num_agents > 1:
+            raise ValueError(
+                f"TorchRLEnv plays one agent, the environments have {upomdp.num_agents}; a team of football is a "
+                "PettingZoo environment, which TorchRL wraps: examples/with_torchrl.py"
+            )
+        super().__init__(device="cpu", batch_size=torch.Size([upomdp.num_envs]))
+        if upomdp.next_levels is None:
+            upomdp.next_levels = upomdp.sample_levels
+        self.upomdp, count = upomdp, upomdp.num_envs
+        self.first = getattr(upomdp.single_action_space, "start", 0)
+        seen, theta = spec_of(upomdp.single_observation_space, count), spec_of(upomdp.theta_space, count)
+        self.observation_spec = Composite(observation=seen, theta=theta, shape=[count])
+        self.action_spec = spec_of(upomdp.single_action_space, count)
+        self.reward_spec = Unbounded([count, 1])
+        ends = {
+            name: Categorical(2, shape=[count, 1], dtype=torch.bool) for name in ("done", "terminated", "truncated")
+        }
+        self.done_spec = Composite(ends, shape=[count])
+
+    def _reset(self, tensordict: TensorDictBase | None = None, **_: Any) -> TensorDictBase:
+        asked = None if tensordict is None else tensordict.get("_reset", None)
+        where = np.ones(self.upomdp.num_envs, bool) if asked is None else asked.flatten().numpy()
+        if where.any():
+            self._now = self.upomdp.start_next(where)
+        return TensorDict(self._look(self._now, self.upomdp.levels["theta"]), self.batch_size)
+
+    def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
+        action = tensordict["action"].numpy() + self.first
+        self._now, reward, terminated, truncated, _ = self.upomdp.advance(action)
+        ends = {"terminated": terminated, "truncated": truncated, "done": terminated | truncated}
+        told = {name: torch.as_tensor(value)[:, None] for name, value in ends.items()}
+        told["reward"] = torch.as_tensor(reward, dtype=torch.float32)[:, None]
+        return TensorDict(self._look(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
+
+    def _look(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
+        return {"observation": torch.as_tensor(np.array(seen)), "theta": torch.as_tensor(theta.copy())}
+
+    def _set_seed(self, seed: int | None) -> None:
+        """Seed the stream of levels; episodes begin with the next reset."""
+        self._now, _ = self.upomdp.reset(seed=seed)
+
+
+def spec_of(space: Space, num_envs: int) -> TensorSpec:
+    """Return TorchRL's word for a space of one environment, for N of them."""
+    shape = (num_envs, *(space.shape or ()))
+    if isinstance(space, Discrete):
+        return Categorical(int(space.n), shape=[num_envs], dtype=torch.int64)
+    if isinstance(space, MultiDiscrete) and space.nvec.ndim == 1:
+        return MultiCategorical(space.nvec.tolist(), shape=shape, dtype=torch.int64)
+    if isinstance(space, MultiBinary):
+        return Binary(shape=shape, dtype=torch.int8)
+    if isinstance(space, Box):
+        low, high = (torch.as_tensor(bound).expand(shape) for bound in (space.low, space.high))
+        if not (low.isfinite() & high.isfinite()).all():
+            return Unbounded(shape, dtype=low.dtype)
+        return Bounded(low, high, shape=shape, dtype=low.dtype)
+    raise ValueError(f"TorchRL has no word for the space {space}")

@@ -1,0 +1,1 @@
+"""The seam between environments and methods: parameters, levels, `UPOMDP`, `Curriculum`, `Task`; checkpoints, seeds."""

@@ -1,0 +1,450 @@
+"""What θ means: parameters of several kinds as columns in [-1, 1], and levels that are no vector of parameters.
+
+    {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
+
+A column with finitely many values cuts [-1, 1] into cells, each as wide as its value is likely. Every θ in a cell is
+the same value, and levels hold the middle of it, so that equal levels are equal. Methods ask for these `Cells`: edits
+and adversaries draw values, entropy counts them. None of them goes by the order of a choice's options.
+Read next: `cells`; `upomdp`, the seam; `adapters.gym`, which puts values into environments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from numbers import Real
+from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+
+from ued.core.cells import Cells, cut, index_in, middle_of
+
+MOST_CATEGORIES = 32  # values of an `Integer` that are told apart one by one; beyond, it is a range in steps
+
+
+class Parameter(Protocol):
+    """What is known of one column of θ. `Column` is one; so is `scenic_lite.Draw`."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def low(self) -> float: ...
+    @property
+    def high(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Range:
+    """A real number between `low` and `high`, uniform: θ = -1 means `low`, θ = 1 means `high`, linearly between."""
+
+    low: float
+    high: float
+    cells = 0
+
+    def __post_init__(self) -> None:
+        if not _finite(self.low, self.high):
+            raise ValueError(f"the ends of a range must be two finite numbers, got {self.low!r} and {self.high!r}")
+        _check_order(self.low, self.high)
+
+    def value(self, x: float) -> float:
+        """Return what x in [-1, 1] stands for."""
+        return self.low + (x + 1) / 2 * (self.high - self.low)
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] that stands for a value."""
+        return 2 * (value - self.low) / (self.high - self.low) - 1 if self.high != self.low else 0.0
+
+
+@dataclass(frozen=True)
+class LogRange:
+    """A positive number between `low` and `high`, uniform in its logarithm: θ = 0 is the geometric mean."""
+
+    low: float
+    high: float
+    cells = 0
+
+    def __post_init__(self) -> None:
+        if not (_finite(self.low, self.high) and self.low > 0 and self.high > 0):
+            raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low!r} and {self.high!r}")
+        _check_order(self.low, self.high)
+
+    def value(self, x: float) -> float:
+        """Return what x in [-1, 1] stands for."""
+        return self.low * (self.high / self.low) ** ((x + 1) / 2)
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] that stands for a value."""
+        return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
+
+
+def _finite(*ends: Any) -> bool:
+    return all(isinstance(end, Real) and math.isfinite(end) for end in ends)
+
+
+def _check_order(low: float, high: float) -> None:
+    if low > high:
+        raise ValueError(f"a range goes from its lower end to its upper one, got {low} and {high}")
+
+
+@dataclass(frozen=True)
+class Integer:
+    """A whole number from `low` to `high`, both included."""
+
+    low: int
+    high: int
+
+    def __post_init__(self) -> None:
+        ends = (self.low, self.high)
+        if not _finite(*ends) or any(int(end) != end for end in ends) or self.low > self.high:
+            raise ValueError(f"an Integer goes from a whole number up to another, got {self.low!r} and {self.high!r}")
+
+    @property
+    def cells(self) -> int:
+        return int(self.high) - int(self.low) + 1
+
+    def value(self, x: float) -> int:
+        """Return what x in [-1, 1] stands for."""
+        return int(self.low) + int(index_in(x, self.cells))
+
+    def place(self, value: float) -> float:
+        """Return the x in [-1, 1] in the middle of those that stand for a value."""
+        return middle_of(value - self.low, self.cells)
+
+
+class Choice:
+    """One of several values of any type, without an order.
+
+    Args:
+        values: what is chosen from; all different.
+        weights: how likely random levels have each value, as positive numbers of any sum; None: all alike.
+
+    Raises `ValueError` for no values, equal ones, and weights that do not match them.
+    """
+
+    def __init__(self, *values: Any, weights: Sequence[float] | None = None) -> None:
+        if not values:
+            raise ValueError("a Choice needs at least one value")
+        if weights is not None and (len(weights) != len(values) or not _finite(*weights) or min(weights) <= 0):
+            raise ValueError(f"a Choice of {len(values)} values needs as many positive weights, got {weights!r}")
+        for index, value in enumerate(values):
+            if any(_equal(value, other) for other in values[:index]):
+                raise ValueError(f"the values of a Choice must differ, got {value!r} twice")
+        self.values = values
+        self.weights = () if weights is None else tuple(float(weight) for weight in weights)
+
+    def __repr__(self) -> str:
+        weighted = f", weights={self.weights}" if self.weights else ""
+        return f"Choice({', '.join(map(repr, self.values))}{weighted})"
+
+    @property
+    def low(self) -> float:
+        return 0.0
+
+    @property
+    def high(self) -> float:
+        return len(self.values) - 1.0
+
+    @property
+    def cells(self) -> int:
+        return len(self.values)
+
+    def value(self, x: float) -> Any:
+        """Return what x in [-1, 1] stands for."""
+        return self.values[int(cut(self.cells, self.weights).index(x))]
+
+    def place(self, value: Any) -> float:
+        """Return the x in [-1, 1] in the middle of those that stand for a value."""
+        return float(cut(self.cells, self.weights).middle(self.values.index(value)))
+
+
+def _equal(one: Any, other: Any) -> bool:
+    try:
+        return bool(one == other)
+    except ValueError:  # arrays, entry by entry
+        return False
+
+
+Kind = Range | LogRange | Integer | Choice
+
+
+class Column(NamedTuple):
+    """One column of θ: its name and what its values are."""
+
+    name: str
+    kind: Kind
+
+    @property
+    def low(self) -> float:
+        return float(self.kind.low)
+
+    @property
+    def high(self) -> float:
+        return float(self.kind.high)
+
+
+@runtime_checkable
+class LevelFamily(Protocol):
+    """Levels of your own that are no vector of parameters: mazes, tracks, graphs.
+
+    A level is whatever you like; what is stored, compared and counted is its code, numbers in [-1, 1]. Equal levels
+    have equal codes.
+
+    Attributes:
+        size: numbers in a code.
+    """
+
+    @property
+    def size(self) -> int: ...
+
+    def sample(self, rng: np.random.Generator) -> Any:
+        """Draw a level that can be played."""
+
+    def mutate(self, level: Any, rng: np.random.Generator) -> Any:
+        """Return a level that differs a little from this one, and can be played."""
+
+    def encode(self, level: Any) -> np.ndarray:
+        """Return the code `[size]` of a level."""
+
+    def decode(self, code: np.ndarray) -> Any:
+        """Return the level of a code `[size]`."""
+
+
+@dataclass(frozen=True)
+class Seeds:
+    """Levels that are nothing but their seeds, as in Procgen: `count` of them, `first`, `first + 1`, ...
+
+    The one column of θ, "seed", chooses among them, and `reset(seed=)` is given the number that it stands for.
+    Raises `ValueError` for seeds outside [0, 2^31).
+    """
+
+    count: int
+    first: int = 0
+
+    def __post_init__(self) -> None:
+        whole = all(isinstance(x, int) and not isinstance(x, bool) for x in (self.count, self.first))
+        if not whole or self.count < 1 or self.first < 0 or self.first + self.count > 2**31:
+            raise ValueError(
+                f"Seeds(count, first) needs a count from 1 on and seeds from 0 to 2**31 - 1, got {self.count!r} seeds "
+                f"from {self.first!r} on"
+            )
+
+    @property
+    def draws(self) -> tuple[Column, ...]:
+        return (Column("seed", Integer(self.first, self.first + self.count - 1)),)
+
+    def of(self, theta: np.ndarray) -> np.ndarray:
+        """Return the seeds that θ `[n, 1]` stand for: uint64 `[n]`."""
+        return (self.first + index_in(theta[:, 0], self.count)).astype(np.uint64)
+
+
+class ThetaProgram(Protocol):
+    """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
+
+    @property
+    def draws(self) -> tuple[Parameter, ...]: ...
+    def valid(self, theta: np.ndarray) -> np.ndarray: ...
+    def describe(self, theta: np.ndarray) -> dict[str, Any]: ...
+
+
+Theta = int | Mapping[str, Kind | tuple[float, float]] | ThetaProgram | LevelFamily | Seeds
+
+
+class ThetaMap:
+    """What θ means: D columns, which rows are valid, and what values they stand for.
+
+    Args:
+        theta: the number of dimensions (values are θ itself, named `theta[0]`, ...); a mapping from name to what the
+            parameter is, where a pair (low, high) is a `Range`; a program whose random values are the columns; a
+            `LevelFamily`, whose levels take the place of values; or `Seeds`.
+        valid: says of one level's values whether it can be played; None: all can.
+    """
+
+    def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
+        self.program: ThetaProgram | None = None
+        self.family: LevelFamily | None = None
+        self.seeds = theta if isinstance(theta, Seeds) else None
+        if valid is not None and not callable(valid):
+            raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
+        self._valid = valid
+        if isinstance(theta, int):
+            if theta < 0:
+                raise ValueError(f"theta_dim must be 0 or more, got {theta}")
+            self.draws: tuple[Parameter, ...] = numbered("theta", theta)
+        elif isinstance(theta, Seeds):
+            self.draws = theta.draws
+        elif isinstance(theta, Mapping):
+            self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
+        elif isinstance(theta, LevelFamily):
+            self.family = theta
+            self.draws = numbered("code", theta.size)
+        elif hasattr(theta, "draws"):
+            self.program = theta
+            self.draws = theta.draws
+        else:
+            raise ValueError(
+                f"theta must be a number of dimensions, a mapping from name to parameter, a program, a LevelFamily or "
+                f"Seeds, got {theta!r}"
+            )
+
+    def valid(self, theta: np.ndarray) -> np.ndarray:
+        """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
+        good = np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
+        if self._valid is not None:
+            for row in np.flatnonzero(good):
+                good[row] = bool(self._valid(self.values(theta[row])))
+        return good
+
+    def values(self, row: np.ndarray) -> Any:
+        """Return one row of θ `[D]` as values by name, in the environment's units; of a family, the level."""
+        if self.family is not None:
+            return self.family.decode(row)
+        if self.program is not None:
+            return self.program.describe(row)
+        return {column.name: column.kind.value(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
+
+    def describe(self, row: np.ndarray) -> dict[str, Any]:
+        """Return one row of θ `[D]` as values by name, to be read; of a family, its level."""
+        values = self.values(row)
+        return {"level": values} if self.family is not None else values
+
+    def theta(self, values: Mapping[str, Any]) -> np.ndarray:
+        """Return the θ `[D]` of these values by name, or of a family's level. Raises `ValueError` for others."""
+        if self.family is not None:
+            return np.asarray(self.family.encode(values), float)
+        names = [draw.name for draw in self.draws]
+        if self.program is not None or set(values) != set(names):
+            raise ValueError(f"a level needs a value for each of {', '.join(names) or 'no name'}, got {dict(values)}")
+        return np.array([_placed(draw, values[draw.name]) for draw in self.draws])  # type: ignore[arg-type]
+
+
+def _placed(column: Column, value: Any) -> float:
+    """Return the x in [-1, 1] that stands for a value of a column. Raises `ValueError` for what is none of its."""
+    try:
+        x = column.kind.place(value)
+        good = abs(x) <= 1 + 1e-9 and (not column.kind.cells or column.kind.value(x) == value)
+    except (TypeError, ValueError):  # no number, or none of the values of a choice
+        good = False
+    if not good:
+        raise ValueError(f"{column.name} must be of {column.kind}, got {value!r}")
+    return min(max(x, -1.0), 1.0)
+
+
+def numbered(name: str, count: int) -> tuple[Column, ...]:
+    """Return columns `name[0]`, `name[1]`, ... from -1 to 1: θ itself."""
+    return tuple(Column(f"{name}[{i}]", Range(-1.0, 1.0)) for i in range(count))
+
+
+def _kind(name: str, about: Any) -> Kind:
+    if isinstance(about, Range | LogRange | Integer | Choice):
+        return about
+    try:
+        low, high = map(float, about)
+        return Range(low, high)
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"{name!r} must be a Range, LogRange, Integer, Choice or a pair of finite numbers, got {about!r}"
+        ) from error
+
+
+def kind_of(draw: Parameter) -> Kind | None:
+    """Return what a column's values are, as one of the kinds here; None where it tells another way, or not."""
+    kind = getattr(draw, "kind", None)
+    return kind if isinstance(kind, Range | LogRange | Integer | Choice) else None
+
+
+class Axis(NamedTuple):
+    """Numbers along which a column's θ is linear: how a name is written there, and the numbers of θ = -1 and 1."""
+
+    note: str
+    low: float
+    high: float
+
+
+def axis_of(draw: Parameter) -> Axis:
+    """Return the axis of a column: logarithms of a `LogRange`, numbers of the values of a `Choice`."""
+    kind = kind_of(draw)
+    if isinstance(kind, LogRange):
+        return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
+    if isinstance(kind, Integer):
+        return Axis("{}", kind.low - 0.5, kind.high + 0.5)
+    if isinstance(kind, Choice):
+        listed = ", ".join(f"{index} {value}" for index, value in enumerate(kind.values[:8]))
+        return Axis("{} (" + listed.replace("{", "(").replace("}", ")") + ")", -0.5, kind.high + 0.5)
+    return Axis("{}", draw.low, draw.high)
+
+
+# ---------------------------------------------------------------- columns with finitely many values
+
+
+def cells_in(draw: Parameter) -> Cells | None:
+    """Return the cells of a column; None for a real number.
+
+    One without a `kind` of this file must say `weights` (and `options`, their names), or "integers" between fixed ends.
+    """
+    kind, weights = getattr(draw, "kind", None), getattr(draw, "weights", ())
+    if isinstance(kind, Integer):
+        return Cells(kind.cells, None, True)
+    if isinstance(kind, Choice):
+        return cut(kind.cells, kind.weights, names=[str(value) for value in kind.values])
+    if weights:
+        return cut(len(weights), weights, names=getattr(draw, "options", ()))
+    if isinstance(kind, str) and kind == "integers" and math.isfinite(draw.low) and math.isfinite(draw.high):
+        return Cells(int(draw.high) - int(draw.low) + 1, None, True)
+    return None
+
+
+def choice_in(draw: Parameter) -> Cells | None:
+    """Return the cells of a column whose values are told apart one by one: not of a long row of integers."""
+    cells = cells_in(draw)
+    return None if cells is None or (cells.ordered and cells.count > MOST_CATEGORIES) else cells
+
+
+def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
+    """Return θ `[n, D]` with each entry of a column of finitely many values in the middle of its cell."""
+    known = [(column, cells) for column, draw in enumerate(draws) if (cells := cells_in(draw)) is not None]
+    if not known:
+        return theta
+    theta = theta.copy()
+    even = [(column, cells.count) for column, cells in known if cells.edges is None]
+    if even:
+        columns, counts = np.array(even).T
+        theta[:, columns] = middle_of(index_in(theta[:, columns], counts), counts)
+    for column, cells in known:
+        if cells.edges is not None:
+            theta[:, column] = cells.middle(cells.index(theta[:, column]))
+    return theta
+
+
+def edit(
+    theta: np.ndarray, draws: Sequence[Parameter], num_edits: int, edit_size: float, rng: np.random.Generator
+) -> np.ndarray:
+    """Return edited copies of θ `[k, D]`: `num_edits` columns are changed in each, each as its kind is.
+
+    A real number moves by up to `edit_size`, within [-1, 1]; an integer by at least one and at most that share of its
+    values. A choice becomes one of its other options, drawn by their weights, in whatever order they are listed.
+    """
+    edited, cells = theta.copy(), [cells_in(draw) for draw in draws]
+    counts = np.array([0 if known is None else known.count for known in cells])
+    rows = np.arange(len(theta))
+    for _ in range(num_edits):
+        columns = rng.integers(0, theta.shape[1], len(theta))
+        moves = rng.uniform(-edit_size, edit_size, len(theta))
+        edited[rows, columns] += np.where(counts[columns] > 0, 0.0, moves)
+        for row in np.flatnonzero(counts[columns] > 1):
+            known = cells[columns[row]]
+            assert known is not None
+            edited[row, columns[row]] = _other_value(edited[row, columns[row]], known, edit_size / 2, rng)
+    return np.clip(edited, -1.0, 1.0)
+
+
+def _other_value(x: float, cells: Cells, share: float, rng: np.random.Generator) -> float:
+    """Return the θ of another value: of ordered ones at most this share of them away, else of any, by weight."""
+    index = int(cells.index(x))
+    if not cells.ordered:
+        weights = cells.shares.copy()
+        weights[index] = 0.0
+        return float(cells.middle(int(rng.choice(cells.count, p=weights / weights.sum()))))
+    reach = max(1, round(share * cells.count))
+    other = int(rng.integers(max(0, index - reach), min(cells.count - 1, index + reach)))
+    return float(cells.middle(other + (other >= index)))

@@ -1,0 +1,14 @@
+"""What a process asks of the system. Read next: `adapters.gym`, whose environments may have processes of their own."""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import suppress
+
+PR_SET_PDEATHSIG = 1  # of prctl(2)
+
+
+def end_with_parent(number: int) -> None:
+    """Have the kernel send us this signal when the process that started us ends, however it ends. Linux alone can."""
+    with suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
