@@ -16,33 +16,34 @@ from regista.experiments.run.errors import UsageError, nearest, run_command
 from regista.experiments.run.signals import PARENT, end_with
 
 COMMANDS = {
-    "train": "train students on a minigame, with a curriculum or without",
-    "evaluate": "play trained runs on test scenes, with intervals",
-    "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
-    "study": "train many games over seeds: the thesis's benchmark, or what carries over to the other engine",
-    "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
-    "characterise": "tell how many random levels of a game are solved, as a student learns",
-    "gallery": "make a page of the levels of a run: a map, and a card, a scene and a replay of each",
-    "list": "show the minigames, what is measured on them elsewhere, and their test scenes",
-    "inspect": "show a program: its free parameters, its text as tokens or nodes, scenes drawn from it",
-    "probe": "compare methods on levels whose answer is known, in minutes",
-    "play": "play one match, and write a film or a record of it",
-    "demonstrate": "keep episodes of a program or of a student, for others to learn from",
-    "clone": "let a student learn to do what was done in demonstrations",
-    "replay": "play a recorded match again, bit for bit",
-    "benchmark": "measure the speed of the simulator, of training and of the language",
+    "train": "train students on a game or a task, with a curriculum or without",
+    "evaluate": "play trained runs on test scenes, with intervals; --gallery: a page of a run's levels",
+    "compare": "train several methods over seeds, evaluate, tabulate and draw",
+    "inspect": "show a program or a task: its free parameters, levels drawn from it, its text",
+    "list": "show the minigames, published results, test scenes; --solved: how hard they are",
+    "play": "play a match or a level of a run, and write a film or a record; --replay: a record",
+    "demonstrate": "save episodes of a program or of a student as demonstrations",
+    "clone": "train a student on demonstrations (behavior cloning)",
+    "transfer": "play trained runs in Google Research Football, too, and compare the engines",
+    "benchmark": "measure the speed of the simulator and of training",
+}
+MOVED = {  # commands of older versions, and what to type instead
+    "characterise": "regista list --solved GAME",
+    "gallery": "regista evaluate RUN --gallery",
+    "replay": "regista play --replay RECORD",
+    "probe": "regista compare ued.probes:frontier",
 }
 
 USAGE = """\
 usage: regista COMMAND [flags]
 
-Curriculum learning for reinforcement learning, in football.
+Unsupervised environment design (UED): train agents on levels chosen by a curriculum, and compare methods.
 
 commands:
 {commands}
 
-Every command takes --help; --version tells the version; --debug shows the whole traceback of an error; --trust runs the
-Python file of a task that only a run folder names.
+Every command takes --help. --version prints the version, --debug the traceback of an error; --trust allows a command to
+run the Python file that a run folder names.
 Begin with: regista compare 1v1Restricted --out demo
 """
 
@@ -67,6 +68,8 @@ def _dispatch(words: list[str]) -> int:
         print(USAGE.format(commands="\n".join(lines)), end="")
         return 0 if words else 2
     name = words[0]
+    if name in MOVED:
+        raise UsageError(f"there is no command {name}; use: {MOVED[name]}")
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")

@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from regista.experiments.run import build, tasks, trust
-from regista.experiments.run.config import TaskTrainConfig
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
 
 
-def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
+def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
     """Train on a task and return its run folder; a run that is there already is continued to its budget.
 
     Args:
@@ -34,14 +33,14 @@ def train(task: Any, method: str = "plr", seed: int = 0, out: str | Path | None 
     from regista.experiments.commands.train import train as train_run
     from regista.experiments.run.signals import StopRequest
 
-    name = build.canonical_name(task if isinstance(task, str) else tasks.name_of(task))
-    trust.allow(name)
-    config = build.starting_point("fast", name)
+    game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
+    trust.allow(game.name)
+    config = game.start("fast")
     unknown = [key for key in settings if key not in vars(config)]
     if unknown:
         raise UsageError(f"there is no setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
-    config = replace(config, minigame=name, method=build.find_method(method), seed=seed, **settings)
-    path = Path(out) if out is not None else Path("runs") / f"{build.short_name(name)}-{method}-{seed}"
+    config = replace(config, minigame=game.name, method=build.find_method(method), seed=seed, **settings)
+    path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
         train_run(run, stop)
@@ -63,8 +62,8 @@ def evaluate(
     """
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = [RunFolder.open(Path(path)) for path in paths]
-    config: TaskTrainConfig = folders[0].config
+    config = folders[0].config
     if trusted:
         trust.allow(config.minigame)
-    scenes = EvalScenes(config, build.load_scenes(config), episodes)
+    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     return Evaluator(scenes, levels, level_episodes).report(folders)

@@ -1,8 +1,10 @@
-"""Environments of known answers on which a method can be judged in seconds.
+"""Environments with known answers, on which methods can be compared in minutes.
 
-`Frontier` is made so that domain randomisation wastes most of its steps: what can be learned next is a thin shell of
-levels that moves outward as the student learns. Read next: `regista.experiments.commands.probe`, which compares methods
-on it.
+    regista compare ued.probes:frontier --methods dr plr accel paired --seeds 10
+
+`Frontier` is made so that domain randomization wastes most of its steps: the levels that can be learned next are a thin
+shell, which moves outward as the student learns. The success rate on the test "every length" is the share of the turns
+that the student knows. Read next: `core.task`; `methods`, the methods.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from gymnasium.spaces import Box, Discrete
 from ued.core.cells import middle_of
 from ued.core.level_space import check_theta
 from ued.core.parameters import Column, Range
+from ued.core.task import Task
 from ued.core.upomdp import UPOMDP
 
 ACTIONS = 4
@@ -116,3 +119,30 @@ class Frontier(UPOMDP):
 
     def copy(self) -> Frontier:
         return copy.deepcopy(self)
+
+
+LONGEST = 15  # path of the task `frontier`
+# Short episodes, small networks and buffers. PAIRED trains on no random levels here: they teach nothing.
+DEFAULTS = {
+    "total_env_steps": 200_000,
+    "num_envs": 32,
+    "eval_every": 10_000,
+    "eval_episodes": 5 * LONGEST,
+    "ppo.num_steps": 64,
+    "ppo.learning_rate": 2e-3,
+    "ppo.gamma": 0.99,
+    "ppo.num_minibatches": 4,
+    "ppo.update_epochs": 4,
+    "ppo.ent_coef": 0.05,
+    "ppo.hidden_size": 64,
+    "paired.dr_fraction": 0.0,
+    "repaired.dr_fraction": 0.0,
+    **{f"{method}.buffer.capacity": 256 for method in ("plr", "accel", "repaired")},
+}
+
+
+def _frontier(num_envs: int) -> Frontier:
+    return Frontier(num_envs, LONGEST)
+
+
+frontier = Task(_frontier, {"every length": Frontier(1, LONGEST).test_levels()["theta"]}, defaults=DEFAULTS)

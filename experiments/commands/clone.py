@@ -22,12 +22,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from regista.experiments.run import arguments, build, versions
+from regista.experiments.run import arguments, build, starting, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import TrainConfig, football_ppo
 from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import Source, football_game
 from regista.experiments.run.progress import Progress
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import Table, cannot_write, spell
@@ -37,7 +38,6 @@ from ued.core.files import write_whole
 if TYPE_CHECKING:
     from regista.experiments.run.cloning_data import CloningData
     from regista.experiments.run.demonstrations import Demonstrations
-    from scenic_lite import Program
     from ued.learning.cloning import Agreement, Cloner
 
 DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
@@ -60,7 +60,7 @@ class CloneConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     bases = {name: CloneConfig(ppo=preset.ppo) for name, preset in configs.presets().items()}
-    base = bases.pop(build.preset_of(argv))
+    base = bases.pop(starting.preset_of(argv))
     others = {f"with --preset {name}": [other] for name, other in bases.items()}
     config = arguments.replace_paths(base, arguments.typed_settings(base, argv, "clone", DESCRIPTION, others))
     if config.demonstrations is None:
@@ -73,25 +73,23 @@ def main(argv: Sequence[str]) -> int:
     demos = Demonstrations.open(config.demonstrations)
     versions.check_present(demos.simulator, f"{demos.path} was played on", "it cannot be cloned")
     data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
-    method, run, program = _begin(config, demos, data)
+    method, run, source = _begin(config, demos, data)
     with StopRequest() as stop:
-        clone(run, program, config, data, method, stop)
+        clone(run, source, config, data, method, stop)
     if stop:
         print("stopped; the same command goes on")
     return stop.exit_code
 
 
-def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Program]:
+def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Source]:
     """Return the method that holds the student, folder and program. Raises `CommandError` where they do not fit."""
-    minigame = build.canonical_name(config.minigame or demos.config.minigame)
-    build.check_football(minigame)
-    base = build.starting_point(config.preset, minigame)
+    game = football_game(config.minigame or demos.config.minigame)
+    minigame, base = game.name, game.start(config.preset)
     env = replace(demos.config.env, rewards=base.env.rewards)
     training = replace(
         base, minigame=minigame, method="dr", env=env, ppo=config.ppo, seed=config.seed, threads=config.threads
     )
-    program = build.load_scenes(training)[build.TRAINING_SCENE]
-    upomdp = build.make_upomdp(program, training.num_envs, env, training.seed, training.threads)
+    upomdp = build.make_upomdp(game.task(training).make, training.num_envs, training.seed)
     method = build.make_method(training, upomdp)
     seen, space = data.observation_shape, upomdp.single_observation_space
     if seen != space.shape or data.action_shape != upomdp.single_action_space.shape:
@@ -102,7 +100,7 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
     run = _open(path, training, configs.to_dict(replace(config, out=None)))
-    return method, run, program
+    return method, run, game.source(training)
 
 
 def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder:
@@ -123,7 +121,7 @@ def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder
 
 
 def clone(
-    run: RunFolder, program: Program, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
+    run: RunFolder, source: Source, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
 ) -> None:
     """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
     from regista.experiments.pictures.cloning import draw_cloning
@@ -133,7 +131,7 @@ def clone(
     cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
     table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
     lines = table.until(cloner.epoch)  # all is read before anything is written
-    run.keep_program(program)
+    run.save_source(source)
     table.replace(lines)
     if goes_on:
         cloner.look_through(data.chunks(held_out=False))

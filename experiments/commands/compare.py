@@ -15,19 +15,20 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.commands.evaluate import check_levels
-from regista.experiments.pictures import level_plots, plots, results_page, theta_plots
+from regista.experiments.pictures import level_plots, plots, theta_plots
 from regista.experiments.pictures.overview import Comparison, overview
-from regista.experiments.run import arguments, build, origin
+from regista.experiments.run import arguments, build, origin, starting
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import Game
 from regista.experiments.run.report import Report
-from regista.experiments.run.results import unique
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
+from ued.core.task import TRAINING_SCENE
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -75,51 +76,41 @@ class CompareConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = _read(argv)
-    folder = config.out or Path("runs") / f"compare-{build.short_name(config.minigame)}"
-    runs = prepare(config, folder)
-    programs = build.load_scenes(runs[0].config, config.held_out)
+    game = build.find_game(config.minigame)
+    folder = config.out or Path("runs") / f"compare-{game.short}"
+    runs = prepare(config, game, folder)
     # Before there are several processes: this compiles the kernels
-    scenes = EvalScenes(runs[0].config, programs, config.episodes)
+    scenes = EvalScenes(runs[0].config, game, config.episodes, config.held_out)
     with StopRequest() as stop:
         trained = train_unfinished(runs, config.launch, stop)
     if not trained:
         return stop.exit_code
     print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
-    football = build.is_football(runs[0].config)
-    program = programs[build.TRAINING_SCENE]
-    painter = build.make_painter(program) if football else None
-    show(report, runs, painter, folder, config.rrd, getattr(program, "draws", ()))
-    page(report, runs, ["compare", *argv], folder)
+    show(report, runs, scenes, folder, config.rrd)
     return 0
 
 
-def prepare(config: CompareConfig, folder: Path) -> list[RunFolder]:
+def prepare(config: CompareConfig, game: Game, folder: Path) -> list[RunFolder]:
     """Create the run folders that are not there yet, and open the others; they must agree with the settings."""
-    runs, minigame = [], build.canonical_name(config.minigame)
+    runs = []
     for seed in range(config.first_seed, config.first_seed + config.seeds):
         for method in config.methods:
-            settings = replace(config.train, minigame=minigame, method=method, seed=seed)
+            settings = replace(config.train, minigame=game.name, method=method, seed=seed)
             runs.append(RunFolder.create_or_extend(folder / f"{method}-{seed}", settings))
     origin.begin_all(runs, config.from_, config.fine_tuning)
     return runs
 
 
-def show(
-    report: Report,
-    runs: Sequence[RunFolder],
-    painter: Any,
-    folder: Path,
-    rrd: Path | None = None,
-    draws: Sequence[Any] = (),
-) -> None:
+def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: Path, rrd: Path | None = None) -> None:
     """Print the tables; write them, all numbers and pictures, and the curves of all runs to a recording at `rrd`."""
+    upomdp, task = scenes.scenes[TRAINING_SCENE], scenes.task
+    painter = task.painter(upomdp) if task.painter else None
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
-    name = build.short_name(runs[0].config.minigame)
     with read_from(f"the tables of a run in {folder} are"):
-        draw(Comparison(name, by_method, report.results, painter, report.word, draws), folder)
+        draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.draws), folder)
     report.save(folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
@@ -133,19 +124,6 @@ def show(
         print(f"all runs: rerun {rrd}")
 
 
-def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
-    """Write what a page of results shows of the comparison."""
-    name = build.short_name(runs[0].config.minigame)
-    trained = unique([run.config.method for run in runs])
-    pictures = {f"Learning curves on {name}": "learning_curves.png"}
-    if build.is_football(runs[0].config):
-        pictures[f"{report.word.capitalize()} and levels on {name}"] = "overview.png"
-    else:
-        pictures[f"Levels on {name}"] = "levels.png"
-    heading = f"{name}: {plots.listed(trained)}"
-    results_page.write_page(folder, heading, command, report.markdown(), pictures, report.simulator)
-
-
 def draw(comparison: Comparison, folder: Path) -> None:
     """Draw the pictures of a comparison: three, or two where nothing is known of how levels look."""
     plots.learning_curves(comparison.runs, folder / "learning_curves.png")
@@ -156,11 +134,11 @@ def draw(comparison: Comparison, folder: Path) -> None:
 
 
 def _read(argv: Sequence[str]) -> CompareConfig:
-    known = CompareConfig(train=build.settings_for(argv))
-    others = {case: [CompareConfig(train=t) for t in trains] for case, trains in build.other_settings(argv).items()}
+    known = CompareConfig(train=starting.settings_for(argv))
+    others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
     minigame = typed.get("minigame", CompareConfig().minigame)
-    start = build.starting_point(typed.get("preset", "fast"), minigame)
+    start = build.find_game(minigame).start(typed.get("preset", "fast"))
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -21,6 +21,9 @@ from regista.experiments.run.arguments import positional
 from regista.experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import Game, single_game
+from regista.experiments.run.notes import warn
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.signals import StopRequest
 from ued.config import LARGEST_SEED, Checked, most_threads, setting
@@ -67,12 +70,12 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run plays as it was trained")
     check_installed()
     config, program, student = _who_plays(typed)
-    env = build.make_upomdp(program, config.part, config.env, config.seed, typed.threads)  # refuses before it is begun
+    env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)  # refuses before it is begun
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
     demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
     if student is None:
         if not env.behaviors.is_live:
-            build.warn(f"note: {program.file} has no behaviors; the built-in AI plays for its agents")
+            warn(f"note: {program.file} has no behaviors; the built-in AI plays for its agents")
         env = env.with_scripted_policy()
     with StopRequest() as stop:
         _fill(demos, env, student, typed, stop)
@@ -86,7 +89,8 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
     chosen = {name: getattr(typed, name) for name in ("keep", "success_above", "greedy", "seed")}
     part = SIDE_BY_SIDE.get(typed.representation, 256)
     if typed.run is None:
-        game = build.find_minigame(typed.minigame)
+        found = single_game(typed.minigame)
+        game = found.minigame
         try:
             env = FootballConfig(
                 representation=typed.representation,
@@ -96,28 +100,27 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
         except ValueError as error:
             raise UsageError(str(error)) from error
         alone = env.control in ("active", "closest1", "1")
-        program = build.load_program((game.expert if alone else game.team_expert) or game.program, None)
-        name = build.canonical_name(typed.minigame)
-        return DemonstrationsConfig(minigame=name, part=part, env=env, **chosen), program, None
+        program = load_program((game.expert if alone else game.team_expert) or game.program, None)
+        return DemonstrationsConfig(minigame=found.name, part=part, env=env, **chosen), program, None
     if typed.minigame:
         raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
     run = RunFolder.open(typed.run)
-    build.check_football(run.config.minigame)
-    env = replace(run.config.env, rewards="scoring")
+    played = single_game(run.config.minigame)
+    env = run.config.scored().env
     part = SIDE_BY_SIDE.get(env.representation, 256)
-    program = build.load_scenes(run.config)[build.TRAINING_SCENE]
+    program = played.program(run.config)
     config = DemonstrationsConfig(
         minigame=run.config.minigame, source=str(typed.run.resolve()), part=part, env=env, **chosen
     )
-    return config, program, _student(run, program, typed.greedy)
+    return config, program, _student(run, played, typed.greedy)
 
 
-def _student(run: RunFolder, program: Any, greedy: bool) -> Callable[[int], Choose]:
+def _student(run: RunFolder, game: Game, greedy: bool) -> Callable[[int], Choose]:
     from regista.experiments.run.evaluator import load_student
     from ued.core.seeding import torch_generator
     from ued.learning.student import Player
 
-    student, _ = load_student(run, program)
+    student, _ = load_student(run, game)
     return lambda seed: Player(student, torch_generator(seed), greedy)
 
 

@@ -3,6 +3,7 @@
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
     regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in the real engine
     regista evaluate runs/1v1Restricted-paired-0 --engine grf --episodes 100
+    regista evaluate runs/1v1Restricted-paired-0 --gallery                     # its levels as gallery.html
 
 Read next: `run.evaluator`, which plays; `run.results`, which counts; `run.report`, the tables.
 """
@@ -18,7 +19,7 @@ from typing import Any
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig
-from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, write_text
@@ -63,6 +64,14 @@ class EvaluateConfig(Checked):
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")
+    gallery: bool = setting(False, "instead of playing: write the levels of each run as a page for a browser")
+    gallery_levels: int = setting(
+        3_000,
+        "levels on the map of the page, spread over updates; those with replays come on top",
+        ">=1",
+        most=100_000,
+    )
+    gallery_replays: int = setting(150, "levels with replays on the page, spread over updates", ">=0", most=10_000)
     playing: EngineConfig = group(EngineConfig, "engine; without, the one that the runs were trained on")
 
     def __post_init__(self) -> None:
@@ -88,14 +97,17 @@ def main(argv: Sequence[str]) -> int:
     if not config.runs:
         raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
     runs = [RunFolder.open(path) for path in config.runs]
+    if config.gallery:
+        for run in runs:
+            write_gallery(run, config)
+        return 0
     games = {run.config.minigame for run in runs}
     if len(games) > 1:
         raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
     first = replace(runs[0].config, threads=config.threads)
-    if build.is_football(first):
-        if any((run.config.program, run.config.env.dialect) != (first.program, first.env.dialect) for run in runs):
-            raise CommandError("these runs read their program with different settings; evaluate them apart")
-        first = replace(first, env=config.playing.instead_of(first.env))
+    if any(run.config.reading() != first.reading() for run in runs):
+        raise CommandError("these runs read their program with different settings; evaluate them apart")
+    first = first.on_engine(config.playing)
     report = evaluator(first, config).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:
@@ -105,13 +117,27 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
+def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
+    """Write gallery.html into a run folder: a map of its levels, each with a card, a scene and a replay."""
+    from regista.experiments.pictures.gallery import make_page
+
+    if not run.levels.path.exists():
+        raise CommandError(f"{run.path} has no levels.csv: no update has finished yet")
+    path, game = run.path / "gallery.html", build.find_game(run.config.minigame)
+    with read_from(f"the tables of {run.path} are of other environments than it has now, or"):
+        made = make_page(run, game, path, config.gallery_levels, config.gallery_replays)
+    print(f"{path}: {made.levels} of {made.played} levels, {made.replays} with replays")
+    if made.otherwise:
+        print(f"{made.otherwise} replays ended differently than they were recorded: the environment has changed")
+
+
 def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:
     """Return what plays, on the scenes of these settings of a run; the real engine plays less by default."""
-    real = build.is_football(first) and first.env.engine == "grf"
+    real = first.engine == "grf"
     minutes = GRF_MINUTES if real and config.episodes is None and config.minutes is None else config.minutes
     episodes = (config.episodes or EPISODES) if minutes is None else ROUND
     levels = (0 if real else LEVELS) if config.levels is None else config.levels
-    scenes = EvalScenes(first, build.load_scenes(first, config.held_out), episodes)
+    scenes = EvalScenes(first, build.find_game(first.minigame), episodes, config.held_out)
     return Evaluator(scenes, levels, config.level_episodes, minutes=minutes, tell=real or minutes is not None)
 
 

@@ -14,17 +14,22 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from regista.experiments.run import arguments, build, tasks
+from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.games import single_game
+from regista.experiments.run.notes import warn
+from regista.experiments.run.programs import load_any_program, read_params, warn_of_play
 from regista.experiments.run.results import align
+from regista.experiments.run.tasks import PythonTask
 from ued.config import LARGEST_SEED, Checked, setting
 
 if TYPE_CHECKING:
@@ -68,21 +73,22 @@ def main(argv: Sequence[str]) -> int:
         return inspect_adversary(config.adversary, config)
     if not config.program:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
-    if tasks.is_task(config.program):
+    game = build.find_game(config.program)
+    if isinstance(game, PythonTask):
         if config.engine == "scenic3":
             raise UsageError("--engine says what reads a program; a task is Python")
-        return inspect_task(config)
+        return inspect_task(game, config)
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
-    path = build.find_minigame(config.program).program
+    path = single_game(config.program).minigame.program
     if config.engine == "scenic3":
         return inspect_scenic3(path, config)
     if config.show in ("tokens", "nodes"):
         print_text(path, config)
         return 0
-    program, football = build.load_any_program(path, config.dialect, config.reading)
+    program, football = load_any_program(path, config.dialect, config.reading)
     if football and config.show != "code":
-        build.warn_of_play(program)
+        warn_of_play(program)
     if config.show == "code":
         print(render_code(program, football))
     elif config.show == "scenes":
@@ -109,11 +115,9 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
     run = RunFolder.open(folder)
     if config.program:
         raise UsageError("inspect takes a program or --adversary RUN, not both")
-    scene = build.load_scenes(run.config)[build.TRAINING_SCENE]
-    upomdp = None if hasattr(scene, "draws") else build.make_upomdp(scene, 1, None, 0, 1)
-    columns = proposals.read_proposals(folder, scene.draws if upomdp is None else upomdp.draws)
-    if upomdp is not None:
-        upomdp.close()
+    task = build.find_game(run.config.minigame).task(run.config)
+    with closing(build.make_upomdp(task.make, 1, 0)) as upomdp:
+        columns = proposals.read_proposals(folder, upomdp.draws)
     print(proposals.render_proposals(folder, columns))
     if config.png is not None:
         from regista.experiments.pictures.level_plots import draw_proposals
@@ -123,13 +127,12 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
     return 0
 
 
-def inspect_task(config: InspectConfig) -> int:
-    """Show a task of one's own: its parameters, levels drawn from it or the typed one, and their first frames."""
+def inspect_task(game: PythonTask, config: InspectConfig) -> int:
+    """Show a Python task: its parameters, levels drawn from it or the typed one, and their first frames."""
     from regista.experiments.pictures.task_view import describe_task, draw_task
     from ued.core.level_space import check_theta
 
-    scene = tasks.load_scenes(config.program, build.TRAINING_SCENE)[build.TRAINING_SCENE]
-    upomdp = tasks.make_upomdp(scene, 1 if config.theta else config.n, config.seed)
+    upomdp = build.make_upomdp(game.task(None).make, 1 if config.theta else config.n, config.seed)
     theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
     print(describe_task(config.program, upomdp, theta))
     if config.png is not None:
@@ -147,9 +150,7 @@ def inspect_scenic3(path: Path, config: InspectConfig) -> int:
         from regista.envs.scenic3 import ScenicProgram
 
         reading = config.reading
-        program: Any = ScenicProgram(
-            path, build.read_params(reading.param), reading.scenario, reading.model, config.mode_2d
-        )
+        program: Any = ScenicProgram(path, read_params(reading.param), reading.scenario, reading.model, config.mode_2d)
     except ImportError as error:
         raise CommandError(str(error)) from error
     except Exception as error:  # a program is Python
@@ -247,13 +248,14 @@ def render_scenes(program: Program, theta: np.ndarray) -> str:
 
 def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
     """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
-    from regista.envs.football.scenic.lineup import NotAMatchError
+    from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
+    from regista.envs.football.view.render import FootballPainter
     from regista.experiments.pictures.scene_pictures import draw_matches, draw_pictures
     from regista.experiments.pictures.scene_view import view_of
 
     if football:
         try:
-            return draw_matches(build.make_painter(program), theta, path)
+            return draw_matches(FootballPainter(Lineup(program)), theta, path)
         except NotAMatchError:  # football without a ball, or with something else on the pitch
             pass
     view = view_of(program, probes(program, theta), football)
@@ -306,7 +308,7 @@ def render_code(program: Program, football: bool) -> str:
 
     compiled = compile_program(program, FOOTBALL_WORLD if football else toy_world())
     for warning in compiled.warnings:
-        build.warn(f"warning: {warning}")
+        warn(f"warning: {warning}")
     counts = f"{len(compiled.code.rows)} rows, {compiled.code.register_count} numbers for each match"
     return f"{program.file}: {counts}\n\n{compiled.disassembly()}"
 

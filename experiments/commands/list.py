@@ -3,6 +3,7 @@
     regista list
     regista list defense
     regista list offense/easy_crossing
+    regista list --solved 1v1Free Gauntlet --total-env-steps 2_000_000
 
 Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, which looks into a program.
 """
@@ -15,11 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import arguments, build
+from regista.experiments.run import arguments, solved
 from regista.experiments.run.arguments import positional
 from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import align
-from ued.config import Checked
+from ued.config import Checked, setting
 
 if TYPE_CHECKING:
     from regista.minigames.published import Published
@@ -31,7 +33,7 @@ DESCRIPTION = (
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
-    "random": "uniform keys",
+    "random": "random policy",
     "expert": "semi-expert program",
     "cloned": "behaviour cloning of it",
     "pretrained": "cloning, then PPO",
@@ -50,10 +52,13 @@ class ListConfig(Checked):
     """What is typed after `regista list`."""
 
     words: tuple[str, ...] = positional("minigames to show: a name, or a part of names", default=())
+    solved: bool = setting(False, "train a student and report how many random levels it solves; see list --solved -h")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
+    if "--solved" in argv:
+        return solved.main([word for word in argv if word != "--solved"])
     config = arguments.parse(ListConfig(), argv, "list", DESCRIPTION)
     from regista.minigames.suites import ALL
 
@@ -97,7 +102,7 @@ def look(game: Minigame) -> tuple[str, int]:
     """Return how many play on the left and on the right, and the D of θ."""
     from regista.envs.football.scenic.lineup import Lineup
 
-    program = build.load_program(game.program, None)
+    program = load_program(game.program, None)
     right = np.asarray(Lineup(program, game.control).roster.teams)
     return f"{(right == 0).sum()} v {right.sum()}", program.dim
 

@@ -1,11 +1,12 @@
-"""`regista play`: play one match of a program, or a level of a run, and keep it as a film or as a record.
+"""`regista play`: play one match of a program, a level of a run, or a record, and write a film or a record of it.
 
     regista play 3v2FourBehaviors --video match.gif
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
     regista play --level runs/paired --id 1234                     # the level of this number in the run's levels.csv
+    regista play --replay match.npz --video match.gif              # a recorded match, bit for bit
 
-Read next: `commands.replay`; `regista.envs.football.view.bot`, who plays unless told otherwise.
+Read next: `regista.envs.football.replay`, what a record is; `regista.envs.football.view.bot`, the default player.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ import numpy as np
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig, ProgramConfig
-from regista.experiments.run.errors import UsageError
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.games import single_game
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.table import cannot_write
 from ued.config import LARGEST_SEED, Checked, setting
 from ued.core.files import write_whole
@@ -30,7 +33,7 @@ if TYPE_CHECKING:
     from regista.envs.football.replay import Record
     from regista.experiments.run.level_stage import LevelStage
 
-DESCRIPTION = "Play one match of a program, or a level that a run was trained on, and write a film or a record of it."
+DESCRIPTION = "Play one match of a program, a level of a run, or a recorded match, and write a film or a record of it."
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,9 @@ class PlayConfig(Checked):
     )
     video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
     speed: float = setting(1.0, "of the film, times life", ">0", most=1_000)
-    record: Path | None = setting(None, "write a record, .npz, for regista replay")
+    record: Path | None = setting(None, "write a record, .npz, for --replay")
+    replay: Path | None = setting(None, "play this record again, and check that it ends as it was recorded")
+    match: int = setting(0, "with --replay: which of the matches of the record", ">=0", most=10**9)
     reading: ProgramConfig = group(ProgramConfig, "the program")
     playing: EngineConfig = group(EngineConfig, "engine")
 
@@ -62,8 +67,13 @@ class PlayConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(PlayConfig(), argv, "play", DESCRIPTION)
-    if not config.program and config.level is None:
-        raise UsageError("play needs a program: a minigame's name or the path of a .scenic file; or --level RUN --id N")
+    if not config.program and config.level is None and config.replay is None:
+        raise UsageError(
+            "play needs a program: a minigame's name or the path of a .scenic file; or --level RUN --id N, or --replay "
+            "RECORD"
+        )
+    if config.replay is not None:
+        return _replay(config)
     if (config.id is None) != (config.level is None) or (config.program and config.level):
         raise UsageError("a level of a run is named by --level RUN --id N, without a program")
     check_film_of(config.video)
@@ -79,19 +89,44 @@ def main(argv: Sequence[str]) -> int:
     assert config.id is not None
     stage = LevelStage.of_run(config.level, config.id, config.turn, config.playing)
     print(stage.describe())
-    return play_match(config, stage.env) if stage.is_football else _play_task(config, stage)
+    return play_match(config, stage.env) if stage.is_match else _play_task(config, stage)
 
 
 def _match_of_program(config: PlayConfig) -> Any:
     """Return a match of the program, on a random level."""
     from regista.envs.football.config import FootballConfig
 
-    program = build.load_program(build.find_minigame(config.program).program, None, config.reading)
+    program = load_program(single_game(config.program).minigame.program, None, config.reading)
     try:
         settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
     except ValueError as error:
         raise UsageError(str(error)) from error
-    return build.make_upomdp(program, 1, settings, config.seed, 1)
+    return build.make_matches(program, 1, settings, config.seed)
+
+
+def _replay(config: PlayConfig) -> int:
+    """Play a recorded match again, and film it with `--video`."""
+    from regista.envs.football.replay import RecordError, load_record, replay
+
+    assert config.replay is not None
+    if config.program or config.level or config.record:
+        raise UsageError("--replay plays a record alone: without a program, --level and --record")
+    check_film_of(config.video)
+    try:
+        record = load_record(config.replay)
+        if config.match >= len(record.last):
+            raise UsageError(f"--match must be below {len(record.last)}, the matches of {config.replay}")
+        moments = [matches[config.match] for matches in replay(record, endings=True)]
+    except RecordError as error:
+        raise CommandError(str(error)) from error
+    if record.lengths is not None:
+        moments = moments[: record.lengths[config.match] + 1]
+    left, right = moments[-1]["score"]
+    matches = f", match {config.match} of {len(record.last)}" if len(record.last) > 1 else ""
+    print(f"{len(moments) - 1} steps came out as they were recorded{matches}; {left} : {right} in the end")
+    if config.video:
+        film(config.video, moments, config.speed)
+    return 0
 
 
 def play_match(config: PlayConfig, env: Any) -> int:

@@ -19,15 +19,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.pictures import plots
-from regista.experiments.run import arguments, build, origin, outlook, versions
+from regista.experiments.run import arguments, build, origin, outlook, starting, versions
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
 from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
+from regista.experiments.run.notes import telling_warnings, warn
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.reporting import Console, Reporters
 from regista.experiments.run.signals import StopRequest
 from ued.config import FineTuningConfig, setting
+from ued.core.task import Task
 
 DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
 
@@ -66,21 +68,18 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     """
     from regista.experiments.run.evaluator import EvalScenes
 
-    config, programs = run.config, build.load_scenes(run.config)
-    program = programs[build.TRAINING_SCENE]
-    run.keep_program(program)
-    env = config.env if build.is_football(config) else None
-    upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, config.threads)
-    method = build.make_method(config, upomdp)
+    config, game = run.config, build.find_game(run.config.minigame)
+    run.save_source(game.source(config))
+    task = game.task(config)
+    method = build.make_method(config, build.make_upomdp(task.make, config.num_envs, config.seed))
     origin.begin_with(run, method)
-    # no environments for tests that are not to be
-    scenes = EvalScenes(config, programs, config.eval_episodes) if config.eval_every else None
+    scenes = EvalScenes(config, game, config.eval_episodes) if config.eval_every else None
     elapsed = restore(run, method)
     progress = Progress(config.total_env_steps, method.env_steps)
-    reporters = open_reporters(run, program, method, progress, connect)
+    reporters = open_reporters(run, task, method, progress, connect)
     outlook.tell(config, method, progress.say)
 
-    with stop, build.telling_warnings():
+    with stop, telling_warnings():
         while method.env_steps < config.total_env_steps and not stop:
             began, before = time.perf_counter(), method.env_steps
             metrics = method.update()
@@ -109,7 +108,7 @@ def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress
 
 
 def open_reporters(
-    run: RunFolder, program: Any, method: Any, progress: Progress, connect: str | None = None
+    run: RunFolder, task: Task, method: Any, progress: Progress, connect: str | None = None
 ) -> Reporters:
     """Return all who are told of the updates of a run: its tables, the terminal, its recording, and trackers."""
     from regista.experiments.run.trackers import make_tracker
@@ -119,7 +118,7 @@ def open_reporters(
     if run.config.record:
         from regista.experiments.run.recording import RunRecorder
 
-        reporters.add("recorded", lambda: RunRecorder(run, program, method, connect))
+        reporters.add("recorded", lambda: RunRecorder(run, task, method, connect))
     for name in run.config.report:
         reporters.add(f"told to {name}", partial(make_tracker, name, run, method.env_steps))
     return reporters
@@ -134,7 +133,7 @@ def restore(run: RunFolder, method: Any) -> float:
     state = run.load()
     if state is None:
         if done := run.env_steps():
-            build.warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
+            warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
         run.cut_back(0)
         return 0.0
     version = versions.kept_version(run.config, state, str(run.checkpoint))
@@ -171,17 +170,17 @@ def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
 def _begin(typed: dict[str, Any]) -> RunFolder:
     source = origin.load(typed["from_"]) if "from_" in typed else None
     minigame: str = typed.get("config.minigame") or (source.config.minigame if source else TrainConfig().minigame)
-    start = build.starting_point(typed.get("preset", "fast"), minigame)
-    base = TrainFlags(config=origin.like(source, replace(start, minigame=minigame)) if source else start)
+    game = build.find_game(minigame)
+    start = game.start(typed.get("preset", "fast"))
+    base = TrainFlags(config=origin.like(source, start) if source else start)
     flags = arguments.replace_paths(base, typed)
-    config = replace(flags.config, minigame=build.canonical_name(flags.config.minigame))
-    name = build.short_name(config.minigame)
+    config = replace(flags.config, minigame=game.name)
     build.find_method(config.method)
     build.find_device(config.device)
     origin.check_needed(source.path if source else None, flags.fine_tuning)
     if source is not None:
         origin.check(source, config)
-    stem = f"{name}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
+    stem = f"{game.short}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
     out = flags.out or Path("runs") / stem
     return RunFolder.create(out, config, lambda run: origin.keep(run, source, flags.fine_tuning))
 
@@ -189,12 +188,12 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
 def _known(argv: Sequence[str]) -> Any:
     """Return the settings that can be typed: those of the run that is named, or of what is to be trained on."""
     named = _named_run(argv)
-    return RunFolder.open(named).config if named else build.settings_for(argv)
+    return RunFolder.open(named).config if named else starting.settings_for(argv)
 
 
 def _others(argv: Sequence[str]) -> dict[str, list[Any]]:
     """Return the settings of other games, tasks and presets; none where a run says what they are."""
-    return {} if _named_run(argv) else build.other_settings(argv)
+    return {} if _named_run(argv) else starting.other_settings(argv)
 
 
 def _named_run(argv: Sequence[str]) -> Path | None:

@@ -18,6 +18,7 @@ import numpy as np
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import Game
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_columns, read_rows
 from ued.core.files import write_whole
@@ -44,11 +45,11 @@ class Made:
     otherwise: int
 
 
-def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_replays: int) -> Made:
+def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_replays: int) -> Made:
     """Write the page of a run. Raises `CommandError` where tables are damaged or old, or the disk refuses."""
-    config = run.config
-    env = build.make_upomdp(program, 1, config.env if build.is_football(config) else None, config.seed, config.threads)
-    stage = Stage(env, build.make_painter(program, env))
+    config, task = run.config, game.task(run.config)
+    env = build.make_upomdp(task.make, 1, config.seed)
+    stage = Stage(env, task.painter(env) if task.painter else None)
     rows = read_rows(run.replays.path)
     shown = _spread(list(dict.fromkeys(row["turn"] for row in rows)), most_replays)
     replays, otherwise = _replays(stage, rows, set(shown))
@@ -59,7 +60,7 @@ def make_page(run: RunFolder, program: Any, path: Path, most_levels: int, most_r
     with_replay = [index for index, turn in enumerate(columns["turn"].astype(int)) if str(turn) in replays]
     chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {
-        "title": f"{build.short_name(config.minigame)}, {config.method}, seed {config.seed}",
+        "title": f"{game.short}, {config.method}, seed {config.seed}",
         "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen)),
         "axes": {name: _axis(draw, name) for draw, name in _drawn(stage)},
         "sources": SOURCE_COLOURS,

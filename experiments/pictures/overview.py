@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 from regista.experiments.pictures import plots
 from regista.experiments.pictures.level_plots import draw_levels, read_theta, team_legend
-from regista.experiments.run import build
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
+from ued.core.task import TRAINING_SCENE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -101,7 +101,7 @@ def _heading(comparison: Comparison) -> str:
 
 def _draw_learning(axes: Axes, comparison: Comparison) -> None:
     for method, paths in comparison.runs.items():
-        curve = plots.read_curve(paths, f"eval/{build.TRAINING_SCENE}")
+        curve = plots.read_curve(paths, f"eval/{TRAINING_SCENE}")
         if curve is not None:
             plots.draw_curve(axes, curve, method)
     axes.set_title("Return on the training distribution (uniform θ)")

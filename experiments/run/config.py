@@ -19,7 +19,6 @@ from typing import Any, Literal, TypeVar
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, nearest
-from regista.experiments.run.tasks import is_task
 from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
 from ued.core.files import write_whole
 from ued.methods import METHODS
@@ -114,6 +113,36 @@ class RunConfig(Checked):
         if not re.fullmatch(r"auto|cpu|cuda(:\d{1,2})?", self.device):
             raise ValueError(f"device must be auto, cpu, cuda or cuda:N, got {self.device!r}")
 
+    @property
+    def engine(self) -> str | None:
+        """The engine that plays football: "regista" or "grf"; None for other tasks."""
+        return None
+
+    @property
+    def test_envs(self) -> int:
+        """How many environments an evaluation plays in at most, for each scene."""
+        return 16
+
+    def reading(self) -> tuple[Any, ...]:
+        """Return the settings with which the training program is read."""
+        return ()
+
+    def on_engine(self, playing: EngineConfig) -> Any:
+        """Return these settings, on another engine if one is named."""
+        return self
+
+    def scored(self) -> Any:
+        """Return these settings with the reward that evaluations count."""
+        return self
+
+    def watched(self, playing: EngineConfig) -> Any:
+        """Return settings of environments that show a whole episode; None where there is one kind alone."""
+        return None
+
+    def seen(self) -> dict[str, Any]:
+        """Return what decides what a student observes and controls, by the path of the setting."""
+        return {}
+
 
 @dataclass(frozen=True)
 class FootballRunConfig(RunConfig):
@@ -131,6 +160,36 @@ class FootballRunConfig(RunConfig):
         super().__post_init__()
         if self.env.representation == "raw":
             raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
+
+    @property
+    def engine(self) -> str | None:
+        """The engine that plays: "regista" or "grf"."""
+        return self.env.engine
+
+    @property
+    def test_envs(self) -> int:
+        """As many as a core steps at once, in GRF as many as processes fit into memory."""
+        return {"regista": 64, "grf": 8}[self.env.engine]
+
+    def reading(self) -> tuple[Any, ...]:
+        """Return the settings with which the training program is read."""
+        return self.program, self.env.dialect
+
+    def on_engine(self, playing: EngineConfig) -> Any:
+        """Return these settings, on another engine if one is named."""
+        return dataclasses.replace(self, env=playing.instead_of(self.env))
+
+    def scored(self) -> Any:
+        """Return these settings with goals as the reward."""
+        return dataclasses.replace(self, env=dataclasses.replace(self.env, rewards="scoring"))
+
+    def watched(self, playing: EngineConfig) -> FootballConfig:
+        """Return the settings of matches with raw observations, on another engine if one is named."""
+        return playing.instead_of(dataclasses.replace(self.env, representation="raw"))
+
+    def seen(self) -> dict[str, Any]:
+        """Return the representation, and whom agents control."""
+        return {f"env.{name}": getattr(self.env, name) for name in ("representation", "control", "right_control")}
 
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
@@ -176,8 +235,8 @@ RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "de
 
 
 def run_class(data: Any) -> type:
-    """Return of which class the settings of a run are that `to_dict` gave: those of a task have no `env`."""
-    task = isinstance(data, dict) and "env" not in data and is_task(str(data.get("minigame")))
+    """Return of which class the settings of a run are that `to_dict` gave: those of a Python task have no `env`."""
+    task = isinstance(data, dict) and "env" not in data and ":" in str(data.get("minigame"))
     return TaskTrainConfig if task else TrainConfig
 
 

@@ -7,48 +7,58 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from regista.experiments.run import build, versions
-from regista.experiments.run.baselines import make_baselines
-from regista.experiments.run.errors import DAMAGE, CommandError, refused
-from regista.experiments.run.mixed import MixedProgram
+from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
-from regista.experiments.run.tasks import TaskScene
 from regista.experiments.run.watch import Watch
+from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
 
 if TYPE_CHECKING:
     from regista.experiments.run.config import TrainConfig
     from regista.experiments.run.folder import RunFolder
+    from regista.experiments.run.games import Game
     from ued.evaluation import Evaluation
 
     Played = dict[str, Evaluation]  # by scene
 
 SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
 LEVELS_SEED = 20_001  # of levels drawn at random
-ENVIRONMENTS = {"regista": 64, "grf": 8}  # at most, on each scene, by the engine that plays
 MOST_EPISODES = 10**9  # of an evaluation that goes by time
 ROUNDS_APART = 1_000_003  # between the seeds of two rounds of an evaluation
-TASK_ENVIRONMENTS = 16  # the same of a task of one's own
 
 
 class EvalScenes:
-    """The test scenes of one minigame, ready to be played: `episodes` on each. Goals pay, whatever pays in training."""
+    """The test scenes of one game, ready to be played: `episodes` on each, rewarded as `config.scored()` says.
 
-    def __init__(self, config: TrainConfig, programs: Mapping[str, Any], episodes: int) -> None:
-        self.episodes = episodes
-        self.every = config.eval_every
-        self.programs = programs
+    `held_out`: its held-out scenes instead of its tests. Raises `UsageError` where it has none, `CommandError` for
+    levels of a test that are not of these environments.
+    """
+
+    def __init__(self, config: TrainConfig, game: Game, episodes: int, held_out: bool = False) -> None:
+        self.episodes, self.every, self.game = episodes, config.eval_every, game
         self.simulator = versions.present_version(config)
-        self.scenes = {label: self._make(program, config) for label, program in programs.items()}
-        tasks = {label: program for label, program in programs.items() if isinstance(program, TaskScene)}
-        self.theta = {label: scene.theta(self.scenes[label]) for label, scene in tasks.items()}  # of certain levels
+        self.task: Task = game.task(config.scored())
+        if held_out and not self.task.held_out:
+            raise UsageError(f"{game.short} has no held-out scenes")
+        most, found = min(config.test_envs, episodes), self.task.scenes(held_out)
+        self.scenes = {
+            name: build.make_upomdp(self.task.make_scene(scene), most, SEED) for name, scene in found.items()
+        }
+        self.theta = {name: self._theta(name, scene) for name, scene in found.items()}  # None: random levels
         self._check_sizes(config)
+
+    def _theta(self, name: str, scene: Any) -> np.ndarray | None:
+        try:
+            return theta_of_scene(scene, self.scenes[name])
+        except ValueError as error:
+            raise CommandError(f"the levels of the test '{name}' are none of {self.game.short}: {error}") from error
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
         """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions.
@@ -75,7 +85,7 @@ class EvalScenes:
         """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
         from ued.evaluation import Schedule
 
-        scene = self.scenes[build.TRAINING_SCENE]
+        scene = self.scenes[TRAINING_SCENE]
         scene.reset(seed=seed)
         return Schedule(scene, levels * episodes, seed, scene.sample_levels(levels)).play(policy, on_end=on_end)
 
@@ -100,14 +110,8 @@ class EvalScenes:
         """Return whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
         return before == 0 or last or before // self.every < after // self.every
 
-    def _make(self, program: Any, config: Any) -> Any:
-        if isinstance(program, TaskScene):
-            return build.make_upomdp(program, min(TASK_ENVIRONMENTS, self.episodes), None, SEED, config.threads)
-        env = replace(config.env, rewards="scoring")
-        return build.make_upomdp(program, min(ENVIRONMENTS[env.engine], self.episodes), env, SEED, config.threads)
-
     def _check_sizes(self, config: TrainConfig) -> None:
-        shape = self.scenes[build.TRAINING_SCENE].single_observation_space.shape
+        shape = self.scenes[TRAINING_SCENE].single_observation_space.shape
         for label, scene in self.scenes.items():
             other = scene.single_observation_space.shape
             if other != shape:
@@ -161,10 +165,10 @@ class Evaluator:
         Raises `CommandError` if a run has no checkpoint yet, and for runs of different versions of the simulator.
         """
         versions.check_alike({run.path: run.simulator for run in runs})
-        program, upomdp = (table[build.TRAINING_SCENE] for table in (self.scenes.programs, self.scenes.scenes))
-        policies = [self._trained(run, program) for run in runs]
+        policies = [self._trained(run) for run in runs]
         if baselines:
-            policies += [Policy(name, 0, (0, 0), policy) for name, policy in make_baselines(upomdp, program).items()]
+            made = self.scenes.task.make_baselines(self.scenes.scenes[TRAINING_SCENE])
+            policies += [Policy(name, 0, (0, 0), policy) for name, policy in made.items()]
         planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)
         watch = Watch(planned) if self.minutes is None else Watch(MOST_EPISODES, 60 * self.minutes)
         if self.tell:
@@ -174,9 +178,7 @@ class Evaluator:
             results += [summarise(played[label], one.method, one.seed, label, one.trained) for label in played]
         levels = [self._play_levels(one, watch) for one in policies] if self.levels else []
         watch.finish()
-        return Report(
-            results, levels, "goals" if succeeds_by_goals(upomdp, program) else "success", self.scenes.simulator
-        )
+        return Report(results, levels, self.scenes.task.success_word, self.scenes.simulator)
 
     def _plan(self, policies: int) -> str:
         """Return in words how much is played."""
@@ -188,8 +190,8 @@ class Evaluator:
         total = policies * (scenes * self.scenes.episodes + self.levels * self.episodes)
         return f"playing {total:_} episodes: {each}{levels}"
 
-    def _trained(self, run: RunFolder, program: Any) -> Policy:
-        student, trained = load_student(run, program)
+    def _trained(self, run: RunFolder) -> Policy:
+        student, trained = load_student(run, self.scenes.game)
         return Policy(run.config.method if self.alike else run.label, run.config.seed, trained, student)
 
     def _play_scenes(self, policies: Sequence[Policy], watch: Watch) -> list[Played]:
@@ -211,15 +213,7 @@ class Evaluator:
         return summarise_levels(played, one.method, one.seed)
 
 
-def succeeds_by_goals(upomdp: Any, program: Any) -> bool:
-    """Return whether success means goals in the environments of a program: not in a defence, nor in a task."""
-    if isinstance(program, TaskScene):
-        return False
-    members = upomdp.members if isinstance(program, MixedProgram) else [upomdp]
-    return not any(member.defending for member in members)
-
-
-def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
+def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
 
     Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
@@ -233,10 +227,10 @@ def load_student(run: RunFolder, program: Any) -> tuple[Any, tuple[int, int]]:
     config, state = run.config, run.load()
     assert state is not None
     versions.warn_of_age(run.path, run.simulator)
-    # On this engine: it sees the same and needs no other
-    env = EngineConfig(engine="regista").instead_of(config.env) if build.is_football(config) else None
-    on_host = replace(config, device="cpu")  # whoever tests it need not have the GPU
-    method = build.make_method(on_host, build.make_upomdp(program, config.num_envs, env, config.seed, config.threads))
+    on_host = replace(config, device="cpu")  # an evaluation need not have the GPU
+    on_host = on_host.on_engine(EngineConfig(engine="regista"))  # observations are the same, and no other is needed
+    upomdp = build.make_upomdp(game.task(on_host).make, config.num_envs, config.seed)
+    method = build.make_method(on_host, upomdp)
     try:
         method.load_students(state["method"])
     except RuntimeError as error:

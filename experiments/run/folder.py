@@ -35,12 +35,11 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.owner import OWNER, owned
 from regista.experiments.run.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
-from regista.experiments.run.tasks import is_task
 from ued.core.files import is_partial, write_whole
 from ued.methods import METHODS
 
 if TYPE_CHECKING:
-    from scenic_lite import Program
+    from regista.experiments.run.games import Source
 
 
 class RunFolder:
@@ -48,7 +47,7 @@ class RunFolder:
 
     def __init__(self, path: Path, config: TrainConfig, about: Mapping[str, Any] | None = None) -> None:
         self.path, self.about = path, about or {}
-        self.config: Any = config  # a `TaskTrainConfig` where the task is one's own
+        self.config: Any = config  # a `TaskTrainConfig` for a task in Python
         self._kept: Any = config  # what config.json says
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
@@ -146,23 +145,21 @@ class RunFolder:
     def words(self) -> list[str]:
         """What is typed behind `regista` to train it on, wherever that is."""
         engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
-        task = self.config.minigame
-        trusted = [trust.FLAG] if is_task(task) and trust.allows(task) else []  # here, so wherever it is trained
-        return ["train", "--resume", str(self.path.resolve()), *(["--grf-python", engine] if engine else []), *trusted]
+        typed = ["--grf-python", engine] if engine else []
+        return ["train", "--resume", str(self.path.resolve()), *typed, *trust.flags(self.config.minigame)]
 
-    def keep_program(self, program: Program) -> None:
-        """Keep the text of the program beside a run that begins; raise `CommandError` if it began with another one.
+    def save_source(self, source: Source) -> None:
+        """Save the text of what is trained on beside a run that begins.
 
-        A task of one's own is code, and may change; it is kept as it was.
+        Raises `CommandError` if a run began with another text that may not change; Python files may.
         """
-        task = is_task(self.config.minigame)
-        kept, text = self.path / ("task.py" if task else "program.scenic"), program.source
+        kept = self.path / source.file
         if not self.begun():
             try:
-                write_whole(kept, text)
+                write_whole(kept, source.text)
             except OSError as error:
                 raise cannot_write(kept, error) from error
-        elif not task and kept.exists() and kept.read_text(errors="replace") != text:
+        elif source.frozen and kept.exists() and kept.read_text(errors="replace") != source.text:
             raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
 
     @property

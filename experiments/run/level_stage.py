@@ -14,7 +14,6 @@ import numpy as np
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.mixed import MixedProgram
 
 if TYPE_CHECKING:
     from regista.experiments.run.config import EngineConfig
@@ -36,13 +35,11 @@ class LevelStage:
     Attributes:
         env: the environment, of one.
         level: the level, a record `[1]`; `visit`: the number of the visit whose luck it has.
-        is_football: whether `env` is a match.
     """
 
     env: Any
     level: np.ndarray
     visit: int
-    is_football: bool
 
     @classmethod
     def of_run(cls, path: Path, id: int, turn: int | None, playing: EngineConfig) -> LevelStage:
@@ -59,23 +56,25 @@ class LevelStage:
             raise CommandError(f"{path} has no levels.csv: no update of it is over") from error
         except (KeyError, ValueError) as error:
             raise CommandError(str(error.args[0])) from error
-        program, football = build.load_scenes(run.config)[build.TRAINING_SCENE], build.is_football(run.config)
-        settings = None
-        if football:
-            try:
-                settings = playing.instead_of(replace(run.config.env, representation="raw"))
-            except ValueError as error:
-                raise UsageError(str(error)) from error
-        if isinstance(program, MixedProgram):
-            program, level = program.member_of(level)
-        env = build.make_upomdp(program, 1, settings, run.config.seed, 1)
+        config = replace(run.config, threads=1)
+        try:
+            watched = config.watched(playing)
+        except ValueError as error:
+            raise UsageError(str(error)) from error
+        game, level = build.find_game(config.minigame).of_level(level, config)
+        env = build.make_upomdp(game.task(config, watched).make, 1, config.seed)
         if env.levels.dtype != level.dtype:
             dims = env.theta_dim, level["theta"].shape[1]
             raise CommandError(f"{path} has levels of {dims[1]} parameters, its environments {dims[0]}: it has changed")
         _, info = env.reset_to_levels(level, None, visit)
         if info["replaced"][0]:
             raise CommandError(f"level {id} of {path} is no longer valid: its environments have changed")
-        return cls(env, level, visit, football)
+        return cls(env, level, visit)
+
+    @property
+    def is_match(self) -> bool:
+        """Whether the environment is a football match."""
+        return hasattr(self.env, "matches")
 
     def describe(self) -> str:
         """Return the level in words: its seed, its visit, and what θ stands for."""

@@ -1,63 +1,78 @@
-"""A mixture of minigames: programs that one run trains on, of which its teacher chooses as it chooses levels.
+"""A mixture of tasks: one run trains on all, and its teacher chooses among them as it chooses levels.
 
     regista train grf/empty_goal_close+grf/empty_goal --method plr
     regista train AcademyLadder --method paired
 
 It is written as names joined by +, not as one Scenic program: a program has the same players in all its scenes, and
-the games of a ladder have not. Read next: `ued.adapters.mixture`; `run.build`, which makes environments of it.
+the games of a ladder do not. Read next: `ued.adapters.mixture`, the environments.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any
 
 import numpy as np
 
+from regista.experiments.run.errors import UsageError
 from ued.core.cells import index_in
-from ued.core.level_space import level_dtype
-
-if TYPE_CHECKING:
-    from regista.envs.football.view.render import FootballPainter
-    from scenic_lite import Program
+from ued.core.painter import ScenePainter
+from ued.core.task import Make, Task
+from ued.core.upomdp import UPOMDP
 
 
-@dataclass(frozen=True)
-class MixedProgram:
-    """The programs of a mixture. Where `only` is an index, that one is played whatever θ says: a test scene."""
+def mixed_task(tasks: Mapping[str, Task]) -> Task:
+    """Make several tasks, by name, into one. It is tested on each of them and on each of their test scenes.
 
-    names: tuple[str, ...]
-    programs: tuple[Program, ...]
-    only: int | None = None
+    Tests of the tasks must be functions that make environments: levels of one task are no levels of the mixture.
+    """
+    names, makes = tuple(tasks), [task.make for task in tasks.values()]
 
-    @property
-    def source(self) -> str:
-        """The texts of all programs, each below its name."""
-        return "\n".join(f"# {name}\n{program.source}" for name, program in zip(self.names, self.programs, strict=True))
+    def scenes(tests: Sequence[Mapping[str, Any]]) -> dict[str, Make]:
+        found: dict[str, Make] = {}
+        for k, name in enumerate(names):
+            found[name] = partial(_mixture, makes, names, k)
+            for label, test in tests[k].items():
+                found[f"{name}/{label}"] = partial(_mixture, [*makes[:k], test, *makes[k + 1 :]], names, k)
+        return found
 
-    def alone(self, index: int, program: Program) -> MixedProgram:
-        """Return the mixture in which this program is played in the place of number `index`, and no other."""
-        others = self.programs[:index], self.programs[index + 1 :]
-        return replace(self, programs=(*others[0], program, *others[1]), only=index)
+    held_out, painters = [task.held_out for task in tasks.values()], [task.painter for task in tasks.values()]
+    words = {task.success_word for task in tasks.values()}
+    return Task(
+        partial(_mixture, makes, names, None),
+        scenes([task.tests for task in tasks.values()]),
+        painter=partial(_painter, painters) if all(painters) else None,
+        held_out=scenes(held_out) if all(held_out) else {},
+        success_word=words.pop() if len(words) == 1 else "success",
+    )
 
-    def member_of(self, level: np.ndarray) -> tuple[Program, np.ndarray]:
-        """Return the program that a level `[1]` of the mixture is of, and the level as that program's own."""
-        theta = level["theta"][0]
-        program = self.programs[int(index_in(theta[0], len(self.programs)))]
-        own = np.zeros(1, level_dtype(program.dim))
-        own["seed"], own["theta"] = level["seed"], theta[1 : 1 + program.dim]
-        return program, own
+
+def _mixture(makes: Sequence[Make], names: tuple[str, ...], only: int | None, num_envs: int) -> UPOMDP:
+    """Make the environments of a mixture; where `only` is an index, that task is played whatever θ says."""
+    from ued.adapters.mixture import Mixture
+
+    members = [make(num_envs) for make in makes]
+    try:
+        return Mixture(members, names, only)
+    except ValueError as error:
+        raise UsageError(f"these minigames are no mixture: {error}") from error
+
+
+def _painter(painters: Sequence[Any], upomdp: Any) -> MixedPainter:
+    members = upomdp.members
+    made = [painter(member) for painter, member in zip(painters, members, strict=True)]
+    return MixedPainter(made, [member.theta_dim for member in members])
 
 
 class MixedPainter:
-    """Tell what the levels of a mixture look like. It is a `ued.recorder.layout.ScenePainter`.
+    """Draw the levels of a mixture; it is a `ued.core.painter.ScenePainter`.
 
-    It has as many points of each class as any of the programs; those that a level has no use for are nan. The ball
-    stands for a level: every program has one.
+    It has as many points of each class as any of the tasks; the points that a level does not need are nan. The ball
+    stands for a level: every game of football has one.
     """
 
-    def __init__(self, painters: Sequence[FootballPainter], dims: Sequence[int]) -> None:
+    def __init__(self, painters: Sequence[ScenePainter], dims: Sequence[int]) -> None:
         first = painters[0]
         self.background, self.line_colour, self.markers = first.background, first.line_colour, first.markers
         self.painters, self.dims = tuple(painters), tuple(dims)
@@ -72,10 +87,10 @@ class MixedPainter:
         self.classes = np.repeat(kinds, counts)
         self.focus = len(self.classes) - 1
         starts = np.cumsum([0, *counts])
-        self._slots = [_slots(painter.classes, starts) for painter in painters]  # where each program's points go
+        self._slots = [_slots(painter.classes, starts) for painter in painters]  # where each task's points go
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Return the places in the scenes of θ `[L, 1 + max D]`: `[L, K, 2]` m."""
+        """Return the points in the scenes of θ `[L, 1 + max D]`: `[L, K, 2]` m."""
         program = index_in(theta[:, 0], len(self.painters))
         places = np.full((len(theta), len(self.classes), 2), np.nan)
         for k, painter in enumerate(self.painters):
@@ -85,7 +100,7 @@ class MixedPainter:
         return places
 
     def frame(self, env: Any) -> np.ndarray:
-        """Return the places in the first environment of a mixture as it stands: `[K, 2]` m."""
+        """Return the points in the first environment of a mixture as it stands: `[K, 2]` m."""
         k = int(env.levels["program"][0])
         places = np.full((len(self.classes), 2), np.nan)
         places[self._slots[k]] = self.painters[k].frame(env.members[k])
@@ -93,6 +108,6 @@ class MixedPainter:
 
 
 def _slots(classes: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return for points of these classes the places that they take where each class begins at `starts`."""
+    """Return where points of these classes go if the points of each class begin at `starts`."""
     rank = [int((classes[:index] == kind).sum()) for index, kind in enumerate(classes)]
     return starts[classes] + rank

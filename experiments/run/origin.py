@@ -11,17 +11,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from regista.experiments.run import arguments, versions
 from regista.experiments.run import config as configs
-from regista.experiments.run import versions
-from regista.experiments.run.build import is_football
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from regista.experiments.run.folder import LARGEST, RunFolder
 from ued.config import FineTuningConfig
 
-# Of `PPOConfig`, what a student is; of `FootballConfig`, what it sees and whom it moves
+# Of `PPOConfig`, what a student is made of; what it observes and controls is `RunConfig.seen`
 NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "memory", "obs_std_floor", "team", "critic")
-SEEN = ("representation", "control", "right_control")
 
 
 @dataclass(frozen=True)
@@ -95,10 +93,8 @@ def like(origin: Origin, config: TrainConfig) -> TrainConfig:
     """Return settings with the network of the student, and what it sees."""
     network = {name: getattr(origin.config.ppo, name) for name in NETWORK}
     config = replace(config, ppo=replace(config.ppo, **network))
-    if not (is_football(origin.config) and is_football(config)):
-        return config
-    seen = {name: getattr(origin.config.env, name) for name in SEEN}
-    return replace(config, env=replace(config.env, **seen))
+    seen = {path: value for path, value in origin.config.seen().items() if path in config.seen()}
+    return arguments.replace_paths(config, seen)
 
 
 def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
@@ -114,17 +110,20 @@ def check(origin: Origin, config: TrainConfig) -> None:
     """
     if versions.present_version(config) is not None:
         versions.check_present(origin.simulator, f"{origin.path} was trained on", "no run can begin with it")
-    if is_football(config) != is_football(origin.config):
-        raise CommandError(f"{origin.path} was trained on {origin.config.minigame}, which is seen otherwise")
-    pairs = [(f"env.{name}", origin.config.env, config.env) for name in SEEN if is_football(config)]
-    pairs += [(f"ppo.{name}", origin.config.ppo, config.ppo) for name in NETWORK]
-    for name, its, ours in pairs:
-        field = name.partition(".")[2]
-        if str(getattr(its, field)) != str(getattr(ours, field)):
+    its, ours = _student_settings(origin.config), _student_settings(config)
+    if its.keys() != ours.keys():
+        raise CommandError(f"{origin.path} was trained on {origin.config.minigame}, which has other observations")
+    for name, value in its.items():
+        if str(value) != str(ours[name]):
             raise CommandError(
-                f"{origin.path} holds a student of {name} = {getattr(its, field)}; this run cannot begin with it, for "
-                f"it has {getattr(ours, field)}"
+                f"{origin.path} holds a student of {name} = {value}; this run cannot begin with it, for it has "
+                f"{ours[name]}"
             )
+
+
+def _student_settings(config: TrainConfig) -> dict[str, Any]:
+    """Return by path the settings that a student's network, observations and actions depend on."""
+    return config.seen() | {f"ppo.{name}": getattr(config.ppo, name) for name in NETWORK}
 
 
 def keep(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> None:

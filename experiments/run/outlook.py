@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from regista.experiments.run import build
+from regista.experiments.run.notes import warn
 from ued.config import ALPGMMConfig, PairedLiteralConfig, PLRConfig, RepairedConfig, SFLConfig, TeacherConfig
 from ued.levels.budget import BATCH, FILL, LEAST_BATCH, SHARE
 from ued.methods import METHODS
@@ -129,4 +129,4 @@ def tell(config: Any, method: Any, say: Any) -> None:
     say(found.line())
     for shortcoming in found.shortcomings():
         name = METHODS[config.method].title
-        build.warn(f"warning: the budget may be too small for {name}: about {found.levels:_} levels; {shortcoming}")
+        warn(f"warning: the budget may be too small for {name}: about {found.levels:_} levels; {shortcoming}")

@@ -18,7 +18,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.replays import Replay, Stage
 from regista.experiments.run.reporting import Update
 from regista.experiments.run.table import read_columns
-from regista.experiments.run.tasks import TaskScene
+from ued.core.task import Task
 from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes, titles
@@ -29,14 +29,10 @@ MAX_FRAMES = 400  # of the episodes on a level that are shown
 class RunRecorder:
     """Feed a `CurriculumRecorder` and replays.csv from a method."""
 
-    def __init__(self, run: RunFolder, program: Any, method: Any, connect: str | None = None) -> None:
+    def __init__(self, run: RunFolder, task: Task, method: Any, connect: str | None = None) -> None:
         self.run, config, upomdp = run, run.config, method.upomdp
-        if isinstance(program, TaskScene):
-            env = build.make_upomdp(program, 1, None, config.seed, config.threads)
-        else:
-            env = upomdp.resized(1)
-            env.reset(seed=config.seed)
-        self.stage = Stage(env, build.make_painter(program, upomdp))
+        env = build.make_upomdp(task.make, 1, config.seed)
+        self.stage = Stage(env, task.painter(upomdp) if task.painter else None)
         if connect is not None and not viewer_answers(connect):
             print(f"regista: no viewer answers at {connect}: nothing is shown there; see rerun --port", file=sys.stderr)
             connect = None

@@ -121,7 +121,7 @@ class Tables:
 
     def __init__(self, run: RunFolder, upomdp: Any) -> None:
         self.run, self.names = run, unique_names(upomdp.draws)
-        self.programs = np.array(upomdp.program_names or [build.short_name(run.config.minigame)])
+        self.programs = np.array(upomdp.program_names or [build.find_game(run.config.minigame).short])
 
     def report(self, update: Update) -> None:
         """Add a row to metrics.csv, one for each level to levels.csv, and one for each event to events.csv."""

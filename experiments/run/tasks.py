@@ -1,8 +1,7 @@
-"""Tasks of one's own on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
+"""Tasks in Python on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
-What a run trains on and is tested on are scenes here, which stand where programs stand in football. The file is
-imported, so it is code that runs: `run.trust` says whose. Read next: `run.build`, which makes environments of scenes
-and of programs.
+The file is imported, so it is code that runs: `run.trust` says whose. Read next: `ued.core.task`; `run.games`, of
+football.
 """
 
 from __future__ import annotations
@@ -16,13 +15,15 @@ import sysconfig
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import cached_property, partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import trust
 from regista.experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
+from regista.experiments.run.games import Game, Source
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,47 +31,64 @@ if TYPE_CHECKING:
     from ued.core.task import Make, Task
     from ued.core.upomdp import UPOMDP
 
-NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # what a task is called; no minigame has a colon
+NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of a task; no minigame's name has a colon
 
 
-@dataclass(frozen=True)
-class TaskScene:
-    """Environments of a task: those to train on, or a test of it, which may be of certain levels.
+class PythonTask:
+    """A task in a Python file or module as a game: it has the methods of `run.games.Game`.
 
-    Attributes:
-        task: what it belongs to.
-        make: makes so many environments.
-        levels: what a test is of, as `Task.tests` has it; None: of random levels.
-        source: the text of the file that the task is in.
+    The file is imported when its settings or its environments are needed; see `load_task`.
     """
 
-    task: Task
-    make: Make
-    levels: Any = None
-    source: str = ""
+    def __init__(self, name: str) -> None:
+        self.name, self.short = canonical(name), short(name)
 
-    def theta(self, upomdp: UPOMDP) -> np.ndarray | None:
-        """Return θ `[L, D]` of the levels of a test, None for random ones. Raises `CommandError` for none of it."""
-        from ued.core.level_space import check_theta
+    @cached_property
+    def _loaded(self) -> tuple[Task, str]:
+        return load_task(self.name)
 
-        if self.levels is None:
-            return None
-        rows = self.levels
+    def start(self, preset: str) -> Any:
+        """Return the settings of a preset for tasks, with the task's own defaults.
+
+        Raises `CommandError` where the task names a setting that does not exist.
+        """
+        from regista.experiments.run import arguments
+        from regista.experiments.run.config import task_presets
+
+        config, defaults = task_presets()[preset], self._loaded[0].defaults
         try:
-            if isinstance(rows, dict):
-                rows = [rows]
-            if len(rows) and (isinstance(rows[0], dict) or upomdp.family is not None):
-                rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
-            return check_theta(rows, upomdp.theta_dim)
-        except (ValueError, TypeError, AttributeError) as error:
-            raise CommandError(
-                f"the levels of a test are no θ [L, {upomdp.theta_dim}] and no values: {error}"
-            ) from error
+            return arguments.replace_paths(config, dict(defaults))
+        except (AttributeError, TypeError, UsageError) as error:
+            raise CommandError(f"{self.name}: its defaults are no settings of a run: {error}") from error
+
+    def task(self, config: Any, env: Any = None) -> Task:
+        """Return the task; errors of its functions name their line."""
+        task = self._loaded[0]
+        tests, held_out = ({key: _checked(test) for key, test in part.items()} for part in (task.tests, task.held_out))
+        return replace(task, make=_checked(task.make), tests=tests, held_out=held_out)
+
+    def source(self, config: Any) -> Source:
+        """Return the text of the file, which is code and may change while a run goes on."""
+        return Source("task.py", self._loaded[1], False)
+
+    def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
+        """Return this task and the level."""
+        return self, level
 
 
-def is_task(name: str) -> bool:
-    """Return whether a word is the name of a task, not of a minigame."""
-    return NAME.fullmatch(name) is not None
+def _checked(make: Any) -> Any:
+    """Return a function that makes environments as one whose failures are sentences; levels stay levels."""
+    return partial(_make, make) if callable(make) else make
+
+
+def _make(make: Make, num_envs: int) -> UPOMDP:
+    from ued.core.upomdp import UPOMDP
+
+    with user_code(f"make({num_envs}) failed"):
+        upomdp = make(num_envs)
+    if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
+        raise CommandError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
+    return upomdp
 
 
 def canonical(name: str) -> str:
@@ -110,7 +128,7 @@ def load_task(name: str) -> tuple[Task, str]:
     place, _, attribute = name.rpartition(":")
     if not place.endswith(".py") or Path(place).expanduser().is_file():
         trust.check(name)
-    with _yours(f"{place} cannot be imported"):
+    with user_code(f"{place} cannot be imported"):
         module = _import(place)
     if not hasattr(module, attribute):
         raise UsageError(f"{place} has no '{attribute}'{nearest(attribute, vars(module))}")
@@ -123,7 +141,7 @@ def load_task(name: str) -> tuple[Task, str]:
 
 
 @contextmanager
-def _yours(what: str) -> Iterator[None]:
+def user_code(what: str) -> Iterator[None]:
     """Raise what goes wrong in the user's code as a `CommandError` that tells its line."""
     try:
         yield
@@ -175,27 +193,3 @@ def _import(place: str) -> ModuleType:
             del sys.modules[path.stem]  # half of it: the next attempt reads the file again
         raise
     return module
-
-
-def load_scenes(name: str, training: str) -> dict[str, TaskScene]:
-    """Return the scenes of a task by label: what is trained on, labelled `training`, then its tests."""
-    task, source = load_task(name)
-    if training in task.tests:
-        raise CommandError(f"a test cannot be called '{training}', as what is trained on is called")
-    scenes = {training: TaskScene(task, task.make, None, source)}
-    for label, test in task.tests.items():
-        scenes[label] = TaskScene(task, test) if callable(test) else TaskScene(task, task.make, test)
-    return scenes
-
-
-def make_upomdp(scene: TaskScene, num_envs: int, seed: int) -> UPOMDP:
-    """Make `num_envs` environments of a scene, with seeded streams. Raises `CommandError` for what is no UPOMDP."""
-    from ued.core.upomdp import UPOMDP
-
-    with _yours(f"make({num_envs}) failed"):
-        upomdp = scene.make(num_envs)
-    if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
-        raise CommandError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
-    with _yours("the environments cannot be reset"):
-        upomdp.reset(seed=seed)
-    return upomdp

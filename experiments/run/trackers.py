@@ -54,12 +54,12 @@ class WeightsAndBiases:
     def __init__(self, run: RunFolder) -> None:
         import wandb
 
-        config = run.config
+        config, game = run.config, build.find_game(run.config.minigame)
         self.run: Any = wandb.init(
             project="regista",
             id=run.about.get("id"),
-            name=f"{build.short_name(config.minigame)} {config.method} {config.seed}",
-            group=f"{build.short_name(config.minigame)} {config.method}",
+            name=f"{game.short} {config.method} {config.seed}",
+            group=f"{game.short} {config.method}",
             config={**configs.to_dict(config), "about": run.about},
             dir=str(run.path),
             resume="allow",

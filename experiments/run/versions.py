@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from regista.envs.football.version import SIMULATOR_VERSION, UNNUMBERED, simulator_name, version_on
-from regista.experiments.run.build import warn
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.notes import warn
 
 KEY = "simulator"  # under which files carry the version
 NO_SIMULATOR = "none"  # in tables: of a task of one's own, or of the real engine

@@ -1,24 +1,28 @@
-"""A task: environments of your own, what students are tested on, and how levels look. The command line trains on one.
+"""A task: environments, the levels that students are tested on, how levels look. The command line trains on one.
 
     hopper = Task(make, tests={"earth": {"gravity": 9.81, "mass": 1.0}})
 
     regista train examples/hopper.py:hopper --method plr
 
-A function `make(num_envs)` alone is a task without tests. Read next: `experiments/run/tasks.py`, which reads them.
+A function `make(num_envs)` alone is a task without tests. The minigames are tasks, too: `Minigame.task`.
+Read next: `core.upomdp`, what `make` returns; `core.baselines`, policies for scale.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+
+from ued.core.baselines import Policy, SampledPolicy
+from ued.core.level_space import check_theta
+from ued.core.painter import ScenePainter
 from ued.core.upomdp import UPOMDP
 
-if TYPE_CHECKING:
-    from ued.core.painter import ScenePainter
-
 Make = Callable[[int], UPOMDP]
+TRAINING_SCENE = "training distribution"  # random levels of `make`, evaluated beside the tests
 
 
 @dataclass(frozen=True)
@@ -26,17 +30,60 @@ class Task:
     """What a run trains on.
 
     Attributes:
-        make: makes so many environments: `make(num_envs)`.
-        tests: by name, what students are tested on besides random levels: θ of one level `[D]` or of several `[L, D]`;
-            values by name of one level, or a list of such, where the environments have `theta_of`; or a function that
-            makes environments of another kind, whose random levels are played.
-        painter: makes what draws levels in recordings; None: θ is shown, and what environments render.
+        make: makes N environments: `make(num_envs)`.
+        tests: test scenes by name: θ of one level `[D]` or of several `[L, D]`; values by name of one level, or a list
+            of such, where the environments have `theta_of`; or a function `make(num_envs)` of other environments with
+            the same spaces, whose random levels are evaluated.
+        painter: makes what draws levels in pictures and recordings from environments of this task; None: θ is shown,
+            and what environments render.
+        held_out: test scenes for final tables alone (`--held-out`), in the form of `tests`.
+        baselines: untrained policies by name, made for environments; "random" is always there.
+        defaults: settings of a run that differ from the preset's, by dotted path: `{"ppo.gamma": 0.9}`.
+        success_word: what tables call successful episodes.
+
+    Raises ValueError for tests that are no mapping or that are called like the training distribution.
     """
 
     make: Make
     tests: Mapping[str, Any] = field(default_factory=dict)
     painter: Callable[[UPOMDP], ScenePainter] | None = None
+    held_out: Mapping[str, Any] = field(default_factory=dict)
+    baselines: Mapping[str, Callable[[UPOMDP], Policy]] = field(default_factory=dict)
+    defaults: Mapping[str, Any] = field(default_factory=dict)
+    success_word: str = "success"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.tests, Mapping):
-            raise ValueError(f"tests must map names to levels, got {self.tests!r}")
+        for name in ("tests", "held_out", "baselines", "defaults"):
+            if not isinstance(getattr(self, name), Mapping):
+                raise ValueError(f"{name} must be a mapping by name, got {getattr(self, name)!r}")
+        if TRAINING_SCENE in self.tests or TRAINING_SCENE in self.held_out:
+            raise ValueError(f"a test cannot be called '{TRAINING_SCENE}', the name of the levels that train")
+
+    def scenes(self, held_out: bool = False) -> dict[str, Any]:
+        """Return what a student is evaluated on by name: random levels of the training distribution, then the tests."""
+        return {TRAINING_SCENE: self.make, **(self.held_out if held_out else self.tests)}
+
+    def make_scene(self, scene: Any) -> Make:
+        """Return what makes the environments of one of `scenes()`."""
+        return scene if callable(scene) else self.make
+
+    def make_baselines(self, upomdp: UPOMDP) -> dict[str, Policy]:
+        """Return the baselines for environments of this task, by name."""
+        made = {name: make(upomdp) for name, make in self.baselines.items()}
+        return made if "random" in made else {**made, "random": SampledPolicy(upomdp.single_action_space)}
+
+
+def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
+    """Return θ `[L, D]` of the levels of one of `Task.scenes()`, None where they are random.
+
+    Raises ValueError for levels that are neither θ of these environments nor values by name.
+    """
+    if callable(scene):
+        return None
+    try:
+        rows = [scene] if isinstance(scene, Mapping) else scene
+        if len(rows) and (isinstance(rows[0], Mapping) or upomdp.family is not None):
+            rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
+        return check_theta(rows, upomdp.theta_dim)
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ValueError(f"expected theta [L, {upomdp.theta_dim}] or values by name: {error}") from error

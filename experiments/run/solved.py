@@ -1,10 +1,10 @@
-"""`regista characterise`: what a game is like for a learner, before methods are compared on it.
+"""`regista list --solved`: what share of a game's random levels are never, sometimes and always solved.
 
-    regista characterise 1v1Free Gauntlet Buildup --total-env-steps 2_000_000
+    regista list --solved 1v1Free Gauntlet Buildup --total-env-steps 2_000_000
 
-On levels drawn at random, always the same, how many are never, sometimes and always solved: by uniform keys, and by
-students at several times of their training. A curriculum has something to choose where most levels are never solved,
-but not all, and where that changes as a student learns. Read next: `regista.minigames.suites`; `commands.compare`.
+The same random levels are played by a random policy, and by a student at several times of its training. A curriculum
+has something to choose where most levels are never solved, but not all, and where that changes as a student learns.
+Read next: `regista.minigames.suites`; `commands.compare`.
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from regista.experiments.run import arguments, build, versions
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError
+from regista.experiments.run.games import Game, all_starts, football_game
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
-DESCRIPTION = "Tell how many random levels of a game are solved by uniform keys, and by students as they learn."
+DESCRIPTION = "Report how many random levels of a game a random policy solves, and a student as it learns."
 SEED = 30_000  # of the levels and of how they are played
 ENVIRONMENTS = 64
 CHOSEN = ("minigame",)  # settings of a run that are not typed as flags of training
@@ -33,8 +34,8 @@ HEAD = ["game", "D", "who", "env_steps", "solved", "levels never", "sometimes", 
 
 
 @dataclass(frozen=True)
-class CharacteriseConfig(Checked):
-    """What is typed after `regista characterise`."""
+class SolvedConfig(Checked):
+    """What is typed after `regista list --solved`."""
 
     games: tuple[str, ...] = positional("minigames, mixtures, or paths of .scenic programs", default=())
     levels: int = setting(150, "levels drawn at random", ">=1", most=1_000_000)
@@ -66,20 +67,19 @@ class Row:
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    base = CharacteriseConfig()
-    envs = [replace(base.train, env=start.env) for start in build.all_starting_points()]
+    base = SolvedConfig()
+    envs = [replace(base.train, env=start.env) for start in all_starts()]
     others = {"for other games": [replace(base, train=train) for train in envs]}
-    typed = arguments.typed_settings(base, argv, "characterise", DESCRIPTION, others)
-    config = arguments.replace_paths(CharacteriseConfig(), typed)
+    typed = arguments.typed_settings(base, argv, "list --solved", DESCRIPTION, others)
+    config = arguments.replace_paths(SolvedConfig(), typed)
     if not config.games:
-        raise UsageError("characterise needs at least one minigame, such as 1v1Free")
+        raise UsageError("list --solved needs at least one minigame, such as 1v1Free")
     build.find_method(config.train.method)
     rows = []
-    for game in config.games:
-        env = build.starting_point("fast", game).env
-        train = replace(CharacteriseConfig().train, minigame=build.canonical_name(game), env=env)
+    for game in map(football_game, config.games):
+        train = replace(SolvedConfig().train, minigame=game.name, env=game.start("fast").env)
         settings = {path.removeprefix("train."): value for path, value in typed.items() if path.startswith("train.")}
-        for row in measure(config, arguments.replace_paths(train, settings)):
+        for row in measure(config, game, arguments.replace_paths(train, settings)):
             rows.append(row)
             print("  ".join(row.cells()), flush=True)
     print(f"\n{align([HEAD, *(row.cells() for row in rows)])}")
@@ -88,21 +88,18 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def measure(config: CharacteriseConfig, train: TrainConfig) -> Iterator[Row]:
-    """Train a student on a game, and yield what becomes of its levels by uniform keys, then by the student."""
-    from regista.experiments.run.baselines import make_baselines
-
-    program, version = build.load_scenes(train)[build.TRAINING_SCENE], versions.present_version(train)
-    test = build.make_upomdp(program, min(ENVIRONMENTS, config.levels), train.env, SEED, train.threads)
-    test.reset(seed=SEED)
+def measure(config: SolvedConfig, game: Game, train: TrainConfig) -> Iterator[Row]:
+    """Train a student on a game, and yield how many levels a random policy solves, then the student."""
+    task, version = game.task(train), versions.present_version(train)
+    test = build.make_upomdp(task.make, min(ENVIRONMENTS, config.levels), SEED)
     levels = test.sample_levels(config.levels)
 
     def play(policy: Any, who: str, env_steps: int) -> Row:
         shares = solved_shares(policy, test, levels, config.episodes)
-        return Row(build.short_name(train.minigame), test.theta_dim, who, env_steps, *shares, versions.spelled(version))
+        return Row(game.short, test.theta_dim, who, env_steps, *shares, versions.spelled(version))
 
-    yield play(make_baselines(test, program)["random"], "uniform keys", 0)
-    upomdp = build.make_upomdp(program, train.num_envs, train.env, train.seed, train.threads)
+    yield play(task.make_baselines(test)["random"], "random policy", 0)
+    upomdp = build.make_upomdp(task.make, train.num_envs, train.seed)
     method, tested = build.make_method(train, upomdp), 0
     while method.env_steps < train.total_env_steps:
         method.update()

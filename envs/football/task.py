@@ -1,0 +1,81 @@
+"""Football programs as a task: training environments, test scenes, how levels look, and policies for scale.
+
+Read next: `ued.core.task`; `football.vector_env`, the environments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from regista.envs.football.config import FootballConfig
+from regista.envs.football.constants import DIRECTION_RIGHT, SHOT
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.vector_env import FootballVectorEnv
+from regista.envs.football.view.render import FootballPainter
+from scenic_lite import Program
+from ued.core.baselines import UniformPolicy, Untrained
+from ued.core.task import Task
+
+Programs = Mapping[str, Program | str | Path]
+
+
+def football_task(
+    program: Program,
+    tests: Programs | None = None,
+    held_out: Programs | None = None,
+    config: FootballConfig = FootballConfig(),  # noqa: B008 (frozen)
+    make: Callable[..., FootballVectorEnv] = FootballVectorEnv,
+) -> Task:
+    """Make a training program and its test programs, by name, into a task.
+
+    Args:
+        program: what students train on.
+        tests: programs of test scenes by name, with as many players; loaded when they are first used.
+        held_out: the same for final tables.
+        config: what agents observe and control, and what they are rewarded for.
+        make: called as `make(program, num_envs, config=config)`.
+
+    Raises `NotAMatchError` for a program that describes no match.
+    """
+    lineup = Lineup(program, str(config.control), str(config.right_control), config.engine_spread)
+
+    def environments(programs: Programs | None) -> dict[str, Any]:
+        return {name: partial(make, test, config=config) for name, test in (programs or {}).items()}
+
+    return Task(
+        partial(make, program, config=config),
+        environments(tests),
+        painter=lambda upomdp: FootballPainter(upomdp.lineup),  # type: ignore[attr-defined]
+        held_out=environments(held_out),
+        baselines={"shoot": _shoot, "random": _random},
+        success_word="success" if lineup.config.defending else "goals",
+    )
+
+
+class ShootPolicy(Untrained):
+    """Shoot at once: run at the goal and shoot in turns, since a kick is made when its action is released."""
+
+    def __init__(self, agents: tuple[int, ...]) -> None:
+        self.shot, self.agents = False, agents
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
+        """Return one action for each row of `observation` `[N, size]`; of a team one for each agent, `[N, A]`."""
+        self.shot = not self.shot
+        return np.full((len(observation), *self.agents), SHOT if self.shot else DIRECTION_RIGHT)
+
+
+def _agents(upomdp: Any) -> tuple[int, ...]:
+    return () if upomdp.num_agents == 1 else (upomdp.num_agents,)
+
+
+def _shoot(upomdp: Any) -> ShootPolicy:
+    return ShootPolicy(_agents(upomdp))
+
+
+def _random(upomdp: Any) -> UniformPolicy:
+    return UniformPolicy(upomdp.agent_action_space, _agents(upomdp))

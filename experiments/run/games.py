@@ -1,0 +1,223 @@
+"""Games of football: what a minigame's name, the path of a .scenic program or `a+b` stands for on the command line.
+
+`run.build.find_game` makes one, once; all that a command needs of it are its attributes. A task in a Python file is
+`run.tasks.PythonTask`, with the same methods. Read next: `envs.football.task`, what a game's task is made of;
+`minigames.suites`, the names; `run.mixed`, mixtures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from regista.experiments.run import arguments
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.notes import warn
+from regista.experiments.run.programs import load_program
+from ued.core.task import Task
+
+if TYPE_CHECKING:
+    from regista.envs.football.config import FootballConfig
+    from regista.minigames.suites import Minigame
+    from scenic_lite import Program
+
+COMPILE_SECONDS = 20  # of all kernels, on a slow core
+
+
+class Source(NamedTuple):
+    """The text that a run keeps of what it trains on, and the file in its folder; only `frozen` text may not change."""
+
+    file: str
+    text: str
+    frozen: bool
+
+
+class Game(Protocol):
+    """What a name on the command line stands for.
+
+    Attributes:
+        name: as a run keeps it; holds in every working directory.
+        short: the same for names of folders and for pictures.
+    """
+
+    name: str
+    short: str
+
+    def start(self, preset: str) -> Any:
+        """Return the settings of a run that a preset gives to this game."""
+
+    def task(self, config: Any, env: Any = None) -> Task:
+        """Return the task that these settings of a run describe, with other settings `env` of its environments."""
+
+    def source(self, config: Any) -> Source:
+        """Return what a run of these settings keeps of the game."""
+
+    def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
+        """Return the game that a level `[1]` belongs to, and the level as that game's own."""
+
+
+class FootballGame:
+    """One training program with its test scenes: a minigame, a test scene of one, or a .scenic file."""
+
+    def __init__(self, minigame: Minigame, name: str) -> None:
+        self.minigame, self.name, self.short = minigame, name, minigame.name
+        self._loaded: dict[Any, Program] = {}
+
+    def start(self, preset: str) -> Any:
+        """Return the settings of a preset with the players that agents move in this game, and its best reward.
+
+        The preset `thesis` rewards goals alone.
+        """
+        from regista.experiments.run.config import presets
+
+        defaults = {"env.control": self.minigame.control, "env.rewards": self.minigame.rewards}
+        if preset == "thesis":
+            del defaults["env.rewards"]
+        return arguments.replace_paths(presets()[preset], defaults)
+
+    def program(self, config: Any) -> Program:
+        """Compile the training program as the settings have it, once."""
+        return self._load(self.minigame.program, config.env.dialect, config.program)
+
+    def task(self, config: Any, env: FootballConfig | None = None) -> Task:
+        """Return the training program and the test scenes as a task; test scenes are compiled when they are played."""
+        from regista.envs.football.task import football_task
+
+        env = env or config.env
+        prepare_kernels(env, config.threads)
+        tests, held_out = dict(self.minigame.tests), dict(self.minigame.held_out)
+        make = partial(self._environments, dialect=env.dialect)
+        return football_task(self.program(config), tests, held_out, env, make)
+
+    def source(self, config: Any) -> Source:
+        """Return the text of the training program; a run does not go on with another one."""
+        return Source("program.scenic", self.program(config).source, True)
+
+    def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
+        """Return this game and the level."""
+        return self, level
+
+    def _environments(self, program: Program | Path, num_envs: int, *, config: Any, dialect: int | None) -> Any:
+        from regista.envs.football.vector_env import FootballVectorEnv
+
+        loaded = self._load(program, dialect) if isinstance(program, Path) else program
+        return FootballVectorEnv(loaded, num_envs, config=config)
+
+    def _load(self, path: Path, dialect: int | None, settings: Any = None) -> Program:
+        key = path, dialect, settings
+        if key not in self._loaded:
+            self._loaded[key] = load_program(path, dialect, settings)
+        return self._loaded[key]
+
+
+def prepare_kernels(env: FootballConfig, threads: int) -> None:
+    """Let kernels use so many threads; say so where they are not compiled yet."""
+    import numba
+
+    from regista.envs.football.batch import step_batch
+    from regista.kernels.jit import compiled
+
+    if env.engine == "regista" and not compiled(step_batch):
+        warn(f"compiling kernels (once, about {COMPILE_SECONDS} s)")
+    settings: Any = numba.config
+    numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
+
+
+class MixedGame:
+    """Several games that one run trains on; the game is a part of the level, so the teacher chooses among them."""
+
+    def __init__(self, name: str, short: str, games: Sequence[FootballGame]) -> None:
+        self.name, self.short, self.games = name, short, tuple(games)
+
+    def start(self, preset: str) -> Any:
+        """Return the settings of the first game."""
+        return self.games[0].start(preset)
+
+    def task(self, config: Any, env: FootballConfig | None = None) -> Task:
+        """Return the mixture of the games' tasks, tested on each game and on each of their test scenes."""
+        from regista.experiments.run.mixed import mixed_task
+
+        return mixed_task(self._by_name(lambda game: game.task(config, env)))
+
+    def source(self, config: Any) -> Source:
+        """Return the texts of all programs, each below its name."""
+        texts = self._by_name(lambda game: game.program(config).source)
+        return Source("program.scenic", "\n".join(f"# {name}\n{text}" for name, text in texts.items()), True)
+
+    def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
+        """Return the game that θ's first column names, and the level without that column."""
+        from ued.core.cells import index_in
+        from ued.core.level_space import level_dtype
+
+        theta = level["theta"][0]
+        game = self.games[int(index_in(theta[0], len(self.games)))]
+        dim = game.program(config).dim
+        own = np.zeros(1, level_dtype(dim))
+        own["seed"], own["theta"] = level["seed"], theta[1 : 1 + dim]
+        return game, own
+
+    def _by_name(self, of: Any) -> Mapping[str, Any]:
+        return {game.short: of(game) for game in self.games}
+
+
+# ---------------------------------------------------------------- names
+
+
+def football_game(name: str) -> FootballGame | MixedGame:
+    """Return the game of a name: a minigame, `MINIGAME/TEST`, a mixture `a+b`, or the path of a .scenic program.
+
+    Raises `UsageError` for any other name.
+    """
+    from regista.minigames.suites import MIXTURES, NAMED
+
+    parts = list(MIXTURES[name]) if name in MIXTURES else name.split("+")
+    games = [_single(part) for part in parts]
+    if len(games) == 1:
+        return games[0]
+    known = name in MIXTURES or name in NAMED
+    full, short = ("+".join(getattr(game, what) for game in games) for what in ("name", "short"))
+    return MixedGame(name if known else full, name if known else short, games)
+
+
+def single_game(name: str) -> FootballGame:
+    """Return the game of a name that stands for one program. Raises `UsageError` for a mixture and unknown names."""
+    game = football_game(name)
+    if isinstance(game, MixedGame):
+        parts = ", ".join(part.short for part in game.games)
+        raise UsageError(f"{name} is a mixture; give one of its minigames: {parts}")
+    return game
+
+
+def find_minigame(name: str) -> Minigame:
+    """Return the minigame of a name, as `single_game`."""
+    return single_game(name).minigame
+
+
+def _single(name: str) -> FootballGame:
+    from regista.minigames.suites import NAMED, Minigame
+
+    if name in NAMED:
+        return FootballGame(NAMED[name], name)
+    path = Path(name)
+    if path.suffix == ".scenic":
+        if not path.is_file():
+            raise UsageError(f"there is no program {name}")
+        return FootballGame(Minigame(path.stem, path, (), "a program of yours"), str(path.resolve()))
+    if path.suffix == ".py":
+        raise UsageError(f"a Python task is given as file.py:name, got {name!r}")
+    if ":" in name:
+        raise UsageError(f"{name} is a Python task; here a game of football is needed")
+    raise UsageError(
+        f"unknown minigame {name!r}{nearest(name, NAMED, 3)}; regista list shows all, or give a .scenic file"
+    )
+
+
+def all_starts(preset: str = "fast") -> list[Any]:
+    """Return the settings of a preset for each minigame."""
+    from regista.minigames.suites import NAMED
+
+    return [FootballGame(game, name).start(preset) for name, game in NAMED.items()]

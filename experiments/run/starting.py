@@ -1,0 +1,56 @@
+"""The settings that a command line begins with, before its flags: those of its preset and of its game.
+
+Read next: `run.config`, the presets; `run.games`, what a game changes in them.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+from regista.experiments.run.build import find_game
+from regista.experiments.run.errors import UsageError
+from regista.experiments.run.games import all_starts
+
+
+def settings_for(argv: Sequence[str]) -> Any:
+    """Return the settings that a command line begins with."""
+    from regista.experiments.run.config import TrainConfig
+
+    return find_game(_named(argv) or TrainConfig().minigame).start(preset_of(argv))
+
+
+def preset_of(argv: Sequence[str]) -> str:
+    """Return the preset that is typed, `fast` where none is."""
+    from regista.experiments.run.config import presets
+
+    pairs = [*itertools.pairwise(argv), *(word.partition("=")[::2] for word in argv)]
+    typed = [value for flag, value in pairs if flag == "--preset" and value in presets()]
+    return typed[-1] if typed else "fast"
+
+
+def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
+    """Return by case what a command line would begin with if something else were typed, for its help."""
+    from regista.experiments.run.config import TrainConfig, presets, task_presets
+
+    typed, game, usual = preset_of(argv), _named(argv), TrainConfig().minigame
+    others = [name for name in presets() if name != typed]
+    cases = {f"with --preset {name}": [find_game(game or usual).start(name)] for name in others}
+    if game is None:
+        cases["for other games"] = all_starts(typed)
+    if game is None or find_game(game).start(typed).engine is not None:
+        cases["for tasks"] = [task_presets()[typed]]
+    return cases
+
+
+def _named(argv: Sequence[str]) -> str | None:
+    """Return the game or the task that is typed, if there is one."""
+    return next((word for word in argv if _is_game(word)), None)
+
+
+def _is_game(word: str) -> bool:
+    try:
+        return not word.startswith("-") and bool(find_game(word))
+    except UsageError:
+        return False

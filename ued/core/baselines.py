@@ -1,0 +1,58 @@
+"""Untrained policies, for scale: a student that does not beat them has learned nothing.
+
+Read next: `core.task`, whose `baselines` they are; `evaluation`, which plays them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from gymnasium.spaces import Discrete, Space
+
+
+class Policy(Protocol):
+    """What `evaluate` plays: a student, or one of these."""
+
+    def empty_memory(self, num_envs: int) -> Any: ...
+    def play(self, observation: Any, generator: Any, greedy: bool = False, memory: Any = None) -> Any:
+        """Return the actions for N observations `[N, ...]`; `generator` is torch's."""
+
+
+class Untrained:
+    """A policy without memory."""
+
+    def empty_memory(self, num_envs: int) -> Any:
+        """Return the memory of N environments: `[N, 0]`."""
+        import torch
+
+        return torch.zeros(num_envs, 0)
+
+
+class SampledPolicy(Untrained):
+    """Sample actions from their space of any kind, uniformly where it is bounded."""
+
+    def __init__(self, action_space: Space) -> None:
+        self.space = action_space
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
+        """Return one action for each row of `observation` `[N, ...]`."""
+        import torch
+
+        self.space.seed(int(torch.randint(2**31, (), generator=generator)))
+        return np.stack([self.space.sample() for _ in range(len(observation))])
+
+
+class UniformPolicy(Untrained):
+    """Take each of `count` discrete actions with the same probability, for each of the agents `agents`: () or (A,)."""
+
+    def __init__(self, action_space: Discrete, agents: tuple[int, ...] = ()) -> None:
+        self.count, self.agents = int(action_space.n), agents
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
+        """Return one action for each row of `observation` `[N, size]`; of a team `[N, A]`."""
+        import torch
+
+        return torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()
