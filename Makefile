@@ -40,7 +40,7 @@ results: $(READY)
 # It goes on where it was stopped. One part, or other flags of lab/transfer.py: make transfer PART="policies --hours 2".
 PART ?= all --hours 9
 transfer: $(READY)
-	$(BIN)/python lab/transfer.py $(PART)
+	$(BIN)/python -m lab.transfer $(PART)
 
 # The repository's page BENCHMARK.md, from runs beneath runs/benchmark that are made where they are not there: hours.
 # Which part, and for how long: STUDY="single --seeds 5 --hours 3".
@@ -69,7 +69,7 @@ test-quick: lint
 # where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.
 MINUTES ?= 10
 torture: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.torture --minutes $(MINUTES)
+	OMP_NUM_THREADS=1 $(BIN)/python -m lab.torture --minutes $(MINUTES)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

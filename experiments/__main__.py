@@ -19,7 +19,6 @@ COMMANDS = {
     "train": "train students on a minigame, with a curriculum or without",
     "evaluate": "play trained runs on test scenes, with intervals",
     "transfer": "play trained runs in Google Research Football, too, and tell what carries over",
-    "study": "train many games over seeds: the thesis's benchmark, or what carries over to the other engine",
     "compare": "train several methods on a minigame over seeds, evaluate, tabulate and draw",
     "characterise": "tell how many random levels of a game are solved, as a student learns",
     "gallery": "make a page of the levels of a run: a map, and a card, a scene and a replay of each",
@@ -30,7 +29,10 @@ COMMANDS = {
     "demonstrate": "keep episodes of a program or of a student, for others to learn from",
     "clone": "let a student learn to do what was done in demonstrations",
     "replay": "play a recorded match again, bit for bit",
-    "benchmark": "measure the speed of the simulator, of training and of the language",
+    "benchmark": "measure the speed of the simulator and of training on this machine",
+}
+MOVED = {  # former commands, and what does the same
+    "study": "python -m lab.studies, in a checkout",
 }
 
 USAGE = """\
@@ -67,6 +69,8 @@ def _dispatch(words: list[str]) -> int:
         print(USAGE.format(commands="\n".join(lines)), end="")
         return 0 if words else 2
     name = words[0]
+    if name in MOVED:
+        raise UsageError(f"there is no command {name} any more; use {MOVED[name]}")
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")

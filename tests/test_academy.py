@@ -4,13 +4,13 @@ import gymnasium
 import numpy as np
 import pytest
 
+from lab.grf.scenes import SCENES, stage_scene
+from lab.grf.stage import OPEN_END
 from regista import minigames  # noqa: F401 (registers the games)
 from regista.envs.football.constants import GK
 from regista.envs.football.scenic.domain import FOOTBALL
 from regista.envs.football.scenic.lineup import Lineup
 from regista.experiments.__main__ import main
-from regista.experiments.grf.scenes import SCENES, stage_scene
-from regista.experiments.grf.stage import OPEN_END
 from regista.experiments.run.folder import RunFolder
 from regista.minigames.suites import ACADEMY
 from scenic_lite import load

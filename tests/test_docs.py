@@ -32,7 +32,7 @@ ALL = {path.relative_to(ROOT).as_posix(): path for path in [*sorted(ROOT.glob("*
     name: ROOT / name
     for name in (
         *("ued/README.md", "envs/football/README.md", "envs/football/DYNAMICS.md", "envs/grf/README.md"),
-        "experiments/grf/data/README.md",
+        "lab/grf/data/README.md",
     )
 }
 RUN = [name for name in PAGES if name.removeprefix("howto/").removesuffix(".md") not in CARRIED_OUT_ELSEWHERE]

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.commands.evaluate import check_levels
-from regista.experiments.pictures import level_plots, plots, results_page, theta_plots
+from regista.experiments.pictures import level_plots, plots, theta_plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run import arguments, build, origin
 from regista.experiments.run.arguments import group, positional
@@ -24,7 +24,6 @@ from regista.experiments.run.errors import read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
-from regista.experiments.run.results import unique
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
@@ -90,7 +89,6 @@ def main(argv: Sequence[str]) -> int:
     program = programs[build.TRAINING_SCENE]
     painter = build.make_painter(program) if football else None
     show(report, runs, painter, folder, config.rrd, getattr(program, "draws", ()))
-    page(report, runs, ["compare", *argv], folder)
     return 0
 
 
@@ -131,19 +129,6 @@ def show(
 
         record_runs(by_method, rrd)
         print(f"all runs: rerun {rrd}")
-
-
-def page(report: Report, runs: Sequence[RunFolder], command: Sequence[str], folder: Path) -> None:
-    """Write what a page of results shows of the comparison."""
-    name = build.short_name(runs[0].config.minigame)
-    trained = unique([run.config.method for run in runs])
-    pictures = {f"Learning curves on {name}": "learning_curves.png"}
-    if build.is_football(runs[0].config):
-        pictures[f"{report.word.capitalize()} and levels on {name}"] = "overview.png"
-    else:
-        pictures[f"Levels on {name}"] = "levels.png"
-    heading = f"{name}: {plots.listed(trained)}"
-    results_page.write_page(folder, heading, command, report.markdown(), pictures, report.simulator)
 
 
 def draw(comparison: Comparison, folder: Path) -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.pictures import plots, results_page
+from regista.experiments.pictures import plots
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig, to_dict
@@ -176,9 +176,6 @@ def main(argv: Sequence[str]) -> int:
     write_text(config.out / "table.md", table + "\n")
     save_csv(runs, config.out / "curves.csv")
     draw(runs, config.methods, config.out / "curves.png")
-    heading = "The frontier"
-    pictures = {"Share of the turns known, over simulated steps": "curves.png"}
-    results_page.write_page(config.out, heading, ["probe", *argv], table, pictures)
     print(table)
     print(f"\n{config.out}/table.md, curves.csv, curves.png")
     return 0

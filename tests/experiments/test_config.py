@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from gymnasium.spaces import Box, Discrete
 
+from lab.studies.benchmark_study import BenchmarkStudyConfig, starting_point
 from regista.experiments.commands.compare import _read
-from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, starting_point
 from regista.experiments.commands.train import _begin
 from regista.experiments.run import build
 from regista.experiments.run import config as configs

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 import torch
 
+from lab.studies import rows
+from lab.torture.files import REFUSED, Target, attack, contents, make_run, quietly
 from regista.experiments.commands.probe import ProbeJob
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
@@ -14,8 +16,6 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.owner import owned
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import Table
-from regista.experiments.studies import rows
-from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
 from ued.adapters.policy import load_policy
 from ued.core import checkpoint
 from ued.core.checkpoint import CheckpointError

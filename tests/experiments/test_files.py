@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lab.studies.rows import Point, Row
 from regista.experiments.__main__ import main
 from regista.experiments.commands import characterise, probe
 from regista.experiments.run.demonstrations import Demonstrations
@@ -15,7 +16,6 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Entry, Report
 from regista.experiments.run.results import LevelResult
 from regista.experiments.run.table import read_columns, read_header, read_rows
-from regista.experiments.studies.rows import Point, Row
 
 ROOT = Path(__file__).parents[2]
 TASK = """

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
+from lab.torture.files import TASK
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import COMMANDS, main
 from regista.experiments.commands.study import STUDIES
@@ -21,7 +22,6 @@ from regista.experiments.run import arguments
 from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, EngineConfig, TaskTrainConfig, TrainConfig
 from regista.experiments.run.workers import LaunchConfig
-from tests.torture.files import TASK
 from ued.config import PPOConfig, bounds_of, most_threads
 from ued.core import room
 

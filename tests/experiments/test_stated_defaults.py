@@ -6,10 +6,10 @@ from types import SimpleNamespace
 
 import pytest
 
+from lab.studies.curricula_study import CurriculaStudy, CurriculaStudyConfig
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.__main__ import main
 from regista.experiments.commands import clone, compare, study, train
-from regista.experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
 from regista.experiments.run import arguments, build
 from regista.experiments.run.folder import RunFolder
 

@@ -12,11 +12,11 @@ from regista.envs.football.constants import CB, GK, GOAL, OUT_OF_PLAY
 from regista.envs.football.kick_off import Roster
 from regista.envs.football.observation.simple115 import SIZE, simple115_names
 from regista.experiments.__main__ import main
-from regista.experiments.grf import goals
-from regista.experiments.grf.episodes import NO_ACTION, Episodes, join
-from regista.experiments.grf.goals import goals_of
-from regista.experiments.grf.transfer import Played, Result, leaving, summary
-from regista.experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
+from regista.experiments.transfer import goals
+from regista.experiments.transfer.episodes import NO_ACTION, Episodes, join
+from regista.experiments.transfer.goals import goals_of
+from regista.experiments.transfer.replaying import Played, Result, leaving, summary
+from regista.experiments.transfer.report import by_game, groups, rate_ratio, verdict
 from ued.core import checkpoint
 
 pytestmark = pytest.mark.slow

@@ -5,6 +5,7 @@ import shutil
 
 import pytest
 
+from lab.studies import page, rows
 from regista.__main__ import main
 from regista.envs.football.config import FootballConfig
 from regista.experiments.pictures import results_page
@@ -14,7 +15,6 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.recording import RunRecorder
 from regista.experiments.run.table import read_rows
-from regista.experiments.studies import page, rows
 from ued.core import checkpoint
 
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--num-minibatches", "1", "--total-env-steps", "64", "--no-record"]
