@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from lab.benchmarks.__main__ import main
 from lab.benchmarks.language import CASES, PROGRAMS
-from regista.experiments.__main__ import main
 
 pytestmark = pytest.mark.slow
 
@@ -17,7 +17,7 @@ def test_every_program_of_the_table_is_installed():
 def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
     monkeypatch.setattr("lab.benchmarks.language.LARGE", 64)
     monkeypatch.setattr("lab.benchmarks.language.SMALL", 8)
-    assert main(["benchmark", "--suite", "language", "--seconds", "0.001", "--json"]) == 0
+    assert main(["--suite", "language", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["language"]
     assert [row["program"] for row in rows] == list(CASES)
     for row in rows:
@@ -28,6 +28,6 @@ def test_the_table_and_the_json_hold_the_same_programs(capsys, monkeypatch):
 
 def test_the_table_names_the_original(capsys, monkeypatch):
     monkeypatch.setattr("lab.benchmarks.language.CASES", {"soft": CASES["soft"]})
-    assert main(["benchmark", "--suite", "language", "--seconds", "0.001"]) == 0
+    assert main(["--suite", "language", "--seconds", "0.001"]) == 0
     table = capsys.readouterr().out
     assert "Scenic 3.1.1: scenes/s" in table and "soft" in table

@@ -4,16 +4,16 @@ import json
 
 import pytest
 
-from regista.experiments.__main__ import main
+from lab.benchmarks.__main__ import main
 from ued.methods import METHODS
 
 pytestmark = pytest.mark.slow
 
 
 def test_methods_and_teams_are_measured(monkeypatch, capsys):
-    monkeypatch.setattr("lab.benchmarks.training.WARM_UPDATES", 1)
+    monkeypatch.setattr("regista.experiments.commands.benchmark.WARM_UPDATES", 1)
     monkeypatch.setattr("lab.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})
-    assert main(["benchmark", "--suite", "train", "--seconds", "0.001", "--json"]) == 0
+    assert main(["--suite", "train", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["training"]
     sizes = (1, 2, 4, 11)
     labels = ["dr, eleven a side, 1 agent"] + [f"dr, eleven a side, {size} agents" for size in sizes[1:]]

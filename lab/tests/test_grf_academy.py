@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from lab.benchmarks.__main__ import main
 from lab.grf import academy
 from lab.grf.academy import BUILT_IN, DRAWN, JITTER, ROWS
 from lab.grf.drawn_scenes import program_text
@@ -14,7 +15,6 @@ from lab.grf.scenes import SCENES, stage_scene
 from regista.envs.football.constants import DIRECTION_RIGHT, SHOT, SPRINT
 from regista.envs.football.kick_off import MatchConfig
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.__main__ import main
 
 PASSING = "pass_and_shoot_with_keeper"
 
@@ -97,7 +97,7 @@ def test_an_empty_goal_from_near_is_scored_and_counted(policy):
 @pytest.mark.slow
 def test_the_command_plays_both_engines(engine, capsys, monkeypatch):
     monkeypatch.setattr(academy, "ROWS", ROWS[:1])
-    words = ["benchmark", "--suite", "grf", "--measure", "--family", "academy", "--effort", "0.02", *engine]
+    words = ["--suite", "grf", "--measure", "--family", "academy", "--effort", "0.02", *engine]
     assert main([*words, "--json"]) == 0
     (row,) = json.loads(capsys.readouterr().out)["results"]["academy"]
     assert (row["scene"], row["policy"]) == ROWS[0] and row["episodes"] == 4 and row["ours_episodes"] == 8

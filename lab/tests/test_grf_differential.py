@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lab.benchmarks.__main__ import main
 from lab.grf.differential import (
     OURS,
     Pair,
@@ -18,7 +19,6 @@ from lab.grf.differential import (
 )
 from lab.grf.drawn_scenes import STEPS, DrawnScene, draw_scene
 from regista.envs.football.constants import GOAL, RUNNING
-from regista.experiments.__main__ import main
 from regista.experiments.transfer.episodes import Episodes, side_by_side
 
 pytestmark = pytest.mark.slow
@@ -133,7 +133,7 @@ def test_seeds_of_a_scene_are_those_that_are_played(monkeypatch):
 
 
 def test_the_command_prints_json_and_writes_the_worst(engine, capsys, tmp_path):
-    words = ["benchmark", "--suite", "grf", "--measure", "--scenes", "0:0", "0:3", *engine]
+    words = ["--suite", "grf", "--measure", "--scenes", "0:0", "0:3", *engine]
     assert main([*words, "--json", "--figures", str(tmp_path / "out")]) == 0
     found = json.loads(capsys.readouterr().out)["results"]
     assert {each["scene"] for each in found["scenes"]} == {"0:0", "0:3"}
@@ -144,9 +144,9 @@ def test_the_command_prints_json_and_writes_the_worst(engine, capsys, tmp_path):
 
 
 def test_without_the_real_engine_it_says_so(capsys, tmp_path):
-    assert main(["benchmark", "--suite", "grf", "--measure", "--grf-python", str(tmp_path / "none")]) == 1
+    assert main(["--suite", "grf", "--measure", "--grf-python", str(tmp_path / "none")]) == 1
     assert "make grf" in capsys.readouterr().err
-    assert main(["benchmark", "--suite", "grf", "--measure", "--scenes", "three"]) == 2
+    assert main(["--suite", "grf", "--measure", "--scenes", "three"]) == 2
     assert "SEED:NUMBER" in capsys.readouterr().err
 
 

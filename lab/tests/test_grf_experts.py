@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from lab.benchmarks.__main__ import main
 from lab.grf.experts import OURS, Expert, Found, correlations, experts, play_expert, play_experts
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import BUILTIN_AI, GK, RIGHT
 from regista.envs.football.scenic.domain import FOOTBALL
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.__main__ import main
 from regista.minigames.suites import HERE
 from scenic_lite import load
 
@@ -68,7 +68,7 @@ def test_rates_and_ranks_are_told_of_both_engines():
 
 @pytest.mark.slow
 def test_the_command_tells_of_all_nine(engine, capsys):
-    words = ["benchmark", "--suite", "grf", "--measure", "--family", "experts", "--effort", "0.02", *engine]
+    words = ["--suite", "grf", "--measure", "--family", "experts", "--effort", "0.02", *engine]
     assert main([*words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["results"]
     assert [each["program"] for each in found["experts"]] == NAMES

@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lab.benchmarks.__main__ import main
 from lab.grf.measure import MEASURES
 from lab.grf.report import FAMILIES, family_module, read_data, render_family
 from lab.grf.rows import Row, by_distance, by_factor, by_share
 from lab.grf.stage import Stage, keys, metres, units
 from regista.envs.football.constants import CB, DIRECTION_RIGHT, IDLE, SHORT_PASS, STAND
 from regista.envs.football.kick_off import Roster
-from regista.experiments.__main__ import main
 
-DATA = Path(__file__).parents[2] / "experiments" / "grf" / "data"
+DATA = Path(__file__).parents[1] / "grf" / "data"
 
 
 def test_differences_are_in_the_terms_of_their_tolerance():
@@ -100,7 +100,7 @@ def test_the_steady_speeds_are_the_originals():
 @pytest.mark.drawn
 @pytest.mark.slow
 def test_the_command_prints_json_and_draws(capsys, tmp_path):
-    arguments = ["benchmark", "--suite", "grf", "--family", "motion", "--effort", "0.1", "--json"]
+    arguments = ["--suite", "grf", "--family", "motion", "--effort", "0.1", "--json"]
     assert main([*arguments, "--figures", str(tmp_path / "figures")]) == 0
     found = json.loads(capsys.readouterr().out)["results"]["motion"]
     assert all(row["family"] == "motion" for row in found)
@@ -108,5 +108,15 @@ def test_the_command_prints_json_and_draws(capsys, tmp_path):
 
 
 def test_a_family_that_does_not_exist_is_named(capsys):
-    assert main(["benchmark", "--suite", "grf", "--family", "motions"]) == 2
+    assert main(["--suite", "grf", "--family", "motions"]) == 2
     assert "no 'motions'" in capsys.readouterr().err
+    assert main(["--suite", "grf", "--measure", "--family", "keeper"]) == 2
+    assert capsys.readouterr().err.startswith("regista: --family: no 'keeper', only academy, d")
+
+
+@pytest.mark.slow
+def test_the_simulators_suite_prints_json(capsys):
+    assert main(["--suite", "sim", "--num-envs", "4", "--seconds", "0.01", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["machine"]["cores"] >= 1
+    assert all(row["steps_per_second"] > 0 for row in found["results"]["simulator"][1:])

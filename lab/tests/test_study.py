@@ -17,7 +17,7 @@ from lab.studies.benchmark_study import (
 )
 from lab.studies.measuring import measure_random
 from regista.experiments.commands.train import train
-from regista.experiments.run import workers
+from regista.experiments.run import build, workers
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.results import mean_return
@@ -193,6 +193,9 @@ def test_the_page_of_a_study_is_found_by_either_order(capsys):
 def test_presets_are_those_of_training(tmp_path):
     thesis = starting_point(BenchmarkStudyConfig(preset="thesis"))
     assert thesis.env.representation == "smm_stacked" and thesis.total_env_steps == 5_000_000 and thesis.num_envs == 16
+    start = build.starting_point("thesis", "1v1Restricted")
+    for name in ("ppo", "paired", "num_envs", "total_env_steps"):
+        assert getattr(thesis, name) == getattr(start, name)
     fast = starting_point(BenchmarkStudyConfig())
     assert fast.env.representation == "features" and fast.ppo.hidden_size == 64
     assert len(FIGURE_2_7) == 13

@@ -1,17 +1,23 @@
 """`python -m lab.studies curricula`, `rare`, `ablations`: what is trained with which settings, what is held out."""
 
+import math
+import re
+
 import numpy as np
 import pytest
 
 from lab.studies import rows, tables
-from lab.studies.__main__ import main
+from lab.studies.__main__ import STUDIES, main
 from lab.studies.curricula import COMPARISONS
 from lab.studies.curricula_study import CurriculaStudy, CurriculaStudyConfig
 from lab.studies.measuring import HELD_OUT, THIRDS, thirds
 from lab.studies.runs import Places
+from regista.experiments.run import arguments
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
+from tests.experiments.test_limits import numbers_of
 from tests.floors import ROOT
+from ued.config import bounds_of
 from ued.evaluation import Evaluation
 
 SHORT = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "4", "--levels", "12"]
@@ -119,3 +125,25 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
 
 def test_what_is_published_goes_into_the_repository():
     assert Places.of(None, "RESULTS.md") == (ROOT / "lab" / "studies" / "results", ROOT / "RESULTS.md")
+
+
+def test_the_games_of_a_study_are_trained_as_its_help_says(capsys):
+    found = STUDIES["curricula"].others("curricula")["for the games of the study"]
+    planned = CurriculaStudy("curricula", CurriculaStudyConfig(seeds=1, variants=("dr",)), {}).planned()
+    for plan, other in zip(planned, found, strict=True):
+        settings = {path: value for path, value in plan.settings.items() if path not in ("method", "eval_every")}
+        assert arguments.replace_paths(CurriculaStudyConfig().train, settings) == other.train
+    for study, stated in (
+        ("curricula", "128; 16 for the games of the study"),
+        ("single", "128; 16 with --preset thesis"),
+    ):
+        with pytest.raises(SystemExit):
+            main([study, "--help"])
+        assert f"(default {stated})" in re.sub(r"\s+", " ", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_every_number_of_every_study_has_bounds(name):
+    for number in numbers_of(STUDIES[name].config()):
+        least, most = bounds_of(number.item.metadata)
+        assert math.isfinite(least) and math.isfinite(most) and least < most, number.flag

@@ -1,1 +1,1 @@
-"""What is done to the whole of Regista for minutes or hours; see `lab.torture.__main__`."""
+"""Attacks on the whole of Regista for minutes or hours; see `lab.torture.__main__`."""

@@ -26,14 +26,14 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lab.torture import moments
-from lab.torture.calls import attack as attack_calls
 from lab.torture.faults import attack as inject_faults
-from lab.torture.files import attack as attack_folders
-from lab.torture.interrupts import attack as interrupt_commands
 from lab.torture.language import attack as attack_language
 from lab.torture.matches import attack as play_matches
 from lab.torture.options import attack as type_wrongly
 from lab.torture.worker import Worker
+from tests.attacks.calls import attack as attack_calls
+from tests.attacks.files import attack as attack_folders
+from tests.attacks.interrupts import attack as interrupt_commands
 from tests.envs.hostile import attack_records, attack_states
 from tests.scenic_lite.dynamics.hostile import attack as attack_code
 from ued.core.files import write_whole

@@ -17,11 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lab.torture.forks import KINDS, ROOT, End, Forks, Order
+from lab.torture.forks import KINDS, End, Forks, Order
+from tests.attacks.files import TASK
 from ued.core.files import PARTIAL
 from ued.methods import METHODS
 
-TASK = f"{ROOT / 'tests' / 'torture' / 'toy_task.py'}:walk"
 PPO = ["--num-steps", "16", "--hidden-size", "8", "--update-epochs", "1", "--num-minibatches", "1"]
 TINY = ["--num-envs", "4", *PPO, "--total-env-steps", "256", "--eval-every", "128", "--eval-episodes", "4"]
 SAVING = [*TINY, "--checkpoint-seconds", "0"]

@@ -26,6 +26,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+from tests.attacks.files import TASK, undrawn
 from tests.envs.grf.fixtures import fake_python
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -190,24 +191,7 @@ def prepare(folder: Path) -> None:
     workers.multiprocessing = SimpleNamespace(  # type: ignore[assignment]
         get_context=lambda kind: forked, active_children=multiprocessing.active_children
     )
-    warm_up(folder, str(Path(__file__).with_name("toy_task.py")) + ":walk")
-
-
-@contextmanager
-def undrawn() -> Iterator[None]:
-    """Have pictures written and not drawn, which would take most of the time."""
-    from matplotlib.figure import Figure
-
-    from regista.experiments.pictures import plots
-
-    before = plots.learning_curves, Figure.savefig, Figure.tight_layout
-    plots.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
-    Figure.savefig = lambda self, drawn, **_: drawn.write(bytes(10_000))  # type: ignore[method-assign]
-    Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
-    try:
-        yield
-    finally:
-        plots.learning_curves, Figure.savefig, Figure.tight_layout = before  # type: ignore[method-assign]
+    warm_up(folder, TASK)
 
 
 @cache

@@ -15,8 +15,8 @@ from contextlib import redirect_stderr, redirect_stdout, suppress
 from functools import cache
 from pathlib import Path
 
-from lab.torture.files import TASK, quietly
 from regista.experiments.__main__ import main
+from tests.attacks.files import TASK, quietly
 
 LISTED, REFUSED = "ran", "refused in a sentence"
 SECONDS = 5.0  # of processor time, at most
@@ -25,12 +25,8 @@ COMMANDS = {
     "compare": ["compare", TASK, "--methods", "dr", "plr", "--seeds", "2"],
     "compare from": ["compare", TASK, "--from", "nowhere", "--seeds", "1"],
     "probe": ["probe", "--methods", "dr", "--seeds", "1"],
-    **{
-        name: ["study", name, "--games", "grf/empty_goal", "--seeds", "1"]
-        for name in ("single", "generalisation", "multi")  # demonstrations are played before
-    },
 }
-MANY = {"--seeds", "--publish"}  # as many runs as one says are listed, each with its folder; the repository's own page
+MANY = {"--seeds"}  # as many runs as one says are listed, each with its folder
 SMALL = ("-1", "0", "1", "2", "3.5", "nan", "-inf", "1e999", "٣")
 NUMBERS = ("-1", "0", "1", "2", "3.5", "nan", "inf", "-inf", "1e999", "1_000", "9" * 30, "1e6", "0x10", "٣")
 WORDS = (
@@ -56,9 +52,7 @@ WORDS = (
 @cache
 def flags(name: str) -> list[str]:
     """Return the flags of a command, by what its help says."""
-    typed = COMMANDS[name]
-    words = typed[: 2 if typed[0] == "study" else 1]
-    said = [help_of([*words, "--help", *topic]) for topic in ([], ["ppo"], ["all"])]
+    said = [help_of([COMMANDS[name][0], "--help", *topic]) for topic in ([], ["ppo"], ["all"])]
     return sorted(set(re.findall(r"--[a-z][\w.-]+", "\n".join(said))) - MANY)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lab.studies.rows import Point, Row
 from regista.experiments.__main__ import main
 from regista.experiments.commands import characterise, probe
 from regista.experiments.run.demonstrations import Demonstrations
@@ -79,8 +78,6 @@ def test_other_tables_have_the_columns_of_the_page(tmp_path):
     pages = documented()
     assert pages["table.csv"] == [*Entry._fields, "simulator"]
     assert pages["levels.csv of a comparison"] == [*(item.name for item in fields(LevelResult)), "simulator"]
-    assert pages["study --out"] == list(Row._fields)
-    assert pages["study curricula --out"] == list(Point._fields)
     assert pages["characterise --csv"] == [item.name for item in fields(characterise.Row)]
     Report([]).save_csv(tmp_path / "results.csv")
     probe.save_csv([], tmp_path / "curves.csv")

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from lab.torture.interrupts import ROOT, attack, started
 from regista.experiments.run.errors import run_command
 from regista.experiments.run.signals import StopRequest
+from tests.attacks.interrupts import ROOT, attack, started
 
 
 def ask(number: int = signal.SIGINT) -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from lab.torture.interrupts import children, started
 from regista.experiments.run.signals import Watchdog
 from regista.experiments.run.table import read_rows
+from tests.attacks.interrupts import children, started
 
 pytestmark = pytest.mark.slow
 

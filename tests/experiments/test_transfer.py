@@ -215,19 +215,6 @@ def test_a_student_of_other_observations_is_refused_in_a_sentence(run, capsys, t
     assert "a student of other observations" in capsys.readouterr().err
 
 
-def test_the_benchmark_tells_where_goals_of_runs_come_from(run, capsys):
-    words = ["benchmark", "--suite", "grf", "--measure", "--family", "goals", "--engine", "regista", "--effort", "0.02"]
-    assert main([*words, "--runs", str(run)]) == 0
-    head, _, ours, grf = capsys.readouterr().out.rstrip().splitlines()
-    assert head.startswith("goals of") and "11 to 20 m" in head and ours.split()[:3] == ["short", "sampled", "ours"]
-    assert grf.split()[2] == "grf"
-    assert main([*words, "--runs", str(run), "--json"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["results"]["goals"]
-    assert found["ours"]["episodes"] == 10 and found["grf"]["episodes"] == 4
-    assert main(words) == 2
-    assert "goals needs --runs" in capsys.readouterr().err
-
-
 def test_without_runs_or_without_the_engine_it_says_so(run, capsys, tmp_path):
     assert main(["transfer"]) == 2
     assert main(["transfer", str(run), "--episodes", "1", "--grf-python", str(tmp_path / "none")]) == 1

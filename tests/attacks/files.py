@@ -13,8 +13,8 @@ import sys
 import time
 import traceback
 import warnings
-from collections.abc import Callable
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 import torch
 
-from lab.torture.forks import undrawn
 from regista.experiments.__main__ import main
 from regista.experiments.commands.train import restore
 from regista.experiments.run import build, origin
@@ -105,6 +104,23 @@ def make(folder: Path, kind: str) -> Path:
         code, said = quietly([word.format(out=path, demos=folder / "demos") for word in MADE[kind]])
         assert code == 0, said
     return path
+
+
+@contextmanager
+def undrawn() -> Iterator[None]:
+    """Have pictures written and not drawn, which would take most of the time."""
+    from matplotlib.figure import Figure
+
+    from regista.experiments.pictures import plots
+
+    before = plots.learning_curves, Figure.savefig, Figure.tight_layout
+    plots.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
+    Figure.savefig = lambda self, drawn, **_: drawn.write(bytes(10_000))  # type: ignore[method-assign]
+    Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        plots.learning_curves, Figure.savefig, Figure.tight_layout = before  # type: ignore[method-assign]
 
 
 def quietly(words: list[str]) -> tuple[int, str]:
