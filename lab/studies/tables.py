@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lab.studies.curricula import COMPARISONS
-from lab.studies.measuring import HELD_OUT, TEAM
+from lab.studies.measuring import HELD_OUT, TEAM, THIRDS
 from lab.studies.rows import RESULTS, TRAIN, Row, check_present, load, played_on
 from regista.experiments.run import arguments
 from regista.experiments.run import results as estimate
@@ -32,7 +32,9 @@ from regista.minigames.published import find_published
 from ued.config import setting
 from ued.statistics import Interval
 
-NOTE = "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of them"
+NOTE = (
+    "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
+)
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,8 @@ def tables(rows: Sequence[Row], name: str) -> str:
 
 def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method."""
-    scenes = unique([row.scene for row in rows])
+    found = unique([row.scene for row in rows])
+    scenes = [*(third for third in THIRDS if third in found), *(scene for scene in found if scene not in THIRDS)]
     held_out = [scene for scene in scenes if scene.startswith(HELD_OUT)]
     known = [row.result() for row in rows]
     methods = [method for method in COMPARISONS[name].variants if any(row.method == method for row in known)]

@@ -1,4 +1,4 @@
-"""Commands of the lab that pages quote exist and have the flags that are shown; every script has its line in the README."""
+"""Commands of the lab that pages quote exist and have the flags shown; every script has its line in the README."""
 
 import io
 import re

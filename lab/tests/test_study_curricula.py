@@ -62,7 +62,7 @@ def test_where_what_is_hard_is_rare_the_games_held_out_scenes_count(begun, tmp_p
     held_out = {f"{HELD_OUT}{label}" for label in ("in", "clear")}
     assert {row.scene for row in measured if row.scene.startswith(HELD_OUT)} == held_out
     shown = capsys.readouterr().out
-    assert "**1v1Rare**" in shown and "| held out, in | held out, clear |" in shown
+    assert "**1v1Rare**" in shown and "| held out, clear | held out, in |" in shown
 
 
 def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
