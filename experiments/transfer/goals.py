@@ -100,22 +100,6 @@ def line(goals: dict[str, Any]) -> str:
     return f"{goals['goals']} goals from {far}, keeper off his line by {keeper}"
 
 
-def table(rows: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
-    """Return summaries of goals, each with the first three cells of its row: whose, how played, on which engine."""
-    far, out = ([*shares(np.zeros(1), limits)] for limits in (FAR, OUT))
-    head = ["goals of", "policy", "engine", "goals", "from, m", *(f"{word} m" for word in far)]
-    lines = [[*head, "keeper off his line, m", *(f"{word} m" for word in out)]]
-    for first, goals in rows:
-        cells = [str(goals["goals"])]
-        for median, parts, words in (("distance", "distance", far), ("keeper_out", "keeper", out)):
-            middle = goals.get(f"median_{median}")
-            there = goals[f"{parts}_shares"] if middle is not None else {}
-            cells += ["–" if middle is None else f"{middle:.1f}"]
-            cells += [f"{there[word]:.0%}" if there else "–" for word in words]
-        lines.append([*first, *cells])
-    return lines
-
-
 def _median(values: np.ndarray) -> float | None:
     known = values[np.isfinite(values)]
     return float(np.median(known)) if len(known) else None

@@ -155,15 +155,6 @@ def details(result: Result) -> str:
     )
 
 
-def goals_table(results: Sequence[Result]) -> list[list[str]]:
-    """Return where the goals come from: a row for each run, policy and engine."""
-    rows = []
-    for result in results:
-        for engine, numbers in result.engines.items():
-            rows.append(([result.run, result.policy, engine], numbers["goals_from"]))
-    return goals.table(rows)
-
-
 def text(results: Sequence[Result], with_details: bool) -> str:
     """Return all tables for a terminal: of games where there are several runs, of runs, and details of each."""
     parts = [align(by_run(results))]

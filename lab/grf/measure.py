@@ -12,10 +12,12 @@ Read next: the module of a family.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from lab.grf.report import render_rows
 from regista.experiments.run.arguments import group
@@ -24,6 +26,7 @@ from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import Progress
 from regista.experiments.run.results import align
+from regista.experiments.transfer.goals import FAR, OUT, shares
 from ued.config import LARGEST_SEED, Checked, setting
 
 
@@ -92,7 +95,6 @@ def experts(config: MeasureConfig, effort: float, figures: Path | None) -> Measu
 def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:
     """Play trained runs in both engines; tell where their goals come from."""
     from regista.experiments.transfer.replaying import EPISODES, Plan, play_run
-    from regista.experiments.transfer.report import goals_table
 
     if not config.runs:
         raise UsageError("family goals needs --runs: run folders, such as runs/academy/3_vs_1_with_keeper-dr-0")
@@ -102,7 +104,28 @@ def goals(config: MeasureConfig, effort: float, figures: Path | None) -> Measure
     for number, run in enumerate([RunFolder.open(path) for path in config.runs]):
         print(f"{run.path}, {number + 1} of {len(config.runs)}", file=sys.stderr, flush=True)
         results += play_run(run, plan)[0]
-    return align(goals_table(results)), {"goals": [asdict(result) for result in results]}
+    rows = [
+        ([result.run, result.policy, engine], numbers["goals_from"])
+        for result in results
+        for engine, numbers in result.engines.items()
+    ]
+    return align(goals_table(rows)), {"goals": [asdict(result) for result in results]}
+
+
+def goals_table(rows: Sequence[tuple[list[str], dict[str, Any]]]) -> list[list[str]]:
+    """Return summaries of goals, each with the first three cells of its row: whose, how played, on which engine."""
+    far, out = ([*shares(np.zeros(1), limits)] for limits in (FAR, OUT))
+    head = ["goals of", "policy", "engine", "goals", "from, m", *(f"{word} m" for word in far)]
+    lines = [[*head, "keeper off his line, m", *(f"{word} m" for word in out)]]
+    for first, goals in rows:
+        cells = [str(goals["goals"])]
+        for median, parts, words in (("distance", "distance", far), ("keeper_out", "keeper", out)):
+            middle = goals.get(f"median_{median}")
+            there = goals[f"{parts}_shares"] if middle is not None else {}
+            cells += ["–" if middle is None else f"{middle:.1f}"]
+            cells += [f"{there[word]:.0%}" if there else "–" for word in words]
+        lines.append([*first, *cells])
+    return lines
 
 
 def players(config: MeasureConfig, effort: float, figures: Path | None) -> Measured:

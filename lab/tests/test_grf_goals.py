@@ -2,10 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from lab.benchmarks.__main__ import main
+from lab.grf.measure import goals_table
 from regista.experiments.commands import train
+from regista.experiments.transfer.goals import Goals
 
 pytestmark = pytest.mark.slow
 
@@ -17,6 +20,12 @@ def run(tmp_path):
     short = ["--total-env-steps=64", "--num-envs=4", "--num-steps=8", "--eval-every=0", "--no-record"]
     assert train.main([*words, *short, "--out", str(tmp_path / "short")]) == 0
     return tmp_path / "short"
+
+
+def test_a_table_has_the_shares_of_distances():
+    found = Goals(np.array([11.0, 35.0]), np.array([1.0, 25.0]), np.zeros(2)).summary()
+    head, row, none = goals_table([(["a", "sampled", "ours"], found), (["a"] * 3, {"goals": 0})])
+    assert dict(zip(head, row, strict=True))["<2 m"] == "50%" and row[4] == "23.0" and set(none[4:]) == {"–"}
 
 
 def test_the_benchmark_tells_where_goals_of_runs_come_from(run, capsys):

@@ -28,8 +28,6 @@ SAVING = [*TINY, "--checkpoint-seconds", "0"]
 QUIET = [*SAVING, "--no-record"]
 FOOTBALL = ["1v1Restricted", "--num-envs", "2", *PPO, "--total-env-steps", "64", "--eval-every", "0"]
 PROBE = ["probe", "--methods", "dr", "--seeds", "1", "--processes", "1", "--num-envs", "4", *PPO, "--longest", "3"]
-STUDY = ["study", "single", "--games", "offense/easy_crossing", "--seeds", "1"]
-STUDIED = [*FOOTBALL[1:], "--episodes", "2", "--processes", "1"]
 
 
 @dataclass(frozen=True)
@@ -67,7 +65,6 @@ WRITERS = {  # which write, one of each kind
     "evaluate": Scenario(["evaluate", "{made}/run", "--episodes", "4", "--levels", "0", "--csv", "{out}/all.csv"]),
     "probe": Scenario([*PROBE, "--total-env-steps", "256", "--out", "{out}"]),
 }
-SLOW = {"study": Scenario([*STUDY, *STUDIED, "--out", "{out}"])}  # minutes: by name alone
 SCENARIOS = WRITERS | {
     f"train {method}, {threads} threads": train(method, *QUIET, "--threads", str(threads))
     for method in METHODS
@@ -79,7 +76,7 @@ class Attacked:
     """A scenario, its tables when nothing happens, and how many changes it makes."""
 
     def __init__(self, name: str, forks: Forks, folder: Path) -> None:
-        self.name, self.forks, self.folder, self.scenario = name, forks, folder, (SCENARIOS | SLOW)[name]
+        self.name, self.forks, self.folder, self.scenario = name, forks, folder, SCENARIOS[name]
         made = folder / "made"
         made.mkdir(parents=True, exist_ok=True)
         for file, words in MADE.items():

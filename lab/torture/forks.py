@@ -78,7 +78,7 @@ class Forks:
         source = Path(__file__).with_name("faults.c")
         subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-o", str(library), str(source), "-ldl"], check=True)
         environment = os.environ | {"LD_PRELOAD": str(library), "NUMBA_THREADING_LAYER": "workqueue"}
-        environment["REGISTA_GRF_PYTHON"] = str(fake_python(folder))  # what plays the other engine's part in a study
+        environment["REGISTA_GRF_PYTHON"] = str(fake_python(folder))  # what plays the part of the other engine
         pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
         words = [sys.executable, "-m", "lab.torture.forks", str(folder)]
         self.process = subprocess.Popen(words, env=environment, cwd=ROOT, **pipes)
@@ -183,7 +183,7 @@ def prepare(folder: Path) -> None:
 
     for name in ("h5py", "minari", "rerun"):
         importlib.import_module(name)
-    for name in (*COMMANDS, "study_benchmark"):
+    for name in COMMANDS:
         importlib.import_module(f"regista.experiments.commands.{name}")
     workers.subprocess = SimpleNamespace(Popen=Forked)  # type: ignore[assignment]
     workers.POLL_SECONDS = 0.02

@@ -58,16 +58,10 @@ MADE = {  # what other commands leave behind, and what reads it
         *(*QUIET, "--total-env-steps", "128", "--processes", "1", "--out", "{out}"),
     ],
 }
-MADE["studied"] = [
-    *("study", "generalisation", "--games", "grf/empty_goal", "--seeds", "1", "--episodes", "2", "--processes", "1"),
-    *("--num-envs", "4", "--num-steps", "16", "--hidden-size", "8", "--eval-every", "0", "--total-env-steps", "64"),
-    *(*ONCE, "--out", "{out}"),
-]
 READERS = {
     "demos": (["clone", "{run}", "--epochs", "1", "--ppo.hidden-size", "8", "--out", "{run}-child"], MADE["demos"]),
     "clone": (MADE["clone"], ["evaluate", "{run}", "--episodes", "2", "--levels", "0"]),
     "compared": (MADE["compared"],),
-    "studied": (MADE["studied"],),
 }
 KINDS = [*RUNS, *MADE]
 SLOWER = 20  # times, to give a folder to a command

@@ -115,8 +115,6 @@ def test_goals_come_from_where_the_left_team_had_the_ball_last():
     np.testing.assert_allclose(found.keeper_out, [1, 25])
     assert found.summary()["distance_shares"] == {"<11": 0.5, "11 to 20": 0.0, "20 to 30": 0.0, ">30": 0.5}
     assert goals.line(found.summary()).startswith("2 goals from 23 m (50% <11, 50% >30)")
-    head, row, none = goals.table([(["a", "sampled", "ours"], found.summary()), (["a"] * 3, {"goals": 0})])
-    assert dict(zip(head, row, strict=True))["<2 m"] == "50%" and row[4] == "23.0" and set(none[4:]) == {"–"}
     alone = goals_of(episodes(2, 3, ball=ball, places=places, owner=owner), Roster([0, 0, 1], [GK, CB, CB]))
     assert "no keeper" in goals.line(alone.summary())
     assert goals.line(goals_of(episodes(0, 3), ROSTER).summary()) == "no goal"
