@@ -57,7 +57,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["study", "single"],
             2,
-            "regista: there is no command study any more; use python -m lab.studies, in a checkout",
+            "regista: the command study has moved: python -m lab.studies, in a checkout",
         ),
         (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (["benchmark", "--seconds", "0"], 2, "regista: --seconds: must be positive, got 0.0"),
