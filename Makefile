@@ -26,26 +26,25 @@ demo: $(READY)
 	$(BIN)/regista compare 1v1Rare --methods dr paired --seeds 5 --total-env-steps 1_200_000 --num-envs 16 --num-steps 512 \
 		--ent-coef 0.003 --paired.adversary.ent-coef 0.1 --held-out --out demo
 
-# The tables of RESULTS.md, seven hours on 2 cores; what has a row in experiments/studies/results is not done again. In
-# parts: make publish STUDY="curricula --hours 3".
+# The studies of RESULTS.md, seven hours on 2 cores; what has a row in lab/studies/results is not done again. In parts:
+# make publish STUDY="curricula --hours 3".
 results: $(READY)
-	$(BIN)/regista study curricula --publish
-	$(BIN)/regista study rare --publish
-	$(BIN)/regista study ablations --seeds 5 --publish
-	$(BIN)/regista study tuning --seeds 5 --publish
+	$(BIN)/python -m lab.studies curricula --publish
+	$(BIN)/python -m lab.studies rare --publish
+	$(BIN)/python -m lab.studies ablations --seeds 5 --publish
+	$(BIN)/python -m lab.studies tuning --seeds 5 --publish
 	$(BIN)/regista probe --out runs/probe
-	$(BIN)/python -m regista.experiments.pictures.results_page runs/probe
 
 # What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about two hours on 2 cores.
-# It goes on where it was stopped. One part, or other flags of lab/transfer.py: make transfer PART="policies --hours 2".
+# It goes on where it was stopped. One part, or other flags of lab.transfer: make transfer PART="policies --hours 2".
 PART ?= all --hours 9
 transfer: $(READY)
-	$(BIN)/python lab/transfer.py $(PART)
+	$(BIN)/python -m lab.transfer $(PART)
 
-# The repository's page BENCHMARK.md, from runs beneath runs/benchmark that are made where they are not there: hours.
-# Which part, and for how long: STUDY="single --seeds 5 --hours 3".
+# The table of BENCHMARK.md, from runs beneath runs/benchmark that are trained if they are missing: hours. Which study, and
+# for how long: STUDY="single --seeds 5 --hours 3".
 publish: $(READY)
-	$(BIN)/regista study $(or $(STUDY),generalisation) --publish
+	$(BIN)/python -m lab.studies $(or $(STUDY),generalisation) --publish
 
 # Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
 grf:
@@ -69,7 +68,7 @@ test-quick: lint
 # where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.
 MINUTES ?= 10
 torture: $(READY)
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.torture --minutes $(MINUTES)
+	OMP_NUM_THREADS=1 $(BIN)/python -m lab.torture --minutes $(MINUTES)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

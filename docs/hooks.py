@@ -24,7 +24,7 @@ ELSEWHERE = {  # page of the site: the file that it is
     "dynamics.md": "envs/football/DYNAMICS.md",
     "ued.md": "ued/README.md",
     "grf.md": "envs/grf/README.md",
-    "grf-data.md": "experiments/grf/data/README.md",
+    "grf-data.md": "lab/grf/data/README.md",
     "oracle.md": "tests/oracle/README.md",
     "results.md": "RESULTS.md",
     "transfer.md": "TRANSFER.md",

@@ -32,6 +32,7 @@ MOVED = {  # commands of older versions, and what to type instead
     "gallery": "regista evaluate RUN --gallery",
     "replay": "regista play --replay RECORD",
     "probe": "regista compare ued.probes:frontier",
+    "study": "python -m lab.studies, in a checkout",
 }
 
 USAGE = """\
@@ -69,7 +70,7 @@ def _dispatch(words: list[str]) -> int:
         return 0 if words else 2
     name = words[0]
     if name in MOVED:
-        raise UsageError(f"there is no command {name}; use: {MOVED[name]}")
+        raise UsageError(f"the command {name} has moved: {MOVED[name]}")
     if name not in COMMANDS:
         kind = "flag" if name.startswith("-") else "command"
         raise UsageError(f"unknown {kind} {name}{nearest(name, COMMANDS)}; see regista --help")

@@ -4,9 +4,9 @@ The settings are closest to those of the GRF paper: one agent that is the active
 `scoring,checkpoints`, levels without jitter, 128 environments. Published scores that the repository has are the
 thesis's, PPO trained in GRF for 5M env steps. Writes lab/results/academy_baselines.csv; a stopped call continues:
 
-    python lab/academy_baselines.py              # 25 core-minutes: eight games, 5M env steps, one seed
-    python lab/academy_baselines.py --seeds 3    # 75 core-minutes
-    python lab/academy_baselines.py --games academy/empty_goal_close academy/run_to_score --env-steps 50_000_000
+    python -m lab.academy_baselines              # 25 core-minutes: eight games, 5M env steps, one seed
+    python -m lab.academy_baselines --seeds 3    # 75 core-minutes
+    python -m lab.academy_baselines --games academy/empty_goal_close academy/run_to_score --env-steps 50_000_000
 
 50M env steps are about 25 core-minutes a game, so one core-hour pays for two games; all eight take 3.5 core-hours.
 
@@ -18,8 +18,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 
-from transfer import Unit, do_all, options_of
-from transfer_tables import RESULTS, write_tables
+from lab.transfer import Unit, do_all, options_of
+from lab.transfer_tables import RESULTS, write_tables
 
 GAMES = (  # the cheapest first
     "academy/empty_goal_close",

@@ -5,7 +5,7 @@ observations (`simple115`), whole episodes with resets. What counts is processor
 which GRF plays, so other programs on the machine hardly matter; GRF's time has no part of starting its processes. GRF
 needs `make grf`:
 
-    python lab/engine_speed.py --csv lab/results/engine_speed.csv
+    python -m lab.engine_speed --csv lab/results/engine_speed.csv
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from regista.envs.football.version import SIMULATOR_VERSION
-from regista.experiments.benchmarks.timing import random_steps
+from regista.experiments.commands.benchmark import random_steps
 from regista.experiments.run import build
 from regista.experiments.run.config import EngineConfig, TrainConfig
 

@@ -5,7 +5,7 @@ room takes the right one of four actions, the same one in all corridors. Near do
 mostly too long to teach anything; PLR can go back to those at the edge of what the student knows, but only if a level
 that is replayed is the corridor that was scored. 200 seeds, the same for DR and PLR. Writes a row for each run:
 
-    python lab/hidden_door.py --seeds 10 --csv lab/results/hidden_door.csv
+    python -m lab.hidden_door --seeds 10 --csv lab/results/hidden_door.csv
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ rare branch first, in the middle and last, DR, and DR with all branches equally 
 rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table uses. A part
 that was stopped goes on with the same command; `--table` prints means and intervals of what is in its CSV file:
 
-    python lab/paired_football.py order --csv lab/results/paired_order.csv
+    python -m lab.paired_football order --csv lab/results/paired_order.csv
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lab.studies.runs import StudyRuns, training
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import build
 from regista.experiments.run.evaluator import EvalScenes, load_student
@@ -26,7 +27,6 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import read_columns, read_rows
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
-from regista.experiments.studies.runs import StudyRuns, training
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.statistics import bootstrap

@@ -4,7 +4,7 @@ Trains PAIRED on `ued.probes.Frontier` as `regista probe` does, with one setting
 table of the probe does not use. A row for each run: the share of the task that its protagonist knows in the end. Rows
 that the file has are not made again:
 
-    python lab/paired_frontier.py --csv lab/results/paired_frontier.csv
+    python -m lab.paired_frontier --csv lab/results/paired_frontier.csv
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ same luck in each pair of episodes, as in training, and once with luck of their 
 streams of their own in both cases. Written for each point of each run: the variance within a level of antagonist -
 protagonist, with the same luck and with other luck; the same for the default regret from n episodes of each.
 
-    python lab/paired_luck.py --csv lab/results/paired_luck.csv
+    python -m lab.paired_luck --csv lab/results/paired_luck.csv
 """
 
 from __future__ import annotations

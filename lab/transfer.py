@@ -4,12 +4,12 @@ Each part writes lab/results/transfer_PART.csv and can be stopped at any time; t
 another simulator version are dropped, and runs are trained again. `make grf` installs GRF. Core-minutes, of which two
 processes do two a minute:
 
-    python lab/transfer.py policies    # 38: nine games, two representations, five seeds
-    python lab/transfer.py defense     # 22: four defenses, three seeds, 5M steps
-    python lab/transfer.py scenes      # 6: 200 drawn scenes, the same actions in both engines
-    python lab/transfer.py experts     # 9: nine semi-expert programs, 200 episodes in each engine
-    python lab/transfer.py converse    # 95, estimated: PPO trained in GRF on two games, three seeds, 300k steps
-    python lab/transfer.py tables      # seconds: all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
+    python -m lab.transfer policies    # 38: nine games, two representations, five seeds
+    python -m lab.transfer defense     # 22: four defenses, three seeds, 5M steps
+    python -m lab.transfer scenes      # 6: 200 drawn scenes, the same actions in both engines
+    python -m lab.transfer experts     # 9: nine semi-expert programs, 200 episodes in each engine
+    python -m lab.transfer converse    # 95, estimated: PPO trained in GRF on two games, three seeds, 300k steps
+    python -m lab.transfer tables      # seconds: all tables of TRANSFER.md and BENCHMARK.md, from the CSV files
 
 The table of exploits is made of the rows of `policies`. Read next: `lab/transfer_tables.py`, which makes the tables.
 """
@@ -28,18 +28,17 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from transfer_tables import RESULTS, simulator_version, write_tables
-
+from lab.grf import differential, experts
+from lab.grf.drawn_scenes import draw_scene
+from lab.studies.runs import StudyRuns, training
+from lab.transfer_tables import RESULTS, simulator_version, write_tables
 from regista.envs.grf.workers import GrfError
 from regista.experiments.commands import train
-from regista.experiments.grf import differential, experts
-from regista.experiments.grf.drawn_scenes import draw_scene
-from regista.experiments.grf.transfer import Plan, Result, play_run
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.workers import processes
-from regista.experiments.studies.runs import StudyRuns, training
+from regista.experiments.transfer.replaying import Plan, Result, play_run
 
 BUDGETS = {  # env_steps after which returns hardly rise any more
     "academy/run_to_score": 500_000,
@@ -101,7 +100,7 @@ def policies() -> Iterator[Unit]:
 
 
 def defense() -> Iterator[Unit]:
-    """Yield runs of four defenses, with the settings and the budget of `regista study single`."""
+    """Yield runs of four defenses, with the settings and the budget of `python -m lab.studies single`."""
     for seed in SEEDS[:3]:
         for game in DEFENSES:
             key = {"game": f"defense/{game}", "representation": "features", "seed": seed}

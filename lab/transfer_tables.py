@@ -15,15 +15,15 @@ from typing import Any
 
 import numpy as np
 
+from lab.grf.experts import experts
 from regista.envs.football.version import SIMULATOR_VERSION
-from regista.experiments.grf.episodes import ENDINGS, ENGINES
-from regista.experiments.grf.experts import experts
-from regista.experiments.grf.goals import FAR, OUT, shares
-from regista.experiments.grf.transfer import Result
-from regista.experiments.grf.transfer_report import LEAST, WANTED, counts, rate_ratio
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import Counted, goal_rate
+from regista.experiments.transfer.episodes import ENDINGS, ENGINES
+from regista.experiments.transfer.goals import FAR, OUT, shares
+from regista.experiments.transfer.replaying import Result
+from regista.experiments.transfer.report import LEAST, WANTED, counts, rate_ratio
 from regista.minigames.published import find_published
 from ued.statistics import Interval, bootstrap, spearman, wilson
 
@@ -363,13 +363,13 @@ def summary(files: dict[str, Rows]) -> str:
 # ---------------------------------------------------------------- pages
 
 TABLES: dict[str, tuple[str, str, Callable[[Rows], str]]] = {  # name: CSV file, command, table
-    "policies": ("transfer_policies.csv", "lab/transfer.py policies", policies),
-    "exploits": ("transfer_policies.csv", "lab/transfer.py policies", exploits),
-    "defense": ("transfer_defense.csv", "lab/transfer.py defense", defense),
-    "converse": ("transfer_converse.csv", "lab/transfer.py converse", converse),
-    "scenes": ("transfer_scenes.csv", "lab/transfer.py scenes", scenes),
-    "experts": ("transfer_experts.csv", "lab/transfer.py experts", programs),
-    "academy": ("academy_baselines.csv", "lab/academy_baselines.py", academy),
+    "policies": ("transfer_policies.csv", "lab.transfer policies", policies),
+    "exploits": ("transfer_policies.csv", "lab.transfer policies", exploits),
+    "defense": ("transfer_defense.csv", "lab.transfer defense", defense),
+    "converse": ("transfer_converse.csv", "lab.transfer converse", converse),
+    "scenes": ("transfer_scenes.csv", "lab.transfer scenes", scenes),
+    "experts": ("transfer_experts.csv", "lab.transfer experts", programs),
+    "academy": ("academy_baselines.csv", "lab.academy_baselines", academy),
 }
 PAGES = ("TRANSFER.md", "BENCHMARK.md")
 NOTHING = "No results for this simulator yet."
@@ -393,8 +393,8 @@ def filled(text: str, folder: Path = RESULTS) -> str:
             return f"{match[1]}{summary(files) or NOTHING}\n{match[3]}"
         _, command, table = TABLES[name]
         if not (rows := files[name]):
-            return f"{match[1]}{NOTHING} `python {command}` makes this table.\n{match[3]}"
-        made = f"Simulator {', '.join(unique(rows, 'simulator'))}; `python {command}`."
+            return f"{match[1]}{NOTHING} `python -m {command}` makes this table.\n{match[3]}"
+        made = f"Simulator {', '.join(unique(rows, 'simulator'))}; `python -m {command}`."
         return f"{match[1]}{table(rows)}\n\n{made}\n{match[3]}"
 
     return PLACE.sub(place, text)

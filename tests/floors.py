@@ -99,9 +99,7 @@ FLOORS = {
     "experiments": (
         "run",
         "pictures",
-        "benchmarks",
-        "grf",
-        "studies",  # the thesis's benchmark made again
+        "transfer",  # policies, played in both engines
         "commands",
         "calls",  # the same from Python
         "__main__",

@@ -7,7 +7,7 @@ them and asks what they say. Read next: `tests/envs/reference_match.py`.
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("experiments/programs", "minigames", "tests/programs")
+FOLDERS = ("lab/benchmarks/programs", "minigames", "tests/programs")
 MODULES = {
     "academy/places", "buildup/defenders", "defense/attacks", "experts/skills", "gauntlet/guards", "grf/episode",
     "offense/episode", "offense/offside", "one_v_one/places", "three_v_two/strategies",

@@ -7,32 +7,10 @@ import pytest
 from regista import minigames  # noqa: F401 (registers the games)
 from regista.envs.football.constants import GK
 from regista.envs.football.scenic.domain import FOOTBALL
-from regista.envs.football.scenic.lineup import Lineup
 from regista.experiments.__main__ import main
-from regista.experiments.grf.scenes import SCENES, stage_scene
-from regista.experiments.grf.stage import OPEN_END
 from regista.experiments.run.folder import RunFolder
 from regista.minigames.suites import ACADEMY
 from scenic_lite import load
-
-
-def test_the_academy_has_the_scenes_whose_goals_were_counted():
-    assert {name.removeprefix("academy/") for name in ACADEMY} <= set(SCENES)
-    assert len(ACADEMY) == 8
-
-
-@pytest.mark.parametrize("name", ACADEMY)
-def test_everybody_stands_where_the_original_has_him(name):
-    lineup = Lineup(load(ACADEMY[name].program, FOOTBALL), "active")
-    mine = lineup.starts(np.zeros((1, 0)), np.zeros(1, np.uint64))[0]
-    theirs = stage_scene(name.removeprefix("academy/"), OPEN_END, 1).matches[0]
-    for field in ("team", "role", "shirt"):
-        assert (mine["players"][field] == theirs["players"][field]).all(), field
-    for axis in "xy":
-        np.testing.assert_allclose(mine["players"][axis], theirs["players"][axis], atol=1e-3)
-        np.testing.assert_allclose(mine["ball"][axis], theirs["ball"][axis], atol=1e-9)
-    assert lineup.config.game_duration == 401  # steps, which the original gives an episode of 400
-    assert lineup.config.end_episode_on_possession_change and not lineup.config.offsides
 
 
 def test_places_are_drawn_anew_for_every_level_where_it_is_asked_for():

@@ -113,6 +113,17 @@ def test_packages_import_only_what_the_design_allows(package):
             assert name.split(".")[0] in STANDARD or within(name, allowed), f"{path} imports {name}"
 
 
+def test_what_is_installed_needs_no_lab_and_no_tests():
+    for package in OURS:
+        for path in sources(package):
+            assert not [name for name in imported(path) if within(name, {"lab", "tests"})], path
+
+
+def test_tests_need_no_lab():
+    for path in sources("tests"):
+        assert not [name for name in imported(path) if within(name, {"lab"})], path
+
+
 def test_only_recordings_import_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
     assert users == [
@@ -202,7 +213,7 @@ def test_every_file_sends_its_reader_to_one_that_exists():
 
 
 def test_files_are_short():
-    every = [path for folder in (*OURS, "tests", "examples") for path in sources(folder)]
+    every = [path for folder in (*OURS, "tests", "lab", "examples") for path in sources(folder)]
     long = {str(path.relative_to(ROOT)) for path in every if len(path.read_text().splitlines()) > 450}
     assert long == KNOWN_LONG_FILES
 

@@ -61,6 +61,11 @@ def test_a_wheel_has_nothing_at_the_top_but_what_others_import(unpacked):
     assert names == {"regista", "scenic_lite", "ued"}
 
 
+def test_a_wheel_has_nothing_of_the_lab_and_no_tests(wheel):
+    parts = {part for name in contents(wheel) for part in Path(name).parts}
+    assert not parts & {"lab", "tests", "torture", "studies", "benchmarks"}
+
+
 def test_type_checkers_read_what_is_installed(unpacked):
     """PEP 561: without its marker a package is `Any` to mypy and to editors."""
     assert all((unpacked / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))
@@ -69,7 +74,7 @@ def test_type_checkers_read_what_is_installed(unpacked):
 
 def test_an_sdist_makes_the_same_wheel_and_has_no_tests(source, wheel, tmp_path):
     with tarfile.open(build_sdist(source, tmp_path / "sdist")) as file:
-        assert not [name for name in file.getnames() if "/tests" in name]
+        assert not [name for name in file.getnames() if "/tests" in name or "/lab" in name]
         file.extractall(tmp_path / "elsewhere", filter="data")
     (tree,) = (tmp_path / "elsewhere").iterdir()
     assert contents(build_wheel(tree, tmp_path / "again")) == contents(wheel)

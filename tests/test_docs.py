@@ -32,7 +32,7 @@ ALL = {path.relative_to(ROOT).as_posix(): path for path in [*sorted(ROOT.glob("*
     name: ROOT / name
     for name in (
         *("ued/README.md", "envs/football/README.md", "envs/football/DYNAMICS.md", "envs/grf/README.md"),
-        "experiments/grf/data/README.md",
+        *("lab/README.md", "lab/grf/data/README.md"),
     )
 }
 RUN = [name for name in PAGES if name.removeprefix("howto/").removesuffix(".md") not in CARRIED_OUT_ELSEWHERE]
@@ -61,16 +61,15 @@ def flags(command):
     """Return the flags that a command has."""
     shown = io.StringIO()
     with redirect_stdout(shown), suppress(SystemExit):
-        main([*command.split(), "--help", "all"])
+        main([command, "--help", "all"])
     return set(re.findall(r"(?<![\w-])--?[a-z][\w.-]*", shown.getvalue()))
 
 
 def has_its_flags(words):
     """Raise unless `regista WORDS` has the flags that are shown."""
     assert words[0] in COMMANDS or words[0].startswith("-"), words
-    command = " ".join(words[:2]) if words[0] == "study" else words[0]
     typed = {word for word in words if re.match(r"--?[a-z]", word)} - {"--help", "--version"}
-    assert typed <= flags(command), f"{words}: no {typed - flags(command)}"
+    assert typed <= flags(words[0]), f"{words}: no {typed - flags(words[0])}"
 
 
 class Reader:
@@ -168,7 +167,7 @@ def test_every_picture_names_the_command_that_makes_it(name):
     for path in pictures(PAGES[name]):
         assert path.is_file()
         after = text[text.index(f"{path.name})") :].partition("\n\n")[2].partition("\n\n")[0]
-        assert re.match(r"\*[^*]*`(regista|make|rerun) [^`]+`[^*]*\*", after), f"{path.name}: {after}"
+        assert re.match(r"\*[^*]*`(regista|make|rerun|python) [^`]+`[^*]*\*", after), f"{path.name}: {after}"
 
 
 @pytest.mark.slow

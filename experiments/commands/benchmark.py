@@ -1,238 +1,150 @@
-"""`regista benchmark`: the speed of the simulator, of training and of the language, side by side in one run.
+"""`regista benchmark`: environment steps per second of the simulator and of training, on this machine.
 
-    regista benchmark --suite sim
-    regista benchmark --suite language
-    regista benchmark --suite scale --figures scale         # what grows with environments, players, θ, buffers ...
-    regista benchmark --suite grf --family motion ball      # likeness to Google Research Football, not speed
-    regista benchmark --suite grf --measure                 # the same keys in drawn scenes, in both engines
-    regista benchmark --suite grf --measure --family experts
-    regista benchmark --json > today.json
+    regista benchmark
+    regista benchmark --threads 2 --json > speed.json
 
-Read next: `regista.envs.football.batch`, the loop that is measured; `benchmarks.training`.
+Read next: `regista.envs.football.batch`, the loop that is measured.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import platform
 import time
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any, Literal
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from regista.experiments.benchmarks.behaviors import ORIGINAL, behaviors_suite
-from regista.experiments.benchmarks.language import language_suite, render_language
-from regista.experiments.benchmarks.observations import observation_rows
-from regista.experiments.benchmarks.timing import Measurement, random_steps, rate
-from regista.experiments.benchmarks.training import training_suite
-from regista.experiments.grf.measure import MEASURES, MeasureConfig
-from regista.experiments.grf.report import FAMILIES, compare, draw, render_family
 from regista.experiments.run import arguments, build
-from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.provenance import hardware, versions
 from regista.experiments.run.results import align
-from ued.config import Checked, setting
+from ued.config import Checked, most_threads, setting
 
-DESCRIPTION = "Measure env steps per second of the simulator and of training, and scenes per second of programs."
-
-# Google Research Football, random actions, academy scenarios with 3 to 6 players, one core of an AMD EPYC: the range
-# over scenarios and observations. Measured with its own `create_environment(render=False)`.
-REFERENCE = (310, 570)
+DESCRIPTION = "Measure environment steps per second of the simulator and of PAIRED with default settings."
+GAMES = {"1v1Free": "1v1, 3 players", "academy/counterattack_easy": "eleven a side, 22 players"}
+STRETCHES = 3  # of each measurement; the best counts, since other programs may use the machine meanwhile
+WARM_UPDATES = 10  # of a method before it is measured
 
 
 @dataclass(frozen=True)
 class BenchmarkConfig(Checked):
     """What is typed after `regista benchmark`."""
 
-    suite: Literal["sim", "train", "language", "all", "scale", "grf"] = setting(
-        "all",
-        "sim: the simulator alone; train: every method and teams; language: programs, scenes, behaviors; all of these; "
-        "scale: what grows with environments, players, θ, buffers, threads, agents; "
-        "grf: likeness to Google Research Football",
-    )
-    minigame: str = setting("1v1Free", "what is played")
+    threads: int = setting(1, "threads of the simulator and of the networks", ">=1", most=most_threads)
     num_envs: int = setting(256, "environments of the simulator's batch", ">=1", most=100_000)
-    seconds: float = setting(1.0, "about how long each measurement takes", ">0", most=86_400)
+    seconds: float = setting(1.0, "duration of each measurement in seconds, about", ">0", most=86_400)
     json: bool = setting(False, "print JSON instead of a table")
-    family: tuple[str, ...] = setting(
-        (),
-        f"of suite grf, among {', '.join(FAMILIES)}; none given: all. With --measure among {', '.join(MEASURES)}; "
-        "none given: differential",
-    )
-    figures: Path | None = setting(None, "folder for pictures: of suite scale one, of suite grf one per family")
-    effort: float = setting(1.0, "of suite grf: repetitions, as a share of the usual", ">0", most=1_000)
-    measuring: MeasureConfig = group(MeasureConfig, "both engines at once, of suite grf")
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        known = tuple(MEASURES) if self.measuring.measure else FAMILIES
-        for name in self.family:
-            if name not in known:
-                raise ValueError(f"--family: no '{name}', only {', '.join(known)}")
+
+class Measurement(NamedTuple):
+    """One line of a table: steps of a single environment per second."""
+
+    what: str
+    steps_per_second: float
+    note: str = ""
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
-    if config.suite == "grf":
-        return measure(config) if config.measuring.measure else likeness(config)
-    build.find_minigame(config.minigame)
-    if config.suite == "scale":
-        return scale(config)
-    suites: dict[str, Sequence[Any]] = {}
-    if config.suite in ("sim", "all"):
-        suites["simulator"] = simulator_suite(config)
-    if config.suite in ("train", "all"):
-        suites["training"] = training_suite(config.minigame, config.seconds)
-    if config.suite in ("language", "all"):
-        suites["language"] = language_suite(config.seconds)
-        suites["behaviors"] = behaviors_suite(config.seconds)
+    rows = [*simulator_rows(config), training_row("PAIRED, 1v1", "1v1Free", "paired", config.threads, config.seconds)]
     if config.json:
-        results = {suite: [row._asdict() for row in rows] for suite, rows in suites.items()}
-        print(json.dumps({"machine": machine(), "reference": REFERENCE, "results": results}, indent=2))
+        print(json.dumps({"machine": machine(), "results": [row._asdict() for row in rows]}, indent=2))
     else:
-        print("\n\n".join([_machine_line(), *(render(suite, rows) for suite, rows in suites.items())]))
+        cells = [[row.what, f"{row.steps_per_second:,.0f}".rjust(11), row.note] for row in rows]
+        print(f"{machine_line()}\n\n{align([[f'threads: {config.threads}', 'env steps/s', ''], *cells])}")
     return 0
 
 
-def likeness(config: BenchmarkConfig) -> int:
-    """Compare with the measurements of the original, family by family, and print each as soon as it is there."""
-    results = {}
-    for family in config.family or FAMILIES:
-        rows = compare(family, config.effort)
-        results[family] = [asdict(row) | {"ok": row.ok} for row in rows]
-        if config.figures is not None:
-            draw(family, config.figures, config.effort)
-        if not config.json:
-            print(render_family(family, rows), end="\n\n", flush=True)
-    if config.json:
-        print(json.dumps({"machine": machine(), "results": results}, indent=2))
-    return 0
+def simulator_rows(config: BenchmarkConfig) -> list[Measurement]:
+    """Measure the vector environment with its observations under random actions; episodes restart as they end."""
+    rows = []
+    for game, label in GAMES.items():
+        program = build.load_program(build.find_minigame(game).program, None)
+        env = build.make_upomdp(program, config.num_envs, TrainConfig().env, 0, config.threads)
+        speed = config.num_envs * rate(random_steps(env), config.seconds)
+        rows.append(Measurement(f"simulator, {label}", speed, f"{config.num_envs} matches"))
+    return rows
 
 
-def measure(config: BenchmarkConfig) -> int:
-    """Measure in both engines, family by family, and print each as soon as it is there."""
-    results: dict[str, Any] = {}
-    for family in config.family or ("differential",):
-        text, numbers = MEASURES[family](config.measuring, config.effort, config.figures)
-        results |= numbers
-        if not config.json:
-            print(text, end="\n\n", flush=True)
-    if config.json:
-        print(json.dumps({"machine": machine(), "results": results}, indent=2))
-    return 0
+def training_row(label: str, game: str, method: str, threads: int, seconds: float) -> Measurement:
+    """Measure a method with default settings on a minigame."""
+    config = replace(TrainConfig(), minigame=game, method=method, threads=threads)
+    return measure_training(label, make_method(config), seconds)
 
 
-def scale(config: BenchmarkConfig) -> int:
-    """Measure what things cost as they grow, and draw it if wanted."""
-    from regista.experiments.benchmarks.scale import draw, rows_of, scale_suite
-
-    points = list(scale_suite(config.minigame, config.seconds))
-    if config.figures is not None:
-        path = draw(points, config.figures)
-    if config.json:
-        print(json.dumps({"machine": machine(), "results": [point._asdict() for point in points]}, indent=2))
-    else:
-        print(f"{_machine_line()}\n\n{align(rows_of(points))}")
-        if config.figures is not None:
-            print(f"\n{path}")
-    return 0
-
-
-# ---------------------------------------------------------------- the simulator
-
-
-def simulator_suite(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure the vector environment with its observations, and a batch of one beside it."""
-    cores = os.cpu_count() or 1
-    rows = [first_step(config)]
-    baseline = _steps_per_second(config, config.num_envs, 1)
-    rows.append(Measurement(f"{config.num_envs} matches, 1 thread", baseline, _times_reference(baseline)))
-    for threads in sorted({2, cores} - {1}):
-        if threads <= cores:
-            speed = _steps_per_second(config, config.num_envs, threads)
-            rows.append(
-                Measurement(
-                    f"{config.num_envs} matches, {threads} threads", speed, f"{speed / baseline:.2f} x 1 thread"
-                )
-            )
-    single = _steps_per_second(config, 1, 1)
-    rows.append(
-        Measurement("1 match, through the same interface", single, f"{single / baseline:.2f} x {config.num_envs}")
-    )
-    rows.append(Measurement("levels drawn, checked and set up", _levels_per_second(config), "levels, not steps"))
-    return rows + observation_rows(config.seconds)
-
-
-def first_step(config: BenchmarkConfig) -> Measurement:
-    """Measure how long it takes until the first step is done: compiling, or loading the kernels from the cache."""
-    from regista.envs.football.batch import step_batch
-    from regista.kernels.jit import compiled
-
-    state = "from the cache" if compiled(step_batch) else "compiled now, once"
-    began = time.perf_counter()
-    env = _make_env(config, 1, 1)
-    env.step(np.zeros(1, np.int64))
-    seconds = time.perf_counter() - began
-    return Measurement("kernels, until the first step", float("nan"), f"{seconds:.1f} s, {state}")
-
-
-def _steps_per_second(config: BenchmarkConfig, num_envs: int, threads: int) -> float:
-    """Step with random actions; episodes restart as they end."""
-    return num_envs * rate(random_steps(_make_env(config, num_envs, threads)), config.seconds)
-
-
-def _levels_per_second(config: BenchmarkConfig) -> float:
-    env = _make_env(config, config.num_envs, 1)
-
-    def renew(count: int) -> None:
-        for _ in range(count):
-            env.reset_to_levels(env.sample_levels(config.num_envs))
-
-    return config.num_envs * rate(renew, config.seconds / 2)
-
-
-def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
+def make_method(config: TrainConfig) -> Any:
+    """Make a method that has begun: replay is under way, and the buffer is in use."""
     program = build.load_program(build.find_minigame(config.minigame).program, None)
-    return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+    method = build.make_method(config, build.make_upomdp(program, config.num_envs, config.env, 0, config.threads))
+    for _ in range(WARM_UPDATES):
+        method.update()
+    return method
 
 
-# ---------------------------------------------------------------- what is printed
+def measure_training(label: str, method: Any, seconds: float) -> Measurement:
+    """Measure a method's steps per second of wall-clock time; the note gives the shares of that time.
+
+    `levels` is choosing levels and bookkeeping, `teaching` scoring them and updating the teacher.
+    """
+    words = {
+        "sim": "simulation",
+        "forward": "network forward",
+        "learn": "network update",
+        "levels": "levels",
+        "curriculum": "teaching",
+    }
+    steps, began, shares = method.env_steps, time.perf_counter(), dict.fromkeys(words, 0.0)
+    while time.perf_counter() - began < seconds * STRETCHES:
+        metrics = method.update()
+        for name in shares:
+            shares[name] += metrics.get(f"time/{name}", 0.0)
+    elapsed = time.perf_counter() - began
+    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
+    parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
+    return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))
+
+
+# ---------------------------------------------------------------- timing
+
+
+def random_steps(env: Any) -> Callable[[int], None]:
+    """Return what steps an environment so many times with random actions, drawn beforehand; it has stepped 8 times."""
+    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, env.num_envs))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 64])
+
+    step(8)
+    return step
+
+
+def rate(
+    run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
+) -> float:
+    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
+    began = clock()
+    run(warm_up)
+    count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))
+    best = 0.0
+    for _ in range(STRETCHES):
+        began = clock()
+        run(count)
+        best = max(best, count / max(clock() - began, 1e-9))
+    return best
 
 
 def machine() -> dict[str, Any]:
-    """Return on what was measured."""
+    """Return the hardware and the versions that were measured."""
     return {**hardware(), "python": platform.python_version(), **versions(("numpy", "numba", "torch"))}
 
 
-def _machine_line() -> str:
+def machine_line() -> str:
+    """Return `machine` as one line."""
     facts = machine()
-    versions = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch"))
-    return f"{facts['processor']}, {facts['cores']} cores; {versions}"
-
-
-def render(suite: str, rows: Sequence[Any]) -> str:
-    """Return one suite as a table."""
-    if suite == "language":
-        return render_language(rows)
-    lines = [[suite, "env steps/s", ""]]
-    for row in rows:
-        speed = "" if np.isnan(row.steps_per_second) else f"{row.steps_per_second:,.0f}"
-        lines.append([row.what, speed.rjust(11), row.note])
-    if suite == "simulator":
-        low, high = REFERENCE
-        lines.append(["for comparison: Google Research Football", f"{low}–{high}".rjust(11), "academies, one core"])
-    if suite == "behaviors":
-        low, high = ORIGINAL
-        lines.append(["for comparison: Scenic alone, without a simulator", f"{low}–{high}".rjust(11), "one core"])
-    return align(lines)
-
-
-def _times_reference(speed: float) -> str:
-    low, high = REFERENCE
-    return f"{speed / high:.0f} to {speed / low:.0f} x Google Research Football"
+    named = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch") if name in facts)
+    return f"{facts['processor']}, {facts['cores']} cores; {named}"

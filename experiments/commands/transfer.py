@@ -4,8 +4,8 @@
     regista transfer runs/a runs/b --grf-episodes 100 --csv transfer.csv --traces transfer.rrd
     regista transfer runs/transfer/* --policies sampled --kept --no-details --markdown transfer.md
 
-What became of a run is kept in its folder as transfer.json. Read next: `grf.transfer`, which plays;
-`grf.transfer_report`, the tables.
+What became of a run is kept in its folder as transfer.json. Read next: `transfer.replaying`, which
+plays; `transfer.report`, the tables.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from regista.experiments.run.table import cannot_write
 from ued.config import Checked, most_threads, setting
 
 if TYPE_CHECKING:
-    from regista.experiments.grf.transfer import Result
+    from regista.experiments.transfer.replaying import Result
 
 DESCRIPTION = "Play runs, sampled and greedy, on the same levels in our simulator and in Google Research Football."
 GRF_EPISODES = 200  # where nothing is said, and as far as there is time
@@ -80,7 +80,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.parse(TransferConfig(), argv, "transfer", DESCRIPTION)
     if not config.runs:
         raise UsageError("transfer needs at least one run folder, such as runs/academy/3_vs_1_with_keeper-dr-0")
-    from regista.experiments.grf import transfer_report as report
+    from regista.experiments.transfer import report
 
     results, traces = play(config, [RunFolder.open(path) for path in config.runs])
     print(json.dumps(report.as_json(results), indent=2) if config.json else report.text(results, config.details))
@@ -102,8 +102,8 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
     Raises `CommandError` for runs of different versions of the simulator.
     """
     versions.check_alike({run.path: run.simulator for run in runs})
-    from regista.experiments.grf.transfer import Plan, play_run
-    from regista.experiments.grf.transfer_report import keep, kept
+    from regista.experiments.transfer.replaying import Plan, play_run
+    from regista.experiments.transfer.report import keep, kept
 
     traced = config.trace_episodes if config.traces is not None else 0
     episodes = config.episodes, config.grf_episodes or GRF_EPISODES

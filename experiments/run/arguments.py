@@ -64,10 +64,15 @@ def typed_settings(
 ) -> dict[str, Any]:
     """Return what was typed, by path of the field (`ppo.learning_rate`).
 
-    The help states the defaults of `base`, and those of `others` where they differ.
+    The help states the defaults of `base`, and those of `others` where they differ. `command` is one of `regista`'s, or
+    `python -m MODULE`.
     """
     parser = _Parser(
-        prog=f"regista {command}", description=description, formatter_class=_Help, allow_abbrev=False, add_help=False
+        prog=command if command.startswith("python ") else f"regista {command}",
+        description=description,
+        formatter_class=_Help,
+        allow_abbrev=False,
+        add_help=False,
     )
     showing = parser.add_argument("--help", "-h", action=_ShowHelp)
     flags = ["--help"]

@@ -2,7 +2,7 @@
 
 The first table has a row for each method and a column for each scene. The second has one number for all scenes: their
 mean and IQM, and how a student does on the worst of the levels that are drawn at random. Methods with several runs are
-compared with the first of them. Read next: `run.results`, where the numbers come from; `pictures.results_page`.
+compared with the first of them. Read next: `run.results`, where the numbers come from.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ import numpy as np
 
 from lab.calibration.regression import bernoulli, columns
 from lab.calibration.scenes import Recording, record
+from lab.grf.blocks import KICKED, ONWARD, WAITS
 from regista.envs.football.constants import DIRECTION_RIGHT, HALF_LENGTH, IDLE, SHOT
 from regista.envs.football.skills.blocks import BLOCK, Block
-from regista.experiments.grf.blocks import KICKED, ONWARD, WAITS
 
 SCENE = """x = Range(45, 72)
 y = Range(-18, 18)

@@ -15,11 +15,11 @@ import numpy as np
 from lab.calibration.regression import columns
 from lab.calibration.saves import BALL, turning
 from lab.calibration.scenes import Recording, record
+from lab.grf.stage import Stage
 from regista.envs.football.constants import CF, HIGH_PASS, IDLE, LEFT, LONG_PASS, SHORT_PASS
 from regista.envs.football.kick_off import Roster
 from regista.envs.football.skills.passes import FLIGHT, Flight
 from regista.envs.football.skills.shots import CURL
-from regista.experiments.grf.stage import Stage
 
 SCENE = """ego = LeftCF at Range(-20, 20) @ 0, with allowCollisions True
 LeftCF at Range(-70, 70) @ Range(-38, 38), with allowCollisions True

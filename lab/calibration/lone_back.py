@@ -4,7 +4,7 @@ The carrier starts just behind a resting ball; the back stands 3 to 10 m before 
 for every episode. Both engines play the same scenes, with luck of their own. The odds of a built-in player's standing
 tackle (`TACKLE` of `envs/football/skills/tackles.py`) are compared on these. GRF must be installed (`make grf`):
 
-    python lab/calibration/lone_back.py --scenes 400 --seed 4
+    python -m lab.calibration.lone_back --scenes 400 --seed 4
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from lab.grf.differential import OURS
 from regista.envs.football.constants import DIRECTION_RIGHT, IDLE, SPRINT
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.grf.differential import OURS
-from regista.experiments.grf.episodes import Episodes, play_keys
+from regista.experiments.transfer.episodes import Episodes, play_keys
 from ued.core.level_space import level_dtype
 
 STEPS, LOOKED_AT = 40, (15, 25, 40)

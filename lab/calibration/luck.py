@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from regista.experiments.grf import blocks, chases, stage
+from lab.grf import blocks, chases, stage
 
 # family: effort of its profiles (of chases four sets were played), and standard deviation of its loss by its mean
 LUCK: dict[str, tuple[float, float]] = {

@@ -1,7 +1,7 @@
 """Profile numbers of a law that act through play alone: is our simulator most like GRF at the shipped value?
 
-A family of `regista benchmark --suite grf` is replayed with one number at a time moved by some factors around its
-shipped value; the loss is the mean over the family's rows of the squared difference in tolerances, at most 9 for a
+A family of `lab.benchmarks --suite grf` is replayed with one number at a time moved by some factors around its shipped
+value; the loss is the mean over the family's rows of the squared difference in tolerances, at most 9 for a
 row. Printed are the best value, the range in which the loss is within a twentieth of the best, and the losses by
 factor. A number with a wide range is not told apart by the family. Random numbers are the same for all values.
 `--search` minimizes the same loss over all numbers together.
@@ -71,7 +71,7 @@ def coordinate_search(loss: Callable[[list[float]], float], start: Sequence[floa
 
 def family_loss(name: str, effort: float) -> float:
     """Return the loss of our simulator, as it is now, in a family, or in some of its parts: "motion:slide_rows"."""
-    from regista.experiments.grf.report import family_module
+    from lab.grf.report import family_module
 
     name, _, parts = name.partition(":")
     module = family_module(name)

@@ -16,12 +16,12 @@ import numpy as np
 
 from lab.calibration.regression import bernoulli, columns
 from lab.calibration.shots_at_keeper import measure as measure
+from lab.grf.stage import Stage
 from regista.envs.football.constants import BALL_RADIUS, CF, DT, GK, HALF_LENGTH, LEFT, RIGHT
 from regista.envs.football.kick_off import Roster
 from regista.envs.football.physics.ball import advance_ball
 from regista.envs.football.physics.pitch import in_box_of
 from regista.envs.football.skills.saves import DIVE, SAVE, SaveOdds, follow_shot
-from regista.experiments.grf.stage import Stage
 from regista.kernels.jit import kernel
 
 LAW, NAMES = SAVE, ("body", "body_gap", "hands", "halfway", "line_halfway", "effort")

@@ -1,7 +1,7 @@
 """Scenes drawn with a seed, played in Google Research Football (GRF) or in our simulator, and what was seen of them.
 
 A scene is a Scenic program whose random values are drawn uniformly, with keys drawn for every episode. `record` keeps
-what `experiments/grf/episodes.py` keeps, and the velocities beside it. Read next: `measure.py`, which draws the
+what `experiments/transfer/episodes.py` keeps, and the velocities beside it. Read next: `measure.py`, which draws the
 scenes.
 """
 
@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lab.grf.differential import OURS
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.grf.differential import OURS
-from regista.experiments.grf.episodes import Episodes, play
+from regista.experiments.transfer.episodes import Episodes, play
 from ued.core.level_space import SEEDS, level_dtype
 
 BATCH = 16  # episodes that are played side by side

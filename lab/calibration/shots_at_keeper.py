@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from lab.calibration.scenes import Recording, kick_time, record
+from lab.grf.keeper import DIRECTIONS, KICKED, SLOWEST, cross_line
 from regista.envs.football.constants import GOAL_HALF_WIDTH, GOAL_HEIGHT, HALF_LENGTH, IDLE, SHOT
-from regista.experiments.grf.keeper import DIRECTIONS, KICKED, SLOWEST, cross_line
 
 SCENE = """x = Range(44, 96)
 y = Range(-13, 13)

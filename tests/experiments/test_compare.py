@@ -12,15 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
-from regista.experiments.pictures import results_page
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
-from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
@@ -65,10 +62,7 @@ def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):
     assert {row["method"] for row in rows} == {"dr", "paired", "shoot", "random"}
     assert all(int(row["env_steps"]) == 5000 for row in rows if row["method"] == "paired")
     assert "− dr" in out and "CVaR10" in out and (folder / "table.txt").read_text().strip() in out
-    page = (folder / "page.md").read_text()
-    assert (folder / "table.md").read_text().strip() in page
-    heading = "<!-- simulator 1 -->\n## 1v1Restricted: domain randomisation and PAIRED"
-    assert page.startswith(heading) and "regista compare 1v1R" in page and "played on simulator version 1" in page
+    assert "played on simulator version 1" in (folder / "table.md").read_text()
     with open(folder / "levels.csv") as file:
         levels = list(csv.DictReader(file))
     assert len(levels) == 2 * 2 + 2 and {row["levels"] for row in levels} == {"20"}
@@ -301,35 +295,6 @@ def test_levels_that_give_no_cvar_are_refused(flags, capsys):
     assert f"{flags[0][2:].replace('-', '_')} must be" in said
 
 
-# ---------------------------------------------------------------- the page of results
-
-
-def test_a_page_takes_in_a_comparison_and_keeps_the_rest(tmp_path, capsys):
-    folder, page = tmp_path / "results", tmp_path / "RESULTS.md"
-    folder.mkdir()
-    Image.new("RGB", (2480, 100), "red").save(folder / "curves.png")
-    results_page.write_page(folder, "a and b", ["compare", "x y"], "| a |", {"Curves": "curves.png"})
-    page.write_text("# Results\n\nMine before.\n")
-    command = [str(folder), "--into", str(page), "--pictures", str(tmp_path / "pictures")]
-    assert results_page.main(command) == 0
-    page.write_text(page.read_text() + "\nMine after.\n")
-    once = page.read_text()
-    assert "## a and b\n\n```sh\nregista compare 'x y'\n```\n\n| a |" in once
-    assert "![Curves](pictures/results_curves.png)" in once
-    with Image.open(tmp_path / "pictures" / "results_curves.png") as picture:
-        assert picture.size == (1240, 50) and picture.convert("RGB").getpixel((7, 7))[0] > 250
-    results_page.write_page(folder, "changed", ["compare"], "| b |", {"Curves": "curves.png"})
-    assert results_page.main(command) == 0
-    again = page.read_text()
-    assert again.startswith("# Results\n\nMine before.\n") and again.endswith("\nMine after.\n")
-    assert "## changed" in again and "a and b" not in again and again.count("<!-- begin results -->") == 1
-
-
-def test_a_page_of_an_unfinished_comparison(tmp_path):
-    with pytest.raises(CommandError, match=r"has no page\.md: regista compare writes it"):
-        results_page.main([str(tmp_path), "--into", str(tmp_path / "RESULTS.md")])
-
-
 # ---------------------------------------------------------------- for real
 
 
@@ -356,7 +321,6 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
         "table.txt",
         "table.md",
         "table.csv",
-        "page.md",
         "overview.png",
         "learning_curves.png",
         "levels.png",

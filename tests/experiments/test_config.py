@@ -8,7 +8,6 @@ import pytest
 from gymnasium.spaces import Box, Discrete
 
 from regista.experiments.commands.compare import _read
-from regista.experiments.commands.study_benchmark import BenchmarkStudyConfig, starting_point
 from regista.experiments.commands.train import _begin
 from regista.experiments.run import build
 from regista.experiments.run import config as configs
@@ -56,10 +55,8 @@ def test_thesis_is_the_same_in_every_command(game, tmp_path):
     compared = _read([game, "--preset", "thesis"])
     assert run.config.ppo == compared.train.ppo == start.ppo == PPOConfig.thesis()
     assert run.config.env == compared.train.env == start.env and start.env.rewards == "scoring"
-    study = starting_point(BenchmarkStudyConfig(preset="thesis"))
     for name in ("ppo", "paired", "num_envs", "total_env_steps"):
-        assert getattr(study, name) == getattr(start, name) == getattr(run.config, name)
-    assert study.env.representation == start.env.representation
+        assert getattr(compared.train, name) == getattr(start, name) == getattr(run.config, name)
 
 
 def changed(**changes):

@@ -12,10 +12,8 @@ from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.owner import owned
-from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import Table
-from regista.experiments.studies import rows
-from tests.torture.files import REFUSED, Target, attack, contents, make_run, quietly
+from tests.attacks.files import REFUSED, Target, attack, contents, make_run, quietly
 from ued.adapters.policy import load_policy
 from ued.core import checkpoint
 from ued.core.checkpoint import CheckpointError
@@ -168,25 +166,6 @@ def test_an_owner_that_is_none_keeps_nobody_out(tmp_path):
     (tmp_path / "owner.json").write_text("[" * 100_000)
     with owned(tmp_path):
         pass
-
-
-def test_rows_of_a_study_that_are_none(tmp_path):
-    for text in ("game,agent\n1v1,ppo\n", "colour\nblue\n"):
-        (tmp_path / "rows.csv").write_text(text)
-        with pytest.raises(CommandError, match="is damaged"):
-            rows.load(tmp_path / "rows.csv")
-
-
-@pytest.mark.parametrize(
-    ("column", "value"), [("episodes", 0), ("seconds", "nan"), ("scored", 401), ("seed", "1" * 30)]
-)
-def test_rows_of_a_study_that_nobody_measured(tmp_path, column, value):
-    row = rows.Row("1v1", "ppo", "closest1", "train", 1, 100, 400, 0.5, 0.1, 3, 0, 20.0, 1.5, "abc", "1")
-    path = tmp_path / "rows.csv"
-    assert rows.add(path, [row]) == rows.load(path) == [row]
-    save_rows([row._asdict() | {column: value}], rows.Row._fields, path)
-    with pytest.raises(CommandError, match="is damaged"):
-        rows.load(path)
 
 
 @pytest.mark.parametrize("text", ["", "nan", "-1", "1e300"])

@@ -15,7 +15,6 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Entry, Report
 from regista.experiments.run.results import LevelResult
 from regista.experiments.run.table import read_columns, read_header, read_rows
-from regista.experiments.studies.rows import Point, Row
 
 ROOT = Path(__file__).parents[2]
 TASK = """
@@ -79,8 +78,6 @@ def test_other_tables_have_the_columns_of_the_page(tmp_path):
     pages = documented()
     assert pages["table.csv"] == [*Entry._fields, "simulator"]
     assert pages["levels.csv of a comparison"] == [*(item.name for item in fields(LevelResult)), "simulator"]
-    assert pages["study --out"] == list(Row._fields)
-    assert pages["study curricula --out"] == list(Point._fields)
     assert pages["characterise --csv"] == [item.name for item in fields(characterise.Row)]
     Report([]).save_csv(tmp_path / "results.csv")
     probe.save_csv([], tmp_path / "curves.csv")

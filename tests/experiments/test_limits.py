@@ -16,16 +16,15 @@ import pytest
 
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import COMMANDS, main
-from regista.experiments.commands.study import STUDIES
 from regista.experiments.run import arguments
 from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, EngineConfig, TaskTrainConfig, TrainConfig
 from regista.experiments.run.workers import LaunchConfig
-from tests.torture.files import TASK
+from tests.attacks.files import TASK
 from ued.config import PPOConfig, bounds_of, most_threads
 from ued.core import room
 
-LINES = [[name] for name in COMMANDS if name != "study"] + [["study", name] for name in STUDIES]
+LINES = [[name] for name in COMMANDS]
 SECONDS = 5.0  # of processor time for a refusal
 
 

@@ -54,13 +54,12 @@ ROOT = Path(__file__).parents[2]
             2,
             "regista: --theta: must be at most 1, got 2.0",
         ),
-        (["study"], 2, "regista: no study ''; there are single, generalisation, multi, "),
-        (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (
-            ["benchmark", "--suite", "grf", "--measure", "--family", "keeper"],
+            ["study", "single"],
             2,
-            "regista: --family: no 'keeper', only academy, d",
+            "regista: the command study has moved: python -m lab.studies, in a checkout",
         ),
+        (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
         (["benchmark", "--seconds", "0"], 2, "regista: --seconds: must be positive, got 0.0"),
     ],
 )
@@ -162,11 +161,18 @@ def test_inspect_shows_text_and_scenes(capsys, tmp_path):
 
 
 @pytest.mark.slow
-def test_benchmark_prints_json(capsys):
-    assert main(["benchmark", "--suite", "sim", "--num-envs", "4", "--seconds", "0.01", "--json"]) == 0
+def test_benchmark_prints_json_and_a_table(capsys, monkeypatch):
+    monkeypatch.setattr("regista.experiments.commands.benchmark.WARM_UPDATES", 1)
+    words = ["benchmark", "--num-envs", "4", "--seconds", "0.01"]
+    assert main([*words, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["machine"]["cores"] >= 1
-    assert all(row["steps_per_second"] > 0 for row in found["results"]["simulator"][1:])
+    names = ["simulator, 1v1, 3 players", "simulator, eleven a side, 22 players", "PAIRED, 1v1"]
+    assert [row["what"] for row in found["results"]] == names
+    assert all(row["steps_per_second"] > 0 for row in found["results"])
+    assert main([*words, "--threads", "2"]) == 0
+    machine, _, head, *_ = capsys.readouterr().out.splitlines()
+    assert "cores; python 3" in machine and head.startswith("threads: 2 ")
 
 
 # ---------------------------------------------------------------- progress

@@ -15,7 +15,7 @@ import pytest
 
 from regista.experiments.run.errors import run_command
 from regista.experiments.run.signals import StopRequest
-from tests.torture.interrupts import ROOT, attack, started
+from tests.attacks.interrupts import ROOT, attack, started
 
 
 def ask(number: int = signal.SIGINT) -> None:

@@ -8,9 +8,8 @@ import pytest
 
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.__main__ import main
-from regista.experiments.commands import clone, compare, study, train
-from regista.experiments.commands.study_curricula import CurriculaStudy, CurriculaStudyConfig
-from regista.experiments.run import arguments, build
+from regista.experiments.commands import clone, compare, train
+from regista.experiments.run import build
 from regista.experiments.run.folder import RunFolder
 
 TASK = "their_own.py:task"
@@ -88,8 +87,6 @@ def test_help_says_how_many_environments_there_are_in_each_case(capsys):
     assert stated(capsys, "train", TASK, "--help")["--num-envs"] == "16"
     assert stated(capsys, "compare", TASK, "--help")["--total-env-steps"] == "500_000"
     assert stated(capsys, "train", "--preset", "thesis", "--help")["--num-envs"] == "16; 128 with --preset fast"
-    assert stated(capsys, "study", "curricula", "--help")["--num-envs"] == "128; 16 for the games of the study"
-    assert stated(capsys, "study", "single", "--help")["--num-envs"] == "128; 16 with --preset thesis"
     assert stated(capsys, "clone", "--preset", "thesis", "--help")["--ppo.learning-rate"].startswith(
         "8e-05; 0.003 with"
     )
@@ -98,15 +95,6 @@ def test_help_says_how_many_environments_there_are_in_each_case(capsys):
 def test_a_run_that_is_named_says_what_it_was_trained_with(tmp_path, capsys):
     run = RunFolder.create(tmp_path / "run", replace(build.starting_point("fast", "1v1Free"), num_envs=7))
     assert stated(capsys, "train", "--resume", str(run.path), "--help")["--num-envs"] == "7"
-
-
-def test_the_games_of_a_study_are_trained_as_its_help_says():
-    found = study.STUDIES["curricula"].others("curricula")["for the games of the study"]
-    planned = CurriculaStudy("curricula", CurriculaStudyConfig(seeds=1, variants=("dr",)), {}).planned()
-    for plan, other in zip(planned, found, strict=True):
-        settings = {path: value for path, value in plan.settings.items() if path not in ("method", "eval_every")}
-        trained = arguments.replace_paths(CurriculaStudyConfig().train, settings)
-        assert flat(trained) == flat(other.train)
 
 
 @pytest.mark.parametrize("preset", ["fast", "thesis"])

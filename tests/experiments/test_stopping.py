@@ -12,7 +12,7 @@ import pytest
 
 from regista.experiments.run.signals import Watchdog
 from regista.experiments.run.table import read_rows
-from tests.torture.interrupts import children, started
+from tests.attacks.interrupts import children, started
 
 pytestmark = pytest.mark.slow
 

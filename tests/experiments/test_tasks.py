@@ -114,7 +114,7 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
     assert main([*command, "--out", str(out)]) == 0
     table = (out / "table.txt").read_text()
     assert "strong" in table and "success" in table and "goals" not in table and "random" in table
-    assert {"learning_curves.png", "levels.png", "page.md"} <= {path.name for path in out.iterdir()}
+    assert {"learning_curves.png", "levels.png", "table.md"} <= {path.name for path in out.iterdir()}
     capsys.readouterr()
     assert main(["evaluate", str(out / "dr-0"), "--episodes", "4", "--levels", "0"]) == 0
     assert "three" in capsys.readouterr().out

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
-from regista.experiments.grf.episodes import NO_ACTION, play, play_keys
-from regista.experiments.grf.transfer import leaving
 from regista.experiments.run.baselines import make_baselines
 from regista.experiments.run.build import find_minigame, load_program, make_method, make_upomdp, starting_point
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.table import read_rows
+from regista.experiments.transfer.episodes import NO_ACTION, play, play_keys
+from regista.experiments.transfer.replaying import leaving
 
 GAME = "3v2FourBehaviors"
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--eval-every", "0", "--eval-episodes", "1", "--no-record"]

@@ -12,11 +12,11 @@ from regista.envs.football.constants import CB, GK, GOAL, OUT_OF_PLAY
 from regista.envs.football.kick_off import Roster
 from regista.envs.football.observation.simple115 import SIZE, simple115_names
 from regista.experiments.__main__ import main
-from regista.experiments.grf import goals
-from regista.experiments.grf.episodes import NO_ACTION, Episodes, join
-from regista.experiments.grf.goals import goals_of
-from regista.experiments.grf.transfer import Played, Result, leaving, summary
-from regista.experiments.grf.transfer_report import by_game, groups, rate_ratio, verdict
+from regista.experiments.transfer import goals
+from regista.experiments.transfer.episodes import NO_ACTION, Episodes, join
+from regista.experiments.transfer.goals import goals_of
+from regista.experiments.transfer.replaying import Played, Result, leaving, summary
+from regista.experiments.transfer.report import by_game, groups, rate_ratio, verdict
 from ued.core import checkpoint
 
 pytestmark = pytest.mark.slow
@@ -115,8 +115,6 @@ def test_goals_come_from_where_the_left_team_had_the_ball_last():
     np.testing.assert_allclose(found.keeper_out, [1, 25])
     assert found.summary()["distance_shares"] == {"<11": 0.5, "11 to 20": 0.0, "20 to 30": 0.0, ">30": 0.5}
     assert goals.line(found.summary()).startswith("2 goals from 23 m (50% <11, 50% >30)")
-    head, row, none = goals.table([(["a", "sampled", "ours"], found.summary()), (["a"] * 3, {"goals": 0})])
-    assert dict(zip(head, row, strict=True))["<2 m"] == "50%" and row[4] == "23.0" and set(none[4:]) == {"–"}
     alone = goals_of(episodes(2, 3, ball=ball, places=places, owner=owner), Roster([0, 0, 1], [GK, CB, CB]))
     assert "no keeper" in goals.line(alone.summary())
     assert goals.line(goals_of(episodes(0, 3), ROSTER).summary()) == "no goal"
@@ -213,19 +211,6 @@ def test_a_student_of_other_observations_is_refused_in_a_sentence(run, capsys, t
     (other / "config.json").write_text(config.replace('"simple115"', '"features"'))
     assert main(["transfer", str(other), "--engine", "regista"]) == 1
     assert "a student of other observations" in capsys.readouterr().err
-
-
-def test_the_benchmark_tells_where_goals_of_runs_come_from(run, capsys):
-    words = ["benchmark", "--suite", "grf", "--measure", "--family", "goals", "--engine", "regista", "--effort", "0.02"]
-    assert main([*words, "--runs", str(run)]) == 0
-    head, _, ours, grf = capsys.readouterr().out.rstrip().splitlines()
-    assert head.startswith("goals of") and "11 to 20 m" in head and ours.split()[:3] == ["short", "sampled", "ours"]
-    assert grf.split()[2] == "grf"
-    assert main([*words, "--runs", str(run), "--json"]) == 0
-    (found,) = json.loads(capsys.readouterr().out)["results"]["goals"]
-    assert found["ours"]["episodes"] == 10 and found["grf"]["episodes"] == 4
-    assert main(words) == 2
-    assert "goals needs --runs" in capsys.readouterr().err
 
 
 def test_without_runs_or_without_the_engine_it_says_so(run, capsys, tmp_path):

@@ -7,14 +7,12 @@ import pytest
 
 from regista.__main__ import main
 from regista.envs.football.config import FootballConfig
-from regista.experiments.pictures import results_page
 from regista.experiments.run import build, versions
 from regista.experiments.run.config import TaskTrainConfig, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.recording import RunRecorder
 from regista.experiments.run.table import read_rows
-from regista.experiments.studies import page, rows
 from ued.core import checkpoint
 
 SHORT = ["--num-envs", "4", "--num-steps", "16", "--num-minibatches", "1", "--total-env-steps", "64", "--no-record"]
@@ -122,64 +120,3 @@ def test_tasks_and_the_real_engine_have_no_version():
 def test_what_is_no_version_is_refused(version):
     with pytest.raises(CommandError, match="here: 'simulator' must be a whole number from 0 on, got"):
         versions.kept_version(TrainConfig(), {"simulator": version}, "here")
-
-
-# ---------------------------------------------------------------- tables
-
-
-def row(simulator):
-    return rows.Row("defense/2vs2", "ppo", "closest1", "train", 0, 100, 50, 0.1, 0.5, 20, 10, 30.0, 1.0, "a", simulator)
-
-
-def without_version(path):
-    """Leave away what the rows of a file say of the version."""
-    lines = [line.rpartition(",")[0] for line in path.read_text().splitlines()]
-    path.write_text("\n".join(lines) + "\n")
-
-
-@pytest.mark.parametrize(("study", "file"), [("tuning", "curricula"), ("curricula", "curricula"), ("single", "fast")])
-def test_unnumbered_rows_are_neither_published_nor_added_to(tmp_path, capsys, study, file):
-    """Not even by a study that writes another file: one page shows both."""
-    table = tmp_path / "results" / f"{file}.csv"
-    table.parent.mkdir()
-    rows.add(table, [row("1")])
-    without_version(table)
-    before = table.read_text()
-    assert main(["study", study, "--out", str(tmp_path)]) == 1
-    said = capsys.readouterr().err
-    told = f"rows of {table} were measured on {UNNUMBERED}; on version 1 they can be neither published nor added to"
-    assert told in said and "move the file away" in said
-    assert table.read_text() == before and sorted(path.name for path in tmp_path.rglob("*")) == [table.name, "results"]
-
-
-def test_a_file_without_versions_is_of_an_unnumbered_simulator(tmp_path):
-    rows.add(tmp_path / "fast.csv", [row("1")])
-    assert rows.load(tmp_path / "fast.csv") == [row("1")] == page.read(tmp_path, "fast")
-    without_version(tmp_path / "fast.csv")
-    assert rows.load(tmp_path / "fast.csv") == [row("0")]
-    with pytest.raises(CommandError, match=f"fast.csv were measured on {UNNUMBERED}; on version 1 they can be neither"):
-        page.read(tmp_path, "fast")
-    rows.add(tmp_path / "rows.csv", [row("none")])
-    rows.check_present(tmp_path / "rows.csv", rows.load(tmp_path / "rows.csv"))
-    assert rows.played_on([row("1"), row("0"), row("none")]) == (
-        f"simulator version 1 and {UNNUMBERED} and no simulator of ours"
-    )
-    with pytest.raises(CommandError, match="damaged: simulator is 'one'"):
-        rows.add(tmp_path / "rows.csv", [row("one")]) and rows.load(tmp_path / "rows.csv")
-
-
-@pytest.mark.parametrize("simulator", [1, 2, None, "unnumbered"])
-def test_a_page_of_another_version_is_not_published(tmp_path, simulator):
-    folder, into = tmp_path / "folder", tmp_path / "RESULTS.md"
-    folder.mkdir()
-    results_page.write_page(folder, "a", ["compare"], "| a |", {}, 1 if simulator == "unnumbered" else simulator)
-    text = (folder / "page.md").read_text()
-    assert text.startswith(f"<!-- simulator {simulator or 'none'} -->\n## a") or simulator == "unnumbered"
-    if simulator == "unnumbered":
-        (folder / "page.md").write_text(text.partition("\n")[2])
-    if simulator in (1, None):
-        assert results_page.main([str(folder), "--into", str(into)]) == 0 and "## a" in into.read_text()
-        return
-    with pytest.raises(CommandError, match=r"page\.md was measured on .*; on version 1 it cannot be published"):
-        results_page.main([str(folder), "--into", str(into)])
-    assert not into.exists()

@@ -10,7 +10,7 @@ import pytest
 
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.__main__ import main
-from tests.torture.calls import attack
+from tests.attacks.calls import attack
 from ued import GymUPOMDP
 from ued.core.level_space import LevelError, ThetaError
 from ued.core.parameters import Choice, Integer, LogRange, Range, ThetaMap

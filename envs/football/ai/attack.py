@@ -43,7 +43,7 @@ class FreeBall(NamedTuple):
 
 
 # Documented of Google Research Football, but `rivals_push`, `lines_push` and `rivals_most`, which are fitted; checked
-# by `regista benchmark --suite grf`, families matches and academy.
+# by `lab.benchmarks --suite grf`, families matches and academy.
 FORCES, FREE_BALL = Forces(), FreeBall()
 
 

@@ -83,7 +83,7 @@ class Trap(NamedTuple):
     soft: float = 2.0  # m before the line, from where on places are pressed together
 
 
-# Documented of Google Research Football; families tackles, academy and matches of `regista benchmark --suite grf`.
+# Documented of Google Research Football; families tackles, academy and matches of `lab.benchmarks --suite grf`.
 DUEL, RACE, GUARD, MEET, TRAP = Duel(), Race(), Guard(), Meet(), Trap()
 
 

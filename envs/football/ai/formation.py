@@ -92,7 +92,7 @@ class CloseUp(NamedTuple):
     least: float = 0.2  # share of it at the wrong end of the pitch
 
 
-# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+# Documented of Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 ATTACK = Stance(0.868, 0.948, 0.52, 0.026, 0.2, 0.828, 0.826, 0.5)
 DEFENCE = Stance(0.71, 0.84, 0.54, 0.182, -0.2, 0.776, 0.938, 0.2)
 BLOCK, CLOSE_UP = Block(), CloseUp()

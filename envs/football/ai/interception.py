@@ -23,7 +23,7 @@ class Interception(NamedTuple):
     in_time: float = 0.5  # s of danger if he and the ball are there at once
 
 
-# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families passes and matches.
+# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, families passes and matches.
 INTERCEPTION = Interception()
 
 

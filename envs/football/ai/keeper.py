@@ -86,7 +86,7 @@ class KickOut(NamedTuple):
     upfield: float = 30.0  # m when there is no mate
 
 
-# Documented of Google Research Football; leads are fitted: `regista benchmark --suite grf`, family keeper.
+# Documented of Google Research Football; leads are fitted: `lab.benchmarks --suite grf`, family keeper.
 STAND, OUT, SLIDE_OUT, KICK_OUT = Stand(), ComeOut(), SlideOut(), KickOut()
 FARTHEST_ROLL = 1.0 / MEAN_DRAG  # m; `rolled` gives at most half of it
 

@@ -49,7 +49,7 @@ class Hunt(NamedTuple):
     own_lead: float = 0.04  # s, one's own run
 
 
-# Documented of Google Research Football; families matches and academy of `regista benchmark --suite grf`.
+# Documented of Google Research Football; families matches and academy of `lab.benchmarks --suite grf`.
 DANGER, QUALITY, HUNT = Danger(), Quality(), Hunt()
 
 

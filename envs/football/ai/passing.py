@@ -46,7 +46,7 @@ class Panic(NamedTuple):
     cleared: float = 38.0  # m
 
 
-# Documented of Google Research Football; odds and patience are fitted: `regista benchmark --suite grf`, family matches.
+# Documented of Google Research Football; odds and patience are fitted: `lab.benchmarks --suite grf`, family matches.
 WORTH, PANIC = Worth(), Panic()
 DECIDED_EVERY = 2  # steps
 

@@ -27,7 +27,7 @@ class Value(NamedTuple):
     around_range: float = 10.0  # m
 
 
-# Documented of Google Research Football; checked by `regista benchmark --suite grf`, family matches.
+# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, family matches.
 VALUE = Value()
 
 

@@ -26,7 +26,7 @@ class Own(NamedTuple):
     far: float = 20.0  # from here on his own
 
 
-# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+# Documented of Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 OWN = Own()
 STRIDE = 3  # steps that a stride lasts, at whose end a player chooses anew; when that is differs between shirts,
 NEAR_BALL = 10.0  # m to the ball: nearer he does not wait for that

@@ -45,7 +45,7 @@ class Reaction(NamedTuple):
     skill_range: float = 0.7  # of `skill`, from difficulty 0 to 1
 
 
-# Documented of Google Research Football; family matches of `regista benchmark --suite grf`.
+# Documented of Google Research Football; family matches of `lab.benchmarks --suite grf`.
 EFFORT, GAIT_CHOICE, REACTION = Effort(), GaitChoice(), Reaction()
 
 

@@ -70,7 +70,7 @@ class Choice(NamedTuple):
     high_from: float = 24.0  # m: passed high
 
 
-# Timing is counted in the original's matches, the choice is documented of it: `regista benchmark --suite grf`, family
+# Timing is counted in the original's matches, the choice is documented of it: `lab.benchmarks --suite grf`, family
 # matches.
 SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps that a restart shows at most, by mode
 TAKER, THROW, CHOICE = Taker(), Throw(), Choice()

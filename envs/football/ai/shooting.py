@@ -54,7 +54,7 @@ class Strike(NamedTuple):
     far: float = 32.0  # m to the goal
 
 
-# Documented of Google Research Football; checked by `regista benchmark --suite grf`, families matches and academy.
+# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, families matches and academy.
 WHEN, LANE, STRIKE = When(), Lane(), Strike()
 
 

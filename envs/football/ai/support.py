@@ -66,7 +66,7 @@ class Run(NamedTuple):
     share: tuple[float, ...] = (1.0, 0.9, 0.7)  # of the forces, from which a run of back, midfielder, forward counts
 
 
-# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+# Documented of Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 FORCES, RUN = Forces(), Run()
 SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # hold above 0.5: from and to where the forces lead each line
 RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push

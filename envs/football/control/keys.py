@@ -66,7 +66,7 @@ class Turns(NamedTuple):
     sets_off: float = 0.3  # s, who stands, or stops, and begins to dribble
 
 
-# Fitted to 600 drawn turns of Google Research Football: `regista benchmark --suite grf`, family motion.
+# Fitted to 600 drawn turns of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 TURNS = Turns()
 ASK = Ask()  # documented of Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself

@@ -57,7 +57,7 @@ class Frame(NamedTuple):
     bounce: float = 0.8  # speed kept
 
 
-# Google Research Football's own forces, checked by `regista benchmark --suite grf`, family ball.
+# Google Research Football's own forces, checked by `lab.benchmarks --suite grf`, family ball.
 AIR, GROUND, FRAME = Air(), Ground(), Frame()
 MEAN_DRAG = 0.045  # 1/m, of a rolling ball: an estimate for who looks ahead
 

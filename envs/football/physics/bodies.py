@@ -29,7 +29,7 @@ class Push(NamedTuple):
 
 
 PUSH = Push()
-# Measured in Google Research Football, of two who stand in one place when play begins: `regista benchmark --suite grf`,
+# Measured in Google Research Football, of two who stand in one place when play begins: `lab.benchmarks --suite grf`,
 # family academy.
 SAME_PLACE = 0.03  # m between bodies that stand in one place: they stumble apart,
 STUMBLE = 0.3  # s for which they do, the first to his right, the other on the spot,

@@ -118,7 +118,7 @@ class Brakes(NamedTuple):
     start: float = 2.293  # m/s at once from standing
 
 
-# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
+# Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 LAG = (0.4, 0.6, 0.8, 1.0)  # share of full effort in the steps since command and velocity differ
 LAG_SPRINT = (0.0, 0.25, 0.9, 1.0)
 GAITS, TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Gaits(), Touch(), AtFoot(), TurnBack(), Arc(), Brakes()

@@ -46,7 +46,7 @@ class Tiring(NamedTuple):
     most: float = 0.99
 
 
-# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion.
+# Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
 FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
 SUDDEN = 0.1  # s in which a shot taken in this step or the last is at a keeper who then cannot do anything any more

@@ -62,7 +62,7 @@ class Ahead(NamedTuple):
     lasts: float  # s in which it would come to rest at its present speed: how far it gets
 
 
-# Ownership is Google Research Football's own measure; the estimates are checked by `regista benchmark --suite grf`,
+# Ownership is Google Research Football's own measure; the estimates are checked by `lab.benchmarks --suite grf`,
 # family matches.
 OWNED, CHASE, RUN = Owned(), Chase(), Run()
 PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched

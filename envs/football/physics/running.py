@@ -45,7 +45,7 @@ class Bend(NamedTuple):
     effort: float = 0.85  # share of full effort with which a sprinter gathers speed meanwhile
 
 
-# Fitted to traces of Google Research Football: `regista benchmark --suite grf`, family motion; the bend to runs of
+# Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion; the bend to runs of
 # backs and chasers in drawn scenes.
 BRAKING, START, BEND = Braking(), Start(), Bend()
 # Share of full effort in the steps since command and velocity differ: the body's lag.

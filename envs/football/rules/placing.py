@@ -82,7 +82,7 @@ class Wall(NamedTuple):
     angle: float = 0.08  # rad between them
 
 
-# Parts of the pitch and strengths are Google Research Football's; checked by `regista benchmark --suite grf`, family
+# Parts of the pitch and strengths are Google Research Football's; checked by `lab.benchmarks --suite grf`, family
 # matches.
 BLOCKS = (  # who takes the restart, then the other team
     Block(-27.5, 0.0, 11.0, 0.0, 0.0, -27.5, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),  # a goal kick

@@ -19,7 +19,7 @@ from regista.kernels.rng import uniform
 class Block(NamedTuple):
     """How near a shot must pass an opponent to be stopped, and where it goes then.
 
-    Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `regista benchmark
+    Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `lab.benchmarks
     --suite grf`, family blocks.
     """
 

@@ -133,7 +133,7 @@ class Catch(NamedTuple):
     dive_down: float = 1.1  # s, after a dive
 
 
-# Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, families keeper and passes.
+# Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, families keeper and passes.
 TRAP, MATES_BALL, CLAIM, FEET, DEFLECT, CATCH = Trap(), MatesBall(), Claim(), Feet(), Deflect(), Catch()
 MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
 _COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from

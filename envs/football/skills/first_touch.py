@@ -22,7 +22,7 @@ from regista.kernels.rng import uniform
 class Difficulty(NamedTuple):
     """What makes a free ball hard to control: its speed, its distance, surprise and pushes, each with a weight.
 
-    Law and numbers are those documented of Google Research Football; `regista benchmark --suite grf`, families passes
+    Law and numbers are those documented of Google Research Football; `lab.benchmarks --suite grf`, families passes
     and matches, checks them.
     """
 

@@ -72,7 +72,7 @@ class Block(NamedTuple):
     keep: float = 0.7  # of all this
 
 
-# Fitted to measurements of Google Research Football: `regista benchmark --suite grf`, family keeper.
+# Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, family keeper.
 HOLD, PARRY, BLOCK = Hold(), Parry(), Block()
 HOLD_STEPS = 3  # steps for which a keeper keeps the ball at least
 

@@ -77,7 +77,7 @@ class Behind(NamedTuple):
     speed: float = 0.8  # m/s left
 
 
-# Fitted to delays measured of Google Research Football, whose animations quantise them: `regista benchmark --suite
+# Fitted to delays measured of Google Research Football, whose animations quantise them: `lab.benchmarks --suite
 # grf`, families passes and shots.
 GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings

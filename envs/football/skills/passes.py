@@ -67,7 +67,7 @@ class Flight(NamedTuple):
     headed_share: float = 0.6  # of the fastest pass that a header reaches
 
 
-# The law is that documented of Google Research Football, caps and scatter are fitted: `regista benchmark --suite grf`,
+# The law is that documented of Google Research Football, caps and scatter are fitted: `lab.benchmarks --suite grf`,
 # family passes.
 CHOICE, FLIGHT = Choice(), Flight()
 

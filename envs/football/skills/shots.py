@@ -95,7 +95,7 @@ class Curl(NamedTuple):
 
 
 # The law and its numbers are those documented of Google Research Football; power and scatter are checked by
-# `regista benchmark --suite grf`, family shots.
+# `lab.benchmarks --suite grf`, family shots.
 AIM, POWER, HARD, BAD, CURL = Aim(), Power(), Difficulty(), BadShot(), Curl()
 # Skills of the players of Google Research Football by index within the team: of shooting, and of shot power
 SHOT_SKILL = (0.35, 0.44, 0.31, 0.24, 0.36, 0.69, 0.36, 0.53, 0.68, 0.68, 0.68)

@@ -69,7 +69,7 @@ class Slide(NamedTuple):
     severity_running: float = 0.9  # more, if he runs
 
 
-# Fitted to tackles measured of Google Research Football: `regista benchmark --suite grf`, family tackles.
+# Fitted to tackles measured of Google Research Football: `lab.benchmarks --suite grf`, family tackles.
 TACKLE, SLIDING = Tackle(), Slide()
 STANDING = 1.5  # m/s, a carrier slower than this stands
 SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side

@@ -1,1 +1,0 @@
-"""What `regista benchmark` measures."""

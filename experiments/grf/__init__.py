@@ -1,5 +1,0 @@
-"""`regista benchmark --suite grf`: the measurements of Google Research Football, made again in our simulator.
-
-Read in this order: `rows` (what a comparison is), `stage` (how a situation is set up and played), one family, such as
-`motion`, then `report`.
-"""

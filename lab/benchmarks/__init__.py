@@ -1,0 +1,1 @@
+"""Speed of the simulator, of training and of the language; see `lab.benchmarks.__main__`."""

@@ -1,0 +1,253 @@
+"""What things cost as they grow: environments, players, columns of θ, levels in a buffer, threads, agents.
+
+Everything but threads is told per second of one processor, which others who use the machine meanwhile hardly change.
+Read next: `benchmarks.training`, what a step of training is made of.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lab.benchmarks.training import ELEVEN, TEAMS
+from regista.experiments.commands.benchmark import rate
+from regista.experiments.run import build
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.table import cannot_write
+from ued.config import ACCELConfig, BufferConfig, PairedConfig, PLRConfig
+from ued.core.curriculum import Curriculum, ThetaSpace
+from ued.levels.record import RESULTS
+
+ENVIRONMENTS = (1, 4, 16, 64, 256, 1024, 4096, 16_384)
+PLAYERS = (2, 4, 6, 10, 14, 18, 22)
+COLUMNS = (1, 3, 10, 30, 100, 300, 1000)  # of θ
+LEVELS = (100, 1_000, 10_000, 100_000, 1_000_000)  # in a buffer
+AT_A_TIME = 64  # levels that a curriculum is asked for, and told of
+WARM_UPDATES = 2  # of training, before it is measured
+
+
+class Point(NamedTuple):
+    """One point of a curve: of which `panel` and which `curve`, at x, so many `per_second`."""
+
+    panel: str
+    curve: str
+    x: int
+    per_second: float
+
+
+class Panel(NamedTuple):
+    """What a panel of the figure is called, and its axes."""
+
+    title: str
+    x: str
+    y: str
+
+
+PANELS = {
+    "environments": Panel("Environments at a time", "environments", "env steps per processor second"),
+    "players": Panel("Players on the pitch", "players", "env steps per processor second"),
+    "columns": Panel("Free parameters", "columns of θ", "levels per processor second"),
+    "buffer": Panel("Levels in a buffer", "levels", "levels per processor second"),
+    "threads": Panel("Threads", "threads", "env steps per second"),
+    "agents": Panel("Agents that learn, eleven a side", "agents", "agent steps per processor second"),
+}
+
+
+def scale_suite(minigame: str, seconds: float) -> Iterator[Point]:
+    """Measure point by point, each for about so many seconds."""
+    yield from _environments(minigame, seconds)
+    yield from _players(seconds)
+    for dim in COLUMNS:
+        for name, curriculum in _curricula(dim):
+            yield Point("columns", name, dim, _levels_per_second(curriculum, seconds))
+    for levels in LEVELS:
+        yield Point("buffer", "plr", levels, _levels_per_second(_filled(levels), seconds))
+    yield from _threads(minigame, seconds)
+    yield from _agents(seconds)
+
+
+# ---------------------------------------------------------------- the simulator
+
+
+def _environments(minigame: str, seconds: float) -> Iterator[Point]:
+    program = build.load_program(build.find_minigame(minigame).program, None)
+    for num_envs in ENVIRONMENTS:
+        speed = _steps_per_second(program, num_envs, 1, seconds, time.process_time)
+        yield Point("environments", minigame, num_envs, speed)
+
+
+def _players(seconds: float) -> Iterator[Point]:
+    """Measure matches of half as many on either side; nobody has a behavior, so the simulator moves them."""
+    from regista.envs.football.scenic.domain import FOOTBALL
+    from scenic_lite import load
+
+    for players in PLAYERS:
+        speed = _steps_per_second(load(_match_of(players), FOOTBALL), 64, 1, seconds, time.process_time)
+        yield Point("players", "random keys", players, speed)
+
+
+def _match_of(players: int) -> str:
+    """Return a program: keepers, ego among the left, and everybody else anywhere in the own half."""
+    never = [f"param end_episode_on_{what} = False" for what in ("score", "out_of_play", "possession_change")]
+    left = ["LeftCM at Range(-90, -5) @ Range(-40, 40)"] * (players // 2 - 1) + ["LeftGK at -99 @ 0"]
+    right = ["RightCM at Range(5, 90) @ Range(-40, 40)"] * (players // 2 - 1) + ["RightGK at 99 @ 0"]
+    return "\n".join([*never, f"ego = {left[0]}", *left[1:], *right, "ball = Ball at 0 @ 0"])
+
+
+def _threads(minigame: str, seconds: float) -> Iterator[Point]:
+    program = build.load_program(build.find_minigame(minigame).program, None)
+    for threads in range(1, (os.cpu_count() or 1) + 1):
+        speed = _steps_per_second(program, 1024, threads, seconds, time.perf_counter)
+        yield Point("threads", minigame, threads, speed)
+
+
+def _steps_per_second(program: Any, num_envs: int, threads: int, seconds: float, clock: Any) -> float:
+    """Step with random actions, drawn beforehand; episodes restart as they end."""
+    env = build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (16, num_envs))
+
+    def step(count: int) -> None:
+        for t in range(count):
+            env.step(actions[t % 16])
+
+    return num_envs * rate(step, seconds, clock=clock)
+
+
+# ---------------------------------------------------------------- curricula
+
+
+def _curricula(dim: int) -> list[tuple[str, Curriculum]]:
+    from ued.methods.accel import ACCELLevels
+    from ued.methods.dr import RandomLevels
+    from ued.methods.paired import PairedLevels
+    from ued.methods.plr import PLRLevels
+
+    return [
+        ("dr", RandomLevels(ThetaSpace(dim))),
+        ("plr", PLRLevels(ThetaSpace(dim), PLRConfig())),
+        ("accel", ACCELLevels(ThetaSpace(dim), ACCELConfig())),
+        ("paired", PairedLevels(ThetaSpace(dim), PairedConfig())),
+    ]
+
+
+def _filled(levels: int) -> Curriculum:
+    """Return a curriculum with a full buffer of so many levels."""
+    from ued.methods.plr import PLRLevels
+
+    curriculum = PLRLevels(ThetaSpace(6), PLRConfig(buffer=BufferConfig(capacity=levels, no_duplicates=False)))
+    rng, next_id = np.random.default_rng(0), 0
+    while len(curriculum.buffer.slots) < levels:
+        records = curriculum._new(min(levels, 10_000))
+        records["id"] = next_id + np.arange(len(records))
+        next_id += len(records)
+        _play(records, rng)
+        curriculum.update(records)
+    return curriculum
+
+
+def _levels_per_second(curriculum: Curriculum, seconds: float) -> float:
+    """Ask for levels and tell what came of them, over and over, with one thread for networks as training has it."""
+    import torch
+
+    torch.set_num_threads(1)
+    rng, numbers = np.random.default_rng(0), iter(range(10**9, 10**15))
+
+    def turn(count: int) -> None:
+        for _ in range(count):
+            records = curriculum.propose(AT_A_TIME)
+            new = records["id"] < 0
+            records["id"][new] = [next(numbers) for _ in range(int(new.sum()))]
+            _play(records, rng)
+            curriculum.update(records)
+
+    turn(4)
+    return AT_A_TIME * rate(turn, seconds, clock=time.process_time)
+
+
+def _play(records: np.ndarray, rng: np.random.Generator) -> None:
+    """Write results into records as a student would that solves half of the levels."""
+    for name in RESULTS:
+        records[name] = rng.random(records[name].shape)
+    records["returns"] = rng.random(records["returns"].shape) < 0.5
+    records["success"] = records["returns"]
+    records["num_played"] = records["num_episodes"][:, None]
+
+
+# ---------------------------------------------------------------- learning
+
+
+def _agents(seconds: float) -> Iterator[Point]:
+    config = replace(TrainConfig(), minigame=ELEVEN, method="dr")
+    program = build.load_program(build.find_minigame(ELEVEN).program, None)
+    for team in ("independent", "shared"):
+        for control in TEAMS:
+            env, ppo = replace(config.env, control=control), replace(config.ppo, team=team)
+            upomdp = build.make_upomdp(program, 16, env, 0, 1)
+            method = build.make_method(replace(config, env=env, ppo=ppo), upomdp)
+            yield Point("agents", team, upomdp.num_agents, _agent_steps_per_second(method, seconds))
+
+
+def _agent_steps_per_second(method: Any, seconds: float) -> float:
+    for _ in range(WARM_UPDATES):
+        method.update()
+    began, steps = time.process_time(), method.env_steps
+    while time.process_time() - began < seconds:
+        method.update()
+    return method.upomdp.num_agents * (method.env_steps - steps) / (time.process_time() - began)
+
+
+# ---------------------------------------------------------------- the page
+
+
+def draw(points: Sequence[Point], folder: Path) -> Path:
+    """Draw the curves on one page, scale.png. Raises `CommandError` if the disk refuses."""
+    import matplotlib.pyplot as plt
+
+    from regista.experiments.pictures import plots
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from error
+    with plots.style():
+        figure, grid = plt.subplots(2, 3, figsize=(12, 6.6))
+        for axes, (name, panel) in zip(grid.flat, PANELS.items(), strict=True):
+            mine = [point for point in points if point.panel == name]
+            for curve in dict.fromkeys(point.curve for point in mine):
+                x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
+                axes.plot(x, y, "o-", markersize=4, color=plots.METHOD_COLOURS.get(curve), label=curve)
+            axes.set(xlabel=panel.x, ylabel=panel.y)
+            axes.set_title(panel.title, pad=24)  # above the legend
+            _scale_axes(axes, name)
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4, fontsize=8, handlelength=1.0)
+        figure.tight_layout()
+        path = folder / "scale.png"
+        plots.save(figure, path)
+    return path
+
+
+def _scale_axes(axes: Any, name: str) -> None:
+    if name in ("environments", "columns", "buffer"):
+        axes.set(xscale="log", yscale="log")
+    else:
+        axes.set_ylim(bottom=0)
+        axes.yaxis.set_major_formatter("{x:,.0f}")
+        axes.set_xticks(sorted({int(x) for line in axes.lines for x in line.get_xdata()}))
+
+
+def rows_of(points: Sequence[Point]) -> list[list[str]]:
+    """Return the points as a table, with what each costs."""
+    rows = [["", "curve", "", "per second", "µs each"]]
+    tell = partial("{:,.0f}".format)
+    for point in points:
+        cost = f"{1e6 / point.per_second:,.2f}"
+        x = f"{point.x:,} {PANELS[point.panel].x}"
+        rows.append([point.panel, point.curve, x, tell(point.per_second).rjust(11), cost.rjust(9)])
+    return rows

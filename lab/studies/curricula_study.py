@@ -1,0 +1,150 @@
+"""The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out levels.
+
+    python -m lab.studies curricula --hours 3                # after three hours call it again
+    python -m lab.studies rare                               # where hard levels are rare
+    python -m lab.studies ablations --seeds 5
+    python -m lab.studies tuning --seeds 5
+
+Read next: `lab/studies/curricula.py`, what is compared; `lab/studies/measuring.py`, which plays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lab.studies import tables
+from lab.studies.curricula import COMPARISONS, Settings, Variant
+from lab.studies.measuring import measure_variant
+from lab.studies.rows import Point, add, check_present, load
+from lab.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.workers import train_unfinished
+from ued.config import LARGEST_SEED, setting
+
+TESTS = 10  # of a student during its training
+
+
+@dataclass(frozen=True)
+class CurriculaStudyConfig(StudyConfig):
+    """What is typed after `python -m lab.studies curricula`, `rare`, `ablations` or `tuning`."""
+
+    variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
+    seeds: int = setting(10, "runs of each variant on each game", ">=1", most=10_000)
+    first_seed: int | None = setting(
+        None, "seed of the first run; those of final tables are below 1000", most=LARGEST_SEED - 10_000, least=0
+    )
+    out: Path = setting(Path("runs/curricula"), "folder of the runs and of their rows")
+    publish: bool = setting(False, "keep the rows in lab/studies/results and write their tables into RESULTS.md")
+    episodes: int = setting(200, "whole episodes of each student on each scene", ">=1", most=1_000_000)
+    levels: int = setting(
+        300, "held-out levels, where thirds count, of which each student plays each four times", ">=1", most=1_000_000
+    )
+    train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
+
+
+class PlannedVariant(NamedTuple):
+    """A run that is to be measured: a game, a variant by its name, a seed, and the settings that come of them."""
+
+    game: str
+    agent: str
+    seed: int
+    settings: Settings
+
+
+class CurriculaStudy:
+    """One of the studies.
+
+    Args:
+        name: curricula, rare, ablations or tuning.
+        config: what was typed after it.
+        typed: settings of training that were typed, by dotted path.
+    """
+
+    def __init__(self, name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> None:
+        self.name, self.config, self.typed = name, config, typed
+        self.comparison = COMPARISONS[name]
+        self.runs = StudyRuns(config.out / name, config.train, {})
+        self.places = Places.of(None if config.publish else config.out, "RESULTS.md")
+
+    def run(self) -> int:
+        """Train, play and write, one seed of a game after the other; return the exit code."""
+        self.check_published()
+        table, curves = (self.places.results / f"{self.name}{end}.csv" for end in ("", "_curves"))
+        check_present(table, load(table))
+        check_present(curves, load(curves, Point))
+        table.parent.mkdir(parents=True, exist_ok=True)
+        planned, how = list(self.planned()), self.config.launch
+        done = {(row.game, row.agent, row.seed): row.env_steps for row in load(table)}
+        missing = [plan for plan in planned if done.get(plan[:3], 0) < plan.settings["total_env_steps"]]
+        print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
+        with Deadline(self.config.hours) as stop:
+            for _, plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
+                variants = {plan.agent: self.open(plan) for plan in plans}
+                if not train_unfinished([*variants.values()], how, stop):
+                    break
+                for agent, run in variants.items():
+                    rows, points = measure_variant(
+                        run, agent, self.config.episodes, self.config.levels, self.comparison.scenes
+                    )
+                    add(curves, points, Point)
+                    add(table, rows)
+        if load(table):
+            with redirect_stdout(how.messages):
+                tables.publish(self.places.results, self.name, self.places.page)
+        print(f"{table}{', continue with the same command' if stop else ''}", file=how.messages)
+        return stop.exit_code
+
+    def planned(self) -> Iterator[PlannedVariant]:
+        """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
+        games = [build.canonical_name(game) for game in self.config.games or self.comparison.games]
+        variants = {name: self.variant(name) for name in self.config.variants or self.comparison.variants}
+        first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
+        budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own
+        for seed in range(first, first + self.config.seeds):
+            for game in games:
+                for name, variant in variants.items():
+                    chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings
+                    chosen |= variant.tuned.get(game, {}) | self.typed
+                    chosen["total_env_steps"] *= variant.times
+                    about = {"method": variant.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
+                    yield PlannedVariant(game, name, seed, chosen | about)
+
+    def variant(self, name: str) -> Variant:
+        """Return the variant of this name. Raises `UsageError` where the study has none."""
+        variants = self.comparison.variants
+        if name not in variants:
+            raise UsageError(f"no variant {name!r}{nearest(name, variants)}; {self.name} has {', '.join(variants)}")
+        return variants[name]
+
+    def open(self, plan: PlannedVariant) -> RunFolder:
+        """Create the folder of a run or open it, if it was made with the same settings."""
+        return self.runs.open(plan.game, plan.seed, plan.settings, f"{plan.agent.replace(' ', '_')}-")
+
+    def check_published(self) -> None:
+        """Refuse to put into the repository what the study does not say: other settings, other seeds."""
+        others = [arguments.flag_name(path.rpartition(".")[2]) for path in sorted(self.typed.keys() - BOOKKEEPING)]
+        others += ["--first-seed"] if self.config.first_seed is not None else []
+        if others and self.config.publish:
+            raise UsageError(f"with {', '.join(others)} it is not what {self.name} says; leave out --publish")
+
+
+def games_of_study(name: str) -> dict[str, list[Any]]:
+    """Return what the runs of a study begin with on its own games, for its help; variants have further settings."""
+    base = CurriculaStudyConfig()
+    settings = COMPARISONS[name].games.values()
+    trained = [arguments.replace_paths(base, {f"train.{path}": v for path, v in game.items()}) for game in settings]
+    return {"for the games of the study": trained}
+
+
+def run_curricula(name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> int:
+    """Run a study of curricula; return the exit code."""
+    return CurriculaStudy(name, config, typed).run()

@@ -1,0 +1,162 @@
+"""Playing a run, uniform keys or a semi-expert program on all scenes of a minigame, and making rows of it.
+
+Goals count, whatever paid in training. All policies meet the same levels. Read next: `lab/studies/rows.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lab.studies.rows import TRAIN, Point, Row
+from regista.envs.football.version import version_on
+from regista.experiments.run import build, versions
+from regista.experiments.run.baselines import make_baselines
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.evaluator import EvalScenes, load_student
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.provenance import commit
+from regista.experiments.run.table import read_columns
+
+TEAM = "team_"  # before the names of agents
+HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
+THIRDS = tuple(f"{HELD_OUT}{part} third" for part in ("lowest", "middle", "highest"))
+HELD_OUT_SEED, HELD_OUT_EPISODES = 40_000, 4  # of levels that nothing is tuned on, and how often each is played
+TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
+    "ppo": {},  # independent policies and critics, as in the thesis
+    "shared_ppo": {"ppo.team": "shared"},
+    "mappo": {"ppo.critic": "central"},
+    "shared_mappo": {"ppo.team": "shared", "ppo.critic": "central"},
+}
+
+if TYPE_CHECKING:
+    from regista.envs.football.config import FootballConfig
+    from regista.minigames.suites import Minigame
+    from ued.config import PPOConfig
+    from ued.evaluation import Evaluation
+
+
+def measure_run(run: RunFolder, episodes: int) -> list[Row]:
+    """Play so many episodes of a trained run on each scene of its minigame."""
+    programs = build.load_scenes(run.config)
+    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
+    evaluations = EvalScenes(run.config, programs, episodes).play(student)
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds()}
+    return _rows(run.config, evaluations, about | {"agent": agent_of(run)})
+
+
+def agent_of(run: RunFolder) -> str:
+    """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
+    trained = {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label)
+    if run.config.env.control == build.find_minigame(run.config.minigame).control:
+        return trained or "ppo"
+    return TEAM + (trained or team_kind(run.config.ppo))
+
+
+def team_kind(config: PPOConfig) -> str:
+    """Return what a team that learns so is called: whether policies are shared, and what the critic sees."""
+    return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
+
+
+def measure_variant(
+    run: RunFolder, agent: str, episodes: int, levels: int, scenes: bool = False
+) -> tuple[list[Row], list[Point]]:
+    """Play a run on each scene of its game and on held-out levels; return rows, and its learning curve.
+
+    Of the rows the scenes `held out, ...` are thirds of `levels` levels that are drawn with a seed of their own, or the
+    held-out scenes of the game, if it is `scenes` that count.
+    """
+    programs = build.load_scenes(run.config)
+    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
+    tests = EvalScenes(run.config, programs, episodes)
+    evaluations = tests.play(student)
+    if scenes:
+        evaluations |= _held_out_scenes(run, student, episodes)
+    else:
+        evaluations |= thirds(tests.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED))
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
+    return _rows(run.config, evaluations, about), learning_curve(run, agent)
+
+
+def _held_out_scenes(run: RunFolder, student: Any, episodes: int) -> dict[str, Evaluation]:
+    programs = build.load_scenes(run.config, held_out=True)
+    labels = [label for label in programs if label != build.TRAINING_SCENE]
+    played = EvalScenes(run.config, programs, episodes).play(student, labels)
+    return {f"{HELD_OUT}{label}": evaluation for label, evaluation in played.items()}
+
+
+def thirds(evaluation: Evaluation) -> dict[str, Evaluation]:
+    """Return what came of the levels with the lowest, the middle and the highest third of θ's first column, by name.
+
+    In the games of the study this is how far off the ball begins, farthest first; of a mixture, which program.
+    """
+    first = evaluation.levels["theta"][:, 0]  # [L] in [-1, 1]
+    third = np.minimum((1.5 * (first + 1)).astype(int), len(THIRDS) - 1)[evaluation.level]  # [E]
+    return {name: _part(evaluation, third == k) for k, name in enumerate(THIRDS) if (third == k).any()}
+
+
+def _part(evaluation: Evaluation, chosen: np.ndarray) -> Evaluation:
+    names = ("returns", "success", "lengths", "level")
+    return replace(evaluation, **{name: getattr(evaluation, name)[chosen] for name in names})
+
+
+def learning_curve(run: RunFolder, agent: str) -> list[Point]:
+    """Return the mean return over all scenes after each evaluation of a run's training."""
+    table = read_columns(run.metrics.path)
+    scenes = np.stack([values for name, values in table.items() if name.startswith("eval/")])  # [S, U]
+    tested = np.flatnonzero(np.isfinite(scenes).all(0))
+    columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
+    about = (run.config.minigame, agent, run.config.seed)
+    version = versions.spelled(versions.present_version(run.config))
+    return [
+        Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4), version) for u in tested
+    ]
+
+
+def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
+    """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
+    programs = build.load_scenes(config)
+    scenes = EvalScenes(config, programs, episodes)
+    policy = make_baselines(scenes.scenes[build.TRAINING_SCENE], programs[build.TRAINING_SCENE])["random"]
+    return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
+
+
+def measure_experts(game: Minigame, episodes: int) -> list[Row]:
+    """Play so many episodes of each of a game's semi-expert programs."""
+    from lab.grf.experts import OURS, Expert, play_expert
+
+    rows = []
+    for agent, path in (("expert", game.expert), ("team_expert", game.team_expert)):
+        if path is not None:
+            played = play_expert(Expert(path.stem, agent == "team_expert", 0.0, None), OURS, episodes)
+            difference = (played.score[:, 0] - played.score[:, 1]).astype(float)
+            row = _row(difference, played.lengths, OURS)
+            rows.append(Row(game=game.name, agent=agent, scene=TRAIN, seed=0, env_steps=0, seconds=0.0, **row))
+    return rows
+
+
+def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
+    rows = []
+    for label, evaluation in evaluations.items():
+        scene = TRAIN if label == build.TRAINING_SCENE else label
+        measured = _row(evaluation.returns, evaluation.lengths, config.env)
+        rows.append(Row(game=config.minigame, scene=scene, **about, **measured))
+    return rows
+
+
+def _row(difference: np.ndarray, lengths: np.ndarray, env: FootballConfig) -> dict[str, Any]:
+    """Return what a row says of the goal differences `[E]` and lengths `[E]` of episodes."""
+    return {
+        "control": env.control,
+        "episodes": len(difference),
+        "goal_difference": round(float(difference.mean()), 6),
+        "deviation": round(float(difference.std()), 6),
+        "scored": int((difference > 0).sum()),
+        "conceded": int((difference < 0).sum()),
+        "mean_length": round(float(lengths.mean()), 3),
+        "commit": commit(),
+        "simulator": versions.spelled(version_on(env.engine)),
+    }

@@ -1,0 +1,102 @@
+"""The runs of a study: their folders and settings, how many are trained at a time, and for how long.
+
+Read next: `regista.experiments.run.workers`, which trains; `lab/studies/measuring.py`, which plays.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lab.studies.rows import RESULTS
+from regista.envs.football.config import FootballConfig
+from regista.experiments.run import arguments, build
+from regista.experiments.run.arguments import group
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.workers import LaunchConfig
+from ued.config import Checked, setting
+
+STEPS = 1_000_000  # of a run, where a study knows of no better budget
+CHOSEN = ("minigame", "seed")  # settings of a run that the study chooses
+# Settings that may be typed where a study's own are to be kept
+BOOKKEEPING = {"total_env_steps", "threads", "checkpoint_seconds", "record", "record_rollouts", "record_limit"}
+ROOT = Path(__file__).resolve().parents[2]  # of the checkout
+LONGEST = 24 * 365.0  # hours, where nobody says how many
+
+
+def training(rewards: str = "scoring") -> TrainConfig:
+    """Return what runs of a study begin with: nothing but training."""
+    env = FootballConfig(rewards=rewards)
+    return TrainConfig(method="dr", total_env_steps=STEPS, eval_every=0, record=False, env=env)
+
+
+class Places(NamedTuple):
+    """Where a study leaves what it has measured: a folder of CSV files, and a page of its tables; None: printed."""
+
+    results: Path
+    page: Path | None
+
+    @classmethod
+    def of(cls, out: Path | None, page: str) -> Places:
+        """Return those beneath a folder, or the repository's own where there is none."""
+        return cls(RESULTS, ROOT / page) if out is None else cls(out / "results", None)
+
+
+@dataclass(frozen=True)
+class StudyConfig(Checked):
+    """What is typed after the name of any study."""
+
+    games: tuple[str, ...] = setting((), "minigames instead of the study's own")
+    seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1", most=10_000)
+    hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0", most=1_000_000)
+    launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
+
+
+@dataclass(frozen=True)
+class StudyRuns:
+    """Where the runs of a study are kept, and what their settings are.
+
+    Attributes:
+        folder: above all of them.
+        base: what they begin with.
+        typed: settings that were typed, by dotted path.
+    """
+
+    folder: Path
+    base: TrainConfig
+    typed: dict[str, Any]
+
+    def plan(
+        self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = ""
+    ) -> tuple[Path, TrainConfig]:
+        """Return a run's folder and settings: the base with what the minigame says, what was typed, what is chosen.
+
+        `kind` is what the folder is called behind the game. Raises `UsageError` for an unknown game.
+        """
+        control = build.find_minigame(build.parts_of(game)[0]).control
+        base = replace(self.base, env=replace(self.base.env, control=control))
+        settings = {**self.typed, **(chosen or {})}
+        config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
+        team = "" if config.env.control == control else f"{config.env.control}-"
+        name = f"{build.short_name(game).replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
+        return self.folder / name, config
+
+    def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:
+        """Create the folder of a run or open it, if it was made with the same settings; see `plan`."""
+        return RunFolder.create_or_extend(*self.plan(game, seed, chosen, kind))
+
+
+class Deadline(StopRequest):
+    """A request to stop that comes by itself after so many hours: nobody has asked then, and the exit code is 0."""
+
+    def __init__(self, hours: float) -> None:
+        super().__init__()
+        self._end = time.monotonic() + 3600 * hours
+
+    def __bool__(self) -> bool:
+        return super().__bool__() or time.monotonic() >= self._end

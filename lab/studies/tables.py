@@ -1,0 +1,142 @@
+"""Markdown tables of the stored rows of a study: means over runs with 95% intervals, by game, method and scene.
+
+Cells are success rates for the studies of curricula, goal differences per episode for the thesis's benchmark, whose
+rows `fast` and `thesis` stand beside published results of Google Research Football (GRF):
+
+    python -m lab.studies.tables curricula                          # of lab/studies/results/curricula.csv
+    python -m lab.studies.tables rare --results runs/curricula/results
+    python -m lab.studies.tables fast --page BENCHMARK.md           # between <!-- study: fast --> and <!-- end -->
+
+Read next: `lab/studies/rows.py`, what a row holds; `regista.experiments.run.results`, how intervals are estimated.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from lab.studies.curricula import COMPARISONS
+from lab.studies.measuring import HELD_OUT, TEAM, THIRDS
+from lab.studies.rows import RESULTS, TRAIN, Row, check_present, load, played_on
+from regista.experiments.run import arguments
+from regista.experiments.run import results as estimate
+from regista.experiments.run.arguments import positional
+from regista.experiments.run.errors import CommandError, UsageError, run_command
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.results import select, unique
+from regista.minigames.published import find_published
+from ued.config import setting
+from ued.statistics import Interval
+
+NOTE = (
+    "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
+)
+
+
+@dataclass(frozen=True)
+class TablesConfig:
+    """What is typed after `python -m lab.studies.tables`."""
+
+    name: str = positional("curricula, rare, ablations, tuning, fast or thesis", default="")
+    results: Path = setting(RESULTS, "folder of the CSV files of studies")
+    page: Path | None = setting(None, "write the tables into this page instead of printing them")
+
+
+def main(argv: Sequence[str]) -> int:
+    """Print or write the tables of a study; return the exit code."""
+    config = arguments.parse(TablesConfig(), argv, "python -m lab.studies.tables", "Tables of the rows of a study.")
+    names = (*COMPARISONS, "fast", "thesis")
+    if config.name not in names:
+        raise UsageError(f"no stored rows '{config.name}'; there are {', '.join(names)}")
+    publish(config.results, config.name, config.page)
+    return 0
+
+
+def publish(results: Path, name: str, page: Path | None = None) -> None:
+    """Print the tables of a file of rows, or put them into their place on a page, which is its end if it has none.
+
+    Raises `CommandError` for rows of another version of the simulator, and if the disk refuses.
+    """
+    rows = load(results / f"{name}.csv")
+    check_present(results / f"{name}.csv", rows)
+    text = tables(rows, name) if rows else f"{results / name}.csv has no rows."
+    if page is None:
+        return print(text)
+    begin, end, old = f"<!-- study: {name} -->", "<!-- end -->", page.read_text() if page.exists() else "# Results\n"
+    if begin not in old:
+        old = f"{old.rstrip()}\n\n## Study {name}\n\n{begin}\n{end}\n"
+    found = re.search(f"{begin}.*?{end}", old, re.S)
+    if found is None:
+        raise CommandError(f"{page} has the mark '{begin}' without '{end}'")
+    write_text(page, f"{old[: found.start()]}{begin}\n{text}\n{end}{old[found.end() :]}")
+
+
+def tables(rows: Sequence[Row], name: str) -> str:
+    """Return the tables, and below them what was played and the command."""
+    if name in COMPARISONS:
+        games = [[row for row in rows if row.game == game] for game in unique([row.game for row in rows])]
+        made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}" for game in games]
+    else:
+        made = [as_markdown(goals_table(rows))]
+    unit = "Success rates" if name in COMPARISONS else "Goal differences per episode"
+    about = f"{unit}. {NOTE}. Measured on {played_on(rows)}; `python -m lab.studies.tables {name}`."
+    return "\n\n".join([*made, about])
+
+
+def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
+    """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method."""
+    found = unique([row.scene for row in rows])
+    scenes = [*(third for third in THIRDS if third in found), *(scene for scene in found if scene not in THIRDS)]
+    held_out = [scene for scene in scenes if scene.startswith(HELD_OUT)]
+    known = [row.result() for row in rows]
+    methods = [method for method in COMPARISONS[name].variants if any(row.method == method for row in known)]
+    scores = {m: estimate.scores([r for r in known if r.method == m and r.scene in held_out], m) for m in methods}
+    table = [["method", *scenes, "held-out mean", f"minus {methods[0]}", "runs", "env steps"]]
+    for method in methods:
+        cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]
+        gain = (
+            percent(estimate.score_advantage(scores[method], scores[methods[0]]), "+") if method != methods[0] else ""
+        )
+        table.append([method, *cells, percent(estimate.mean_score(scores[method])), gain, *_runs(rows, method)])
+    return table
+
+
+def goals_table(rows: Sequence[Row]) -> list[list[str]]:
+    """Return a row for each game, whom agents move, and method: goal differences, ours beside published ones."""
+    table = [["game", "moved", "method", "train", "published", "test", "published", "runs", "env steps"]]
+    for key in sorted({(row.game, row.control, row.agent) for row in rows}):
+        mine, cells = [row for row in rows if (row.game, row.control, row.agent) == key], []
+        for split in (TRAIN, "test"):
+            results = [row.result() for row in mine if row.scene == split]
+            cells.append(spell(estimate.mean_return(results), "{:+.2f}") if results else "")
+            told = find_published(key[0], key[2], split, key[1] if key[2].startswith(TEAM) else "")
+            known = "" if told is None or told.interval is None else f" ± {told.interval:.2f}"
+            cells.append("" if told is None else f"{told.goal_difference:+.2f}{known}")
+        table.append([*key, *cells, *_runs(mine, key[2])])
+    return table
+
+
+def _runs(rows: Sequence[Row], agent: str) -> list[str]:
+    """Return how many runs of an agent there are, and after how many steps they were played."""
+    mine = sorted({(row.env_steps, row.seed) for row in rows if row.agent == agent})
+    steps = unique([count(env_steps) for env_steps, _ in mine])
+    return [str(len({seed for _, seed in mine})), " to ".join(steps)]
+
+
+def percent(interval: Interval, sign: str = "") -> str:
+    """Return a share with its interval, in percent."""
+    return spell(Interval(*(100 * value for value in interval)), f"{{:{sign}.0f}}", "%")
+
+
+def spell(interval: Interval, form: str, unit: str = "") -> str:
+    """Return an estimate with its interval, if it has one."""
+    middle, low, high = (form.format(value) for value in interval)
+    return f"{middle}{unit} [{low}, {high}]" if interval.known else f"{middle}{unit}"
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main, sys.argv[1:]))

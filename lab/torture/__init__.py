@@ -1,0 +1,1 @@
+"""Attacks on the whole of Regista for minutes or hours; see `lab.torture.__main__`."""
