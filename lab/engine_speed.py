@@ -25,6 +25,8 @@ from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.commands.benchmark import random_steps
 from regista.experiments.run import build
 from regista.experiments.run.config import EngineConfig, TrainConfig
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
 
 GAMES = ("1v1Free", "academy/3_vs_1_with_keeper", "academy/counterattack_easy")
 ENVIRONMENTS = {"regista": 256, "grf": 4}
@@ -47,9 +49,9 @@ def processor_seconds() -> float:
 def steps_per_second(game: str, engine: str, seconds: float) -> tuple[float, int]:
     """Return environment steps per processor second, and the number of players."""
     config = EngineConfig(engine=engine).instead_of(TrainConfig(minigame=game).env)
-    program = build.load_program(build.find_minigame(game).program, None)
+    program = load_program(find_minigame(game).program, None)
     count = ENVIRONMENTS[engine]
-    with closing(build.make_upomdp(program, count, config, 0, 1)) as env:
+    with closing(build.make_matches(program, count, config, 0, 1)) as env:
         step: Callable[[int], None] = random_steps(env)
         step(64)
         began, steps, before = time.monotonic(), 0, processor_seconds()

@@ -24,11 +24,13 @@ from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import build
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import single_game
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import read_columns, read_rows
 from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
+from ued.core.task import TRAINING_SCENE
 from ued.statistics import bootstrap
 
 FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
@@ -142,7 +144,7 @@ def program(game: str, order: str, folder: Path) -> str:
 
 def rare_shares(run: RunFolder) -> list[float]:
     """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run."""
-    draws = build.load_scenes(run.config)[build.TRAINING_SCENE].draws
+    draws = single_game(run.config.minigame).program(run.config).draws
     name, cells = min(
         ((draw.name, cells) for draw in draws if (cells := choice_in(draw)) is not None),
         key=lambda pair: pair[1].shares.min(),
@@ -157,11 +159,11 @@ def rare_shares(run: RunFolder) -> list[float]:
 def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     """Return the row of a run: success on each held-out scene in percent, and the rare branch's share."""
     config = replace(run.config, minigame=cell.game)
-    programs = build.load_scenes(config, held_out=True)
-    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
-    played = EvalScenes(config, programs, EPISODES).play(student)
+    game = build.find_game(cell.game)
+    student, (env_steps, _) = load_student(run, game)
+    played = EvalScenes(config, game, EPISODES, held_out=True).play(student)
     rates = {label: 100 * float((result.returns > 0).mean()) for label, result in played.items()}
-    train = rates.pop(build.TRAINING_SCENE)
+    train = rates.pop(TRAINING_SCENE)
     shares = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
     row = {"game": cell.game, "order": cell.order, "variant": cell.variant, "seed": run.config.seed}
     row |= {

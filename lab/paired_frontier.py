@@ -1,7 +1,7 @@
 """Which regret, how many episodes for each level and which entropy does PAIRED need on the frontier?
 
-Trains PAIRED on `ued.probes.Frontier` as `regista probe` does, with one setting changed at a time, on seeds that the
-table of the probe does not use. A row for each run: the share of the task that its protagonist knows in the end. Rows
+Trains PAIRED on `ued.probes.frontier` with one setting changed at a time, on seeds that the table of the frontier in
+RESULTS.md does not use. A row for each run: the share of the task that its protagonist knows in the end. Rows
 that the file has are not made again:
 
     python -m lab.paired_frontier --csv lab/results/paired_frontier.csv
@@ -19,8 +19,10 @@ from typing import Any
 import numpy as np
 import torch
 
-from regista.experiments.commands.probe import ProbeConfig, probe_run, run_one
+from regista.experiments.run import build
 from regista.experiments.run.arguments import replace_paths
+from ued.evaluation import evaluate
+from ued.probes import LONGEST, Frontier
 from ued.statistics import bootstrap
 
 TANH = {"adversary.distribution": "tanh_gaussian", "adversary.update_epochs": 20}
@@ -38,17 +40,31 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "tanh_gaussian, entropy 0.1": {**TANH, "adversary.ent_coef": 0.1},
 }
 SEEDS = range(20, 30)
+GAME = "ued.probes:frontier"
+TESTS = 20  # evaluations of a run
+EPISODES = 5  # on each test level, in each of them
 COLUMNS = ("setting", "seed", "env_steps", "known")
 
 
 def train(setting: str, seed: int) -> dict[str, Any]:
-    """Train one run, and return its row."""
+    """Train one run, evaluate it `TESTS` times, and return its row."""
     torch.set_num_threads(1)
     changed = {f"paired.{name}": value for name, value in SETTINGS[setting].items()}
-    config = replace(replace_paths(probe_run(), changed), method="paired", seed=seed)
-    probe = ProbeConfig()
-    run = run_one(config, probe.longest, probe.dim)
-    return {"setting": setting, "seed": seed, "env_steps": run.env_steps[-1], "known": round(run.scores[-1], 4)}
+    config = replace(replace_paths(build.find_game(GAME).start("fast"), changed), method="paired", seed=seed)
+    method, test, known, tested = (
+        build.make_method(config, Frontier(config.num_envs, LONGEST)),
+        Frontier(32, LONGEST),
+        0.0,
+        0,
+    )
+    test.reset(seed=0)
+    levels = test.test_levels()
+    while method.env_steps < config.total_env_steps:
+        method.update()
+        if method.env_steps >= (tested + 1) * config.total_env_steps / TESTS:
+            tested, steps = tested + 1, method.env_steps
+            known = float(evaluate(method.student, test, EPISODES * LONGEST, 1, levels).returns.mean())
+    return {"setting": setting, "seed": seed, "env_steps": steps, "known": round(known, 4)}
 
 
 def main() -> None:

@@ -64,11 +64,11 @@ def spread(played: np.ndarray, count: int | None = None) -> float:
 
 def rows_of(game: str, seed: int) -> list[dict[str, Any]]:
     """Train one run, and return a row for each point of it."""
-    config = arguments.replace_paths(build.starting_point("fast", game), SETTINGS)
+    config = arguments.replace_paths(build.find_game(game).start("fast"), SETTINGS)
     config = replace(config, minigame=game, method="paired", seed=seed, total_env_steps=POINTS[-1])
-    program = build.load_scenes(config)[build.TRAINING_SCENE]
-    method = build.make_method(config, build.make_upomdp(program, config.num_envs, config.env, seed, 1))
-    test = build.make_upomdp(program, 64, config.env, seed, 1)
+    make = build.find_game(game).task(config).make
+    method = build.make_method(config, build.make_upomdp(make, config.num_envs, seed))
+    test = build.make_upomdp(make, 64, seed)
     rows = []
     for point in POINTS:
         while method.env_steps < point:

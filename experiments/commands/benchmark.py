@@ -19,6 +19,8 @@ import numpy as np
 
 from regista.experiments.run import arguments, build
 from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.provenance import hardware, versions
 from regista.experiments.run.results import align
 from ued.config import Checked, most_threads, setting
@@ -63,8 +65,8 @@ def simulator_rows(config: BenchmarkConfig) -> list[Measurement]:
     """Measure the vector environment with its observations under random actions; episodes restart as they end."""
     rows = []
     for game, label in GAMES.items():
-        program = build.load_program(build.find_minigame(game).program, None)
-        env = build.make_upomdp(program, config.num_envs, TrainConfig().env, 0, config.threads)
+        program = load_program(find_minigame(game).program, None)
+        env = build.make_matches(program, config.num_envs, TrainConfig().env, 0, config.threads)
         speed = config.num_envs * rate(random_steps(env), config.seconds)
         rows.append(Measurement(f"simulator, {label}", speed, f"{config.num_envs} matches"))
     return rows
@@ -78,8 +80,8 @@ def training_row(label: str, game: str, method: str, threads: int, seconds: floa
 
 def make_method(config: TrainConfig) -> Any:
     """Make a method that has begun: replay is under way, and the buffer is in use."""
-    program = build.load_program(build.find_minigame(config.minigame).program, None)
-    method = build.make_method(config, build.make_upomdp(program, config.num_envs, config.env, 0, config.threads))
+    program = load_program(find_minigame(config.minigame).program, None)
+    method = build.make_method(config, build.make_matches(program, config.num_envs, config.env, 0, config.threads))
     for _ in range(WARM_UPDATES):
         method.update()
     return method

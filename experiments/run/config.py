@@ -25,6 +25,8 @@ from ued.methods import METHODS
 
 Config = TypeVar("Config")
 
+TEST_ENVS = {"regista": 64, "grf": 8}  # matches that an evaluation plays at once, by engine
+
 
 class ConfigError(CommandError):
     """A `config.json` that is none: the message names the file, the key, and what would have been right."""
@@ -169,7 +171,7 @@ class FootballRunConfig(RunConfig):
     @property
     def test_envs(self) -> int:
         """As many as a core steps at once, in GRF as many as processes fit into memory."""
-        return {"regista": 64, "grf": 8}[self.env.engine]
+        return TEST_ENVS[self.env.engine]
 
     def reading(self) -> tuple[Any, ...]:
         """Return the settings with which the training program is read."""

@@ -15,9 +15,10 @@ import numpy as np
 from regista.envs.football.constants import NUM_ACTIONS
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import build
-from regista.experiments.run.config import EngineConfig
+from regista.experiments.run.config import TEST_ENVS, EngineConfig
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.evaluator import ENVIRONMENTS, load_student
+from regista.experiments.run.evaluator import load_student
+from regista.experiments.run.games import single_game
 from regista.experiments.run.watch import Watch
 from regista.experiments.transfer.episodes import ENDINGS, Choose, Episodes, play, play_keys, side_by_side
 from regista.experiments.transfer.goals import goals_of
@@ -183,8 +184,9 @@ class BothEngines:
 
     def __init__(self, run: RunFolder, plan: Plan) -> None:
         config, self.run, self.plan = run.config, run, plan
-        program = build.load_scenes(config)[build.TRAINING_SCENE]
-        self.student, _ = load_student(run, program)
+        self.game = single_game(config.minigame)
+        program = self.game.program(config)
+        self.student, _ = load_student(run, self.game)
         self._stack = ExitStack()
         engines = (
             EngineConfig(engine="regista").instead_of(config.env),
@@ -197,8 +199,8 @@ class BothEngines:
         self.levels = self.envs[0].sample_levels(max(plan.episodes))
 
     def _make(self, program: Any, config: FootballConfig, count: int) -> FootballVectorEnv:
-        most = min(ENVIRONMENTS[config.engine], count)
-        return self._stack.enter_context(closing(build.make_upomdp(program, most, config, SEED, self.plan.threads)))
+        most = min(TEST_ENVS[config.engine], count)
+        return self._stack.enter_context(closing(build.make_matches(program, most, config, SEED, self.plan.threads)))
 
     def __enter__(self) -> BothEngines:
         return self
@@ -209,8 +211,7 @@ class BothEngines:
     def results(self) -> tuple[list[Result], list[SideBySide]]:
         """Play the policies; return what became of them, and what is to be recorded."""
         config = self.run.config
-        game = build.find_minigame(config.minigame).name
-        of_run = (self.run.path.name, game, config.env.representation, config.method)
+        of_run = (self.run.path.name, self.game.short, config.env.representation, config.method)
         results: list[Result] = []
         recorded: list[SideBySide] = []
         for policy in self.plan.policies:
@@ -235,7 +236,7 @@ class BothEngines:
 
     def _recorded(self, ours: Episodes) -> list[SideBySide]:
         """Play the keys of some of our episodes in the other engine."""
-        painter = build.make_painter(self.envs[0].program, self.envs[0])
+        painter = FootballPainter(self.envs[0].lineup)
         count = min(self.plan.traces, *self.plan.episodes)
         keys = np.maximum(ours.actions[:count], 0)
         grf = play_keys(self.envs[1], keys, self.levels[:count])

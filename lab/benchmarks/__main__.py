@@ -35,6 +35,8 @@ from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import run_command
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
@@ -86,7 +88,7 @@ def measure_all(argv: Sequence[str]) -> int:
     config = arguments.parse(BenchmarkConfig(), argv, "python -m lab.benchmarks", DESCRIPTION)
     if config.suite == "grf":
         return measure(config) if config.measuring.measure else likeness(config)
-    build.find_minigame(config.minigame)
+    find_minigame(config.minigame)
     if config.suite == "scale":
         return scale(config)
     suites: dict[str, Sequence[Any]] = {}
@@ -203,8 +205,8 @@ def _levels_per_second(config: BenchmarkConfig) -> float:
 
 
 def _make_env(config: BenchmarkConfig, num_envs: int, threads: int) -> Any:
-    program = build.load_program(build.find_minigame(config.minigame).program, None)
-    return build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+    program = load_program(find_minigame(config.minigame).program, None)
+    return build.make_matches(program, num_envs, TrainConfig().env, 0, threads)
 
 
 # ---------------------------------------------------------------- what is printed

@@ -27,9 +27,10 @@ def behaviors_suite(seconds: float) -> list[Measurement]:
 
 def measure(name: str, seconds: float) -> Measurement:
     """Step with random actions; episodes restart as they end."""
-    from regista.experiments.run.build import load_program, make_upomdp
+    from regista.experiments.run.build import make_matches
+    from regista.experiments.run.programs import load_program
 
-    env = make_upomdp(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
+    env = make_matches(load_program(PROGRAMS / f"{name}.scenic", None), NUM_ENVS, TrainConfig().env, 0, 1)
     speed = NUM_ENVS * rate(random_steps(env), seconds, clock=time.process_time)
     note = f"code: {len(env.behaviors.code.rows)} rows, compiled in {compile_ms(env, seconds):.0f} ms"
     return Measurement(CASES[name], speed, note)

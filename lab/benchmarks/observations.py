@@ -13,6 +13,7 @@ import numpy as np
 
 from regista.experiments.commands.benchmark import Measurement, random_steps, rate
 from regista.experiments.run import build
+from regista.experiments.run.programs import load_program
 
 PROGRAMS = Path(__file__).parent / "programs"
 SCENES = (("6 players", PROGRAMS / "football_6.scenic"), ("22 players", PROGRAMS / "football_22.scenic"))
@@ -56,4 +57,4 @@ def _frames(program: Path, seconds: float) -> float:
 def _make_env(program: Path, representation: str, threads: int) -> Any:
     from regista.envs.football.config import FootballConfig
 
-    return build.make_upomdp(build.load_program(program, None), MATCHES, FootballConfig(representation), 0, threads)
+    return build.make_matches(load_program(program, None), MATCHES, FootballConfig(representation), 0, threads)

@@ -20,6 +20,8 @@ from lab.benchmarks.training import ELEVEN, TEAMS
 from regista.experiments.commands.benchmark import rate
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.table import cannot_write
 from ued.config import ACCELConfig, BufferConfig, PairedConfig, PLRConfig
 from ued.core.curriculum import Curriculum, ThetaSpace
@@ -77,7 +79,7 @@ def scale_suite(minigame: str, seconds: float) -> Iterator[Point]:
 
 
 def _environments(minigame: str, seconds: float) -> Iterator[Point]:
-    program = build.load_program(build.find_minigame(minigame).program, None)
+    program = load_program(find_minigame(minigame).program, None)
     for num_envs in ENVIRONMENTS:
         speed = _steps_per_second(program, num_envs, 1, seconds, time.process_time)
         yield Point("environments", minigame, num_envs, speed)
@@ -102,7 +104,7 @@ def _match_of(players: int) -> str:
 
 
 def _threads(minigame: str, seconds: float) -> Iterator[Point]:
-    program = build.load_program(build.find_minigame(minigame).program, None)
+    program = load_program(find_minigame(minigame).program, None)
     for threads in range(1, (os.cpu_count() or 1) + 1):
         speed = _steps_per_second(program, 1024, threads, seconds, time.perf_counter)
         yield Point("threads", minigame, threads, speed)
@@ -110,7 +112,7 @@ def _threads(minigame: str, seconds: float) -> Iterator[Point]:
 
 def _steps_per_second(program: Any, num_envs: int, threads: int, seconds: float, clock: Any) -> float:
     """Step with random actions, drawn beforehand; episodes restart as they end."""
-    env = build.make_upomdp(program, num_envs, TrainConfig().env, 0, threads)
+    env = build.make_matches(program, num_envs, TrainConfig().env, 0, threads)
     actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (16, num_envs))
 
     def step(count: int) -> None:
@@ -185,11 +187,11 @@ def _play(records: np.ndarray, rng: np.random.Generator) -> None:
 
 def _agents(seconds: float) -> Iterator[Point]:
     config = replace(TrainConfig(), minigame=ELEVEN, method="dr")
-    program = build.load_program(build.find_minigame(ELEVEN).program, None)
+    program = load_program(find_minigame(ELEVEN).program, None)
     for team in ("independent", "shared"):
         for control in TEAMS:
             env, ppo = replace(config.env, control=control), replace(config.ppo, team=team)
-            upomdp = build.make_upomdp(program, 16, env, 0, 1)
+            upomdp = build.make_matches(program, 16, env, 0, 1)
             method = build.make_method(replace(config, env=env, ppo=ppo), upomdp)
             yield Point("agents", team, upomdp.num_agents, _agent_steps_per_second(method, seconds))
 

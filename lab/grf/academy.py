@@ -21,7 +21,7 @@ from lab.grf.rows import Row, by_distance
 from lab.grf.scenes import SCENES
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.run.evaluator import ENVIRONMENTS
+from regista.experiments.run.config import TEST_ENVS
 from regista.experiments.transfer.episodes import ENDINGS, Episodes, play
 from ued.core.level_space import level_dtype
 
@@ -60,7 +60,7 @@ ROWS = (
 def play_policy(scene: str, policy: str, count: int, config: FootballConfig = OURS) -> Episodes:
     """Play so many episodes of a policy on a scene's drawn levels, in the engine of a configuration."""
     text = program_text(SCENES[scene], JITTER)
-    with closing(FootballVectorEnv(text, min(count, ENVIRONMENTS[config.engine]), config=config)) as env:
+    with closing(FootballVectorEnv(text, min(count, TEST_ENVS[config.engine]), config=config)) as env:
         levels = drawn_levels(env, count)
         if policy == BUILT_IN:
             env.reset(seed=SEED)

@@ -16,7 +16,7 @@ import numpy as np
 
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.run.evaluator import ENVIRONMENTS
+from regista.experiments.run.config import TEST_ENVS
 from regista.experiments.run.report import two_digits
 from regista.experiments.run.results import Counted, goal_rate
 from regista.experiments.transfer.episodes import Episodes, play
@@ -110,7 +110,7 @@ def play_experts(
 
 def play_expert(expert: Expert, config: FootballConfig, episodes: int, seed: int = SEED) -> Episodes:
     """Play so many episodes of a program, each on a level of its own, drawn by the seed."""
-    count = min(episodes, ENVIRONMENTS[config.engine])
+    count = min(episodes, TEST_ENVS[config.engine])
     if expert.is_team:
         config = replace(config, control="all")
     with closing(FootballVectorEnv(HERE / "experts" / f"{expert.name}.scenic", count, config=config)) as env:

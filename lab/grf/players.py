@@ -23,7 +23,7 @@ from lab.grf.scenes import SCENES
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import GK, LEFT, NOBODY, SHORT_PASS, SHOT, SPRINT
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.experiments.run.evaluator import ENVIRONMENTS
+from regista.experiments.run.config import TEST_ENVS
 from regista.experiments.transfer.episodes import Episodes, play
 from ued.core.level_space import level_dtype
 
@@ -173,7 +173,7 @@ def play_matches(name: str, difficulty: float, count: int, config: FootballConfi
         end_episode_on_possession_change=False,
     )
     player = PLAYERS[name]()
-    with closing(FootballVectorEnv(text, min(count, ENVIRONMENTS[config.engine]), config=config)) as env:
+    with closing(FootballVectorEnv(text, min(count, TEST_ENVS[config.engine]), config=config)) as env:
 
         def choose(observation: Any, step: int) -> np.ndarray:
             if step == 0:

@@ -15,11 +15,12 @@ from lab.studies import measuring, tables
 from lab.studies.rows import Row, add, check_present, load, trained
 from lab.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
 from regista.experiments.commands import clone, demonstrate
-from regista.experiments.run import arguments, build, origin
+from regista.experiments.run import arguments, origin
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig, presets
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import find_minigame
 from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.workers import train_unfinished
 from regista.minigames.published import published
@@ -141,14 +142,14 @@ class BenchmarkStudy:
         agents = AGENTS.get(self.name)
         for seed in range(self.config.seeds):
             for game, control in self.games():
-                single = control == build.find_minigame(game).control
+                single = control == find_minigame(game).control
                 team, kind = ("", "ppo") if single else (measuring.TEAM, measuring.team_kind(typed))
                 yield from (PlannedRun(game, team + agent, control, seed) for agent in agents or (kind,))
 
     def games(self) -> list[tuple[str, str]]:
         """Return the games, each with whom its agents move: a team of each kind, or one agent."""
         known = PAIRS[self.name]
-        games = [build.find_minigame(game) for game in self.config.games or dict.fromkeys(game for game, _ in known)]
+        games = [find_minigame(game) for game in self.config.games or dict.fromkeys(game for game, _ in known)]
         pairs = []
         for game in games:
             controls = [control for other, control in known if other == game.name]
@@ -258,5 +259,5 @@ def measure(runs: Sequence[RunFolder], known: Sequence[Row], episodes: int) -> l
         about = (game, "random", run.config.env.control)
         if not any(row[:3] == about for row in [*known, *rows]):
             rows += measuring.measure_random(run.config, episodes)
-            rows += measuring.measure_experts(build.find_minigame(game), episodes)
+            rows += measuring.measure_experts(find_minigame(game), episodes)
     return rows

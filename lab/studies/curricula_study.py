@@ -105,7 +105,7 @@ class CurriculaStudy:
 
     def planned(self) -> Iterator[PlannedVariant]:
         """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
-        games = [build.canonical_name(game) for game in self.config.games or self.comparison.games]
+        games = [build.find_game(game).name for game in self.config.games or self.comparison.games]
         variants = {name: self.variant(name) for name in self.config.variants or self.comparison.variants}
         first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
         budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own

@@ -14,12 +14,13 @@ import numpy as np
 from lab.studies.rows import TRAIN, Point, Row
 from regista.envs.football.version import version_on
 from regista.experiments.run import build, versions
-from regista.experiments.run.baselines import make_baselines
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import find_minigame
 from regista.experiments.run.provenance import commit
 from regista.experiments.run.table import read_columns
+from ued.core.task import TRAINING_SCENE
 
 TEAM = "team_"  # before the names of agents
 HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
@@ -41,9 +42,9 @@ if TYPE_CHECKING:
 
 def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     """Play so many episodes of a trained run on each scene of its minigame."""
-    programs = build.load_scenes(run.config)
-    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
-    evaluations = EvalScenes(run.config, programs, episodes).play(student)
+    game = build.find_game(run.config.minigame)
+    student, (env_steps, _) = load_student(run, game)
+    evaluations = EvalScenes(run.config, game, episodes).play(student)
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds()}
     return _rows(run.config, evaluations, about | {"agent": agent_of(run)})
 
@@ -51,7 +52,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
 def agent_of(run: RunFolder) -> str:
     """Return what an agent is called in tables: by how it was trained, and whether it is a team."""
     trained = {"clone": "cloned", "dr fine-tuned": "pretrained"}.get(run.label)
-    if run.config.env.control == build.find_minigame(run.config.minigame).control:
+    if run.config.env.control == find_minigame(run.config.minigame).control:
         return trained or "ppo"
     return TEAM + (trained or team_kind(run.config.ppo))
 
@@ -69,9 +70,9 @@ def measure_variant(
     Of the rows the scenes `held out, ...` are thirds of `levels` levels that are drawn with a seed of their own, or the
     held-out scenes of the game, if it is `scenes` that count.
     """
-    programs = build.load_scenes(run.config)
-    student, (env_steps, _) = load_student(run, programs[build.TRAINING_SCENE])
-    tests = EvalScenes(run.config, programs, episodes)
+    game = build.find_game(run.config.minigame)
+    student, (env_steps, _) = load_student(run, game)
+    tests = EvalScenes(run.config, game, episodes)
     evaluations = tests.play(student)
     if scenes:
         evaluations |= _held_out_scenes(run, student, episodes)
@@ -82,9 +83,8 @@ def measure_variant(
 
 
 def _held_out_scenes(run: RunFolder, student: Any, episodes: int) -> dict[str, Evaluation]:
-    programs = build.load_scenes(run.config, held_out=True)
-    labels = [label for label in programs if label != build.TRAINING_SCENE]
-    played = EvalScenes(run.config, programs, episodes).play(student, labels)
+    scenes = EvalScenes(run.config, build.find_game(run.config.minigame), episodes, held_out=True)
+    played = scenes.play(student, [label for label in scenes.scenes if label != TRAINING_SCENE])
     return {f"{HELD_OUT}{label}": evaluation for label, evaluation in played.items()}
 
 
@@ -118,9 +118,8 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
     """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
-    programs = build.load_scenes(config)
-    scenes = EvalScenes(config, programs, episodes)
-    policy = make_baselines(scenes.scenes[build.TRAINING_SCENE], programs[build.TRAINING_SCENE])["random"]
+    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
+    policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])["random"]
     return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
 
 
@@ -141,7 +140,7 @@ def measure_experts(game: Minigame, episodes: int) -> list[Row]:
 def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
     rows = []
     for label, evaluation in evaluations.items():
-        scene = TRAIN if label == build.TRAINING_SCENE else label
+        scene = TRAIN if label == TRAINING_SCENE else label
         measured = _row(evaluation.returns, evaluation.lengths, config.env)
         rows.append(Row(game=config.minigame, scene=scene, **about, **measured))
     return rows

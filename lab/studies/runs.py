@@ -78,12 +78,13 @@ class StudyRuns:
 
         `kind` is what the folder is called behind the game. Raises `UsageError` for an unknown game.
         """
-        control = build.find_minigame(build.parts_of(game)[0]).control
+        found = build.find_game(game)
+        control = found.start("fast").env.control
         base = replace(self.base, env=replace(self.base.env, control=control))
         settings = {**self.typed, **(chosen or {})}
-        config = replace(arguments.replace_paths(base, settings), minigame=build.canonical_name(game), seed=seed)
+        config = replace(arguments.replace_paths(base, settings), minigame=found.name, seed=seed)
         team = "" if config.env.control == control else f"{config.env.control}-"
-        name = f"{build.short_name(game).replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
+        name = f"{found.short.replace('/', '_')}-{team}{kind}{config.env.representation}-{seed}"
         return self.folder / name, config
 
     def open(self, game: str, seed: int, chosen: Mapping[str, Any] | None = None, kind: str = "") -> RunFolder:
