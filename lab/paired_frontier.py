@@ -21,8 +21,9 @@ import torch
 
 from regista.experiments.run import build
 from regista.experiments.run.arguments import replace_paths
+from regista.experiments.run.config import task_presets
 from ued.evaluation import evaluate
-from ued.probes import LONGEST, Frontier
+from ued.probes import LONGEST, Frontier, frontier
 from ued.statistics import bootstrap
 
 TANH = {"adversary.distribution": "tanh_gaussian", "adversary.update_epochs": 20}
@@ -40,7 +41,6 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "tanh_gaussian, entropy 0.1": {**TANH, "adversary.ent_coef": 0.1},
 }
 SEEDS = range(20, 30)
-GAME = "ued.probes:frontier"
 TESTS = 20  # evaluations of a run
 EPISODES = 5  # on each test level, in each of them
 COLUMNS = ("setting", "seed", "env_steps", "known")
@@ -50,13 +50,10 @@ def train(setting: str, seed: int) -> dict[str, Any]:
     """Train one run, evaluate it `TESTS` times, and return its row."""
     torch.set_num_threads(1)
     changed = {f"paired.{name}": value for name, value in SETTINGS[setting].items()}
-    config = replace(replace_paths(build.find_game(GAME).start("fast"), changed), method="paired", seed=seed)
-    method, test, known, tested = (
-        build.make_method(config, Frontier(config.num_envs, LONGEST)),
-        Frontier(32, LONGEST),
-        0.0,
-        0,
-    )
+    config = replace_paths(task_presets()["fast"], {**frontier.defaults, **changed})
+    config = replace(config, method="paired", seed=seed)
+    method = build.make_method(config, Frontier(config.num_envs, LONGEST))
+    test, known, tested = Frontier(32, LONGEST), 0.0, 0
     test.reset(seed=0)
     levels = test.test_levels()
     while method.env_steps < config.total_env_steps:

@@ -236,6 +236,8 @@ class BothEngines:
 
     def _recorded(self, ours: Episodes) -> list[SideBySide]:
         """Play the keys of some of our episodes in the other engine."""
+        from regista.envs.football.view.render import FootballPainter
+
         painter = FootballPainter(self.envs[0].lineup)
         count = min(self.plan.traces, *self.plan.episodes)
         keys = np.maximum(ours.actions[:count], 0)
