@@ -62,6 +62,7 @@ FLOORS = {
         "football.vector_env",
         "football.gym_env",
         "football.parallel_env",  # PettingZoo
+        "football.task",  # programs as a task
         "football.replay",
         "scenic3.names",  # Scenic 3 itself: what is random, by name and line
         "scenic3.columns",  # as columns of theta
@@ -86,6 +87,7 @@ FLOORS = {
         "core.episode_limit",
         "core.curriculum",
         "core.painter",  # how levels look
+        "core.baselines",  # untrained policies
         "core.task",  # what a run trains on
         "probes",
         "learning",  # student, rollout, PPO

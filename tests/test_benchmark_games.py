@@ -13,7 +13,7 @@ from regista.envs.football.scenic.domain import FOOTBALL
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.__main__ import main
-from regista.experiments.run import build
+from regista.experiments.run import build, games
 from regista.minigames.published import find_published, published
 from regista.minigames.suites import ALL, BENCHMARK, HERE, NAMED
 from scenic_lite import load
@@ -269,10 +269,10 @@ def test_gymnasium_knows_games_and_their_tests():
 
 
 def test_names_are_found_and_slips_are_told(capsys):
-    assert build.find_minigame("3v2FourBehaviors/C").program.stem == "test_c"
-    assert build.find_minigame("ChoosePassing/top_blocked").tests == ()
-    assert build.canonical_name("grf/empty_goal/test") == "grf/empty_goal/test"
-    assert build.starting_point("fast", "offense/11_vs_gk").env.rewards == "scoring,checkpoints"
+    assert games.find_minigame("3v2FourBehaviors/C").program.stem == "test_c"
+    assert games.find_minigame("ChoosePassing/top_blocked").tests == ()
+    assert build.find_game("grf/empty_goal/test").name == "grf/empty_goal/test"
+    assert build.find_game("offense/11_vs_gk").start("fast").env.rewards == "scoring,checkpoints"
     assert main(["inspect", "offense/easy_crossing/tset"]) == 2
     assert "did you mean 'offense/easy_crossing/test'" in capsys.readouterr().err
     assert main(["inspect", "2vs2"]) == 2

@@ -27,7 +27,6 @@ TINY = ["--num-envs", "4", *PPO, "--total-env-steps", "256", "--eval-every", "12
 SAVING = [*TINY, "--checkpoint-seconds", "0"]
 QUIET = [*SAVING, "--no-record"]
 FOOTBALL = ["1v1Restricted", "--num-envs", "2", *PPO, "--total-env-steps", "64", "--eval-every", "0"]
-PROBE = ["probe", "--methods", "dr", "--seeds", "1", "--processes", "1", "--num-envs", "4", *PPO, "--longest", "3"]
 
 
 @dataclass(frozen=True)
@@ -57,13 +56,12 @@ WRITERS = {  # which write, one of each kind
     "train plr, recorded": train("plr", *SAVING),
     "train football": Scenario(["train", *FOOTBALL, "--out", "{out}"], ["train", "--resume", "{out}"]),
     "train from": train("dr", *QUIET, "--from", "{made}/run", "--kl-to-clone", "0.5"),
-    "gallery": Scenario(["gallery", "{made}/recorded", "--out", "{out}/page.html"]),
+    "gallery": Scenario(["evaluate", "--gallery", "{made}/recorded"]),
     "compare": Scenario([*COMPARE, "--processes", "1", "--out", "{out}"]),
     "demonstrate": Scenario(["demonstrate", "1v1Restricted", "--episodes", "2", "--keep", "all", "--out", "{out}"]),
     "clone": Scenario(["clone", "{made}/demos", "--epochs", "2", "--ppo.hidden-size", "8", "--out", "{out}"]),
     "play": Scenario(["play", "1v1Restricted", "--record", "{out}/match.npz"]),
     "evaluate": Scenario(["evaluate", "{made}/run", "--episodes", "4", "--levels", "0", "--csv", "{out}/all.csv"]),
-    "probe": Scenario([*PROBE, "--total-env-steps", "256", "--out", "{out}"]),
 }
 SCENARIOS = WRITERS | {
     f"train {method}, {threads} threads": train(method, *QUIET, "--threads", str(threads))

@@ -24,7 +24,6 @@ LAST = ["--launcher", "commands"]
 COMMANDS = {
     "compare": ["compare", TASK, "--methods", "dr", "plr", "--seeds", "2"],
     "compare from": ["compare", TASK, "--from", "nowhere", "--seeds", "1"],
-    "probe": ["probe", "--methods", "dr", "--seeds", "1"],
 }
 MANY = {"--seeds"}  # as many runs as one says are listed, each with its folder
 SMALL = ("-1", "0", "1", "2", "3.5", "nan", "-inf", "1e999", "٣")

@@ -70,7 +70,7 @@ WORD = re.compile(r"[\w.+-]+")
 WORDS = ("nan", "inf", "-1", "0", "1e999", "9" * 30, "x", '"', "[", "null", "0.5", "é", "\\ud800", "''")
 COMMANDS = (
     ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
-    ["gallery", "{run}", "--out", "{run}.html", "--replays", "3"],
+    ["evaluate", "{run}", "--gallery", "--gallery-replays", "3"],
     ["train", "--resume", "{run}", "--total-env-steps", "1_200"],
     ["train", TASK, "--method", "dr", "--from", "{run}", *SETTINGS, "--total-env-steps", "128", "--out", "{run}-child"],
 )
@@ -224,9 +224,8 @@ class Target(Folder):
         super().__init__(folder, kind, make_run(folder, kind=kind))
         self.names = [name for name in (*FILES, *MORE) if name in self.whole]
         config = RunFolder.open(self.run).config
-        program = build.load_scenes(config)[build.TRAINING_SCENE]
-        env = config.env if build.is_football(config) else None
-        self.upomdp = build.make_upomdp(program, config.num_envs, env, config.seed, 1)
+        make = build.find_game(config.minigame).task(config).make
+        self.upomdp = build.make_upomdp(make, config.num_envs, config.seed)
         self.config = config
         self.method = build.make_method(config, self.upomdp)
         self.quick = env is None

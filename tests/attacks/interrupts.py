@@ -20,14 +20,14 @@ TINY = ["--num-envs", "8", "--num-steps", "64", "--total-env-steps"]
 COMMANDS: dict[str, list[str]] = {
     "train": ["train", "1v1Restricted", "--method", "plr", *TINY, "400_000", "--out", "{out}"],
     "compare": ["compare", "1v1Free", "--methods", "dr", "accel", "--seeds", "1", *TINY, "40_000", "--out", "{out}"],
-    "probe": ["probe", "--methods", "dr", "plr", "--seeds", "2", "--total-env-steps", "400_000", "--out", "{out}"],
+    "frontier": ["compare", "ued.probes:frontier", "--seeds", "2", "--total-env-steps", "400_000", "--out", "{out}"],
     "evaluate": ["evaluate", "{run}", "--episodes", "200"],
     "demonstrate": ["demonstrate", "3v2FourBehaviors", "--episodes", "400", "--out", "{out}"],
     "play": ["play", "3v2FourBehaviors", "--steps", "3000", "--video", "{out}.gif"],
     "inspect": ["inspect", "3v2FourBehaviors", "--png", "{out}.png"],
     "list": ["list"],
     "benchmark": ["benchmark"],
-    "replay": ["replay", "{record}", "--video", "{out}.gif"],
+    "replay": ["play", "--replay", "{record}", "--video", "{out}.gif"],
 }
 
 

@@ -4,12 +4,15 @@ from pathlib import Path
 
 import pytest
 
+from regista.envs.football.task import ShootPolicy
 from regista.experiments.commands.train import train
-from regista.experiments.run import build, workers
+from regista.experiments.run import build, games, workers
 from regista.experiments.run.folder import RunFolder
 from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 from tests.leftovers import nobody_left
+from ued.core.baselines import UniformPolicy
+from ued.core.task import Task
 
 __all__ = ["nobody_left"]
 
@@ -27,16 +30,21 @@ def undrawn(request, monkeypatch):
 
 @pytest.fixture
 def probe(monkeypatch):
-    """Let `build` make probes, whatever the names."""
+    """Let every game of football be a task of probes, with the game's names of test scenes."""
 
-    def make_upomdp(program, num_envs, config, seed, threads):
-        upomdp = ProbeUPOMDP(num_envs)
-        upomdp.reset(seed=seed)
-        return upomdp
+    def task(self, config, env=None):
+        tests, held_out = (
+            {name: ProbeUPOMDP for name, _ in scenes} for scenes in (self.minigame.tests, self.minigame.held_out)
+        )
+        baselines = {
+            "shoot": lambda upomdp: ShootPolicy(()),
+            "random": lambda upomdp: UniformPolicy(upomdp.agent_action_space),
+        }
+        painter = lambda upomdp: ProbePainter()  # noqa: E731
+        return Task(ProbeUPOMDP, tests, painter, held_out, baselines, success_word="goals")
 
-    monkeypatch.setattr(build, "make_upomdp", make_upomdp)
+    monkeypatch.setattr(games.FootballGame, "task", task)
     monkeypatch.setattr(build, "make_method", lambda config, upomdp: ProbeMethod(config, upomdp))
-    monkeypatch.setattr(build, "make_painter", lambda program, lineup=None: ProbePainter())
     return Path
 
 

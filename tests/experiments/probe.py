@@ -28,8 +28,6 @@ DRAWS = (ThetaColumn("place.x", -50.0, 50.0), ThetaColumn("place.y", -30.0, 30.0
 class ProbeUPOMDP(UPOMDP):
     """Episodes of one step; the observation is θ."""
 
-    lineup, defending = None, False  # of football
-
     def __init__(self, num_envs: int = 1) -> None:
         super().__init__(num_envs, Box(-1.0, 1.0, (3,), np.float32), Discrete(2), DRAWS)
 

@@ -16,10 +16,10 @@ import pytest
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
-from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import football_game
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import (
     LevelResult,
@@ -118,13 +118,11 @@ def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):
 
 
 def test_goals_are_what_counts_whatever_pays_in_training(in_process, monkeypatch):
-    paid, make = [], build.make_upomdp
-    monkeypatch.setattr(
-        build, "make_upomdp", lambda program, n, env, *rest: paid.append(env.rewards) or make(program, n, env, *rest)
-    )
-    config = TrainConfig(env=FootballConfig(rewards="scoring,checkpoints"))
-    EvalScenes(config, build.load_scenes(config), 4)
-    assert paid == ["scoring"] * 4
+    config, game, rewards = TrainConfig(env=FootballConfig(rewards="scoring,checkpoints")), football_game("1v1Free"), []
+    task = game.task
+    monkeypatch.setattr(game, "task", lambda config: rewards.append(config.env.rewards) or task(config))
+    EvalScenes(config, game, 4)
+    assert rewards == ["scoring"]
 
 
 def test_a_run_without_checkpoint_cannot_be_evaluated(in_process, tmp_path, capsys):

@@ -40,7 +40,7 @@ def test_thesis_is_table_4_2():
 
 
 def test_thesis_is_the_network_of_figure_4_10():
-    start = build.starting_point("thesis", "1v1Restricted")
+    start = build.find_game("1v1Restricted").start("thesis")
     assert (start.env.representation, start.env.rewards) == ("smm_stacked", "scoring")
     image, keys = Box(0, 255, (72, 96, 16), np.uint8), Discrete(19)
     student = Student(image, keys, start.ppo, torch_generator(0))
@@ -50,7 +50,7 @@ def test_thesis_is_the_network_of_figure_4_10():
 @pytest.mark.parametrize("game", ["1v1Restricted", "academy/run_to_score", "1v1Free+Gauntlet"])
 def test_thesis_is_the_same_in_every_command(game, tmp_path):
     """Also where a game is best paid otherwise: the thesis pays for goals."""
-    start = build.starting_point("thesis", game)
+    start = build.find_game(game).start("thesis")
     run = _begin({"preset": "thesis", "config.minigame": game, "out": tmp_path / "run"})
     compared = _read([game, "--preset", "thesis"])
     assert run.config.ppo == compared.train.ppo == start.ppo == PPOConfig.thesis()

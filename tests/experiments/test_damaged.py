@@ -7,8 +7,6 @@ from pathlib import Path
 import pytest
 import torch
 
-from regista.experiments.commands.probe import ProbeJob
-from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.owner import owned
@@ -145,7 +143,7 @@ def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path, name, 
 @pytest.mark.parametrize("damage", [("best/student", "x"), ("source,", "sauce,"), ("theta/length1", "theta/length0")])
 def test_a_gallery_of_damaged_levels_is_refused(begun, tmp_path, damage):
     copy = with_text(begun, tmp_path, "levels.csv", *damage)
-    code, said = quietly(["gallery", str(copy)])
+    code, said = quietly(["evaluate", "--gallery", str(copy)])
     assert code == 1 and said.startswith("regista: ") and said.count("\n") == 1 and str(copy) in said
 
 
@@ -177,19 +175,6 @@ def test_a_table_that_does_not_say_how_long_was_trained(begun, tmp_path, text):
         run.seconds()
     run.metrics.path.write_text("update,time/elapsed\n")
     assert run.seconds() == 0.0
-
-
-def test_a_probe_that_was_kept_half_is_trained_again(tmp_path):
-    job = ProbeJob(tmp_path, TrainConfig(method="dr"), 3, 2, ())
-    run = {"method": "dr", "seed": 0, "env_steps": [1, 2], "scores": [0.0, 1.0], "updates": 2}
-    for changed, known in (
-        ({}, True),
-        ({"scores": [0.0]}, False),
-        ({"scores": "ab"}, False),
-        ({"updates": None}, False),
-    ):
-        (tmp_path / "run.json").write_text(json.dumps({"settings": job.settings(), "run": run | changed}))
-        assert (job.known() is not None) == known
 
 
 @pytest.mark.slow

@@ -62,11 +62,11 @@ def test_successes_are_kept_as_records_and_as_a_minari_data_set(program, tmp_pat
     record = load_record(out / "records" / "0000.npz")
     moments = list(replay(record))  # raises where it comes out differently
     assert len(moments) == record.lengths.max() + 1 and record.scripted
-    assert main(["replay", str(out / "records" / "0000.npz"), "--match", "7"]) == 0
+    assert main(["play", "--replay", str(out / "records" / "0000.npz"), "--match", "7"]) == 0
     steps, matches = record.lengths[7], len(record.lengths)
     words = f"{steps} steps came out as they were recorded, match 7 of {matches}; 1 : 0 in the end\n"
     assert capsys.readouterr().out == words
-    assert main(["replay", str(out / "records" / "0000.npz"), "--match", "999"]) == 2
+    assert main(["play", "--replay", str(out / "records" / "0000.npz"), "--match", "999"]) == 2
     metadata = list(data.storage.get_episode_metadata(range(60)))
     for number, episode in enumerate(data):
         length = int(table["length"][kept][number])
@@ -253,14 +253,13 @@ def test_the_environment_is_recovered_from_the_data(program, tmp_path):
 
 @pytest.mark.parametrize(("control", "played"), [("closest1", "run"), ("2", "pair"), ("all", "pair")])
 def test_one_agent_has_another_semi_expert_than_a_team(program, tmp_path, monkeypatch, control, played):
-    from regista.experiments.run import build
+    from regista.minigames import suites
     from regista.minigames.suites import Minigame
 
     pair = tmp_path / "pair.scenic"
     pair.write_text(PAIR)
     game = Minigame("game", tmp_path / "none.scenic", (), "", expert=program, team_expert=pair)
-    monkeypatch.setattr(build, "find_minigame", lambda name: game)
-    monkeypatch.setattr(build, "canonical_name", lambda name: name)
+    monkeypatch.setitem(suites.NAMED, "game", game)
     out = tmp_path / "demos"
     assert main(["demonstrate", "game", "--control", control, "--episodes", "2", "--out", str(out)]) == 0
     assert (out / "program.scenic").read_text() == {"run": RUN, "pair": PAIR}[played]

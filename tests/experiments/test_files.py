@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
-from regista.experiments.commands import characterise, probe
+from regista.experiments.run import solved
 from regista.experiments.run.demonstrations import Demonstrations
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Entry, Report
@@ -78,11 +78,9 @@ def test_other_tables_have_the_columns_of_the_page(tmp_path):
     pages = documented()
     assert pages["table.csv"] == [*Entry._fields, "simulator"]
     assert pages["levels.csv of a comparison"] == [*(item.name for item in fields(LevelResult)), "simulator"]
-    assert pages["characterise --csv"] == [item.name for item in fields(characterise.Row)]
+    assert pages["list --solved --csv"] == [item.name for item in fields(solved.Row)]
     Report([]).save_csv(tmp_path / "results.csv")
-    probe.save_csv([], tmp_path / "curves.csv")
-    for name in ("results.csv", "curves.csv"):
-        assert pages[name] == read_header(tmp_path / name)
+    assert pages["results.csv"] == read_header(tmp_path / "results.csv")
     demonstrations = Demonstrations.__new__(Demonstrations)
     demonstrations.summaries = list
     assert general(demonstrations._table(["x"], 0).strip().split(",")) == pages["episodes.csv"]

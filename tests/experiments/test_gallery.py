@@ -53,9 +53,9 @@ def run(tmp_path_factory):
 
 
 def stage_of(run):
-    program = build.load_scenes(run.config)[build.TRAINING_SCENE]
-    env = build.make_upomdp(program, 1, None, 0, 1)
-    return Stage(env, build.make_painter(program, env))
+    task = build.find_game(run.config.minigame).task(run.config)
+    env = build.make_upomdp(task.make, 1, 0)
+    return Stage(env, task.painter(env))
 
 
 def data_of(page):
@@ -102,9 +102,10 @@ def test_the_levels_of_the_highest_scores_are_kept(run):
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
 
 
-def test_the_page_shows_levels_cards_scenes_and_replays(run, tmp_path, capsys):
-    page = tmp_path / "page.html"
-    assert main(["gallery", str(run.path), "--out", str(page), "--levels", "20", "--replays", "7"]) == 0
+def test_the_page_shows_levels_cards_scenes_and_replays(run, capsys):
+    page = run.path / "gallery.html"
+    flags = ["--gallery-levels", "20", "--gallery-replays", "7"]
+    assert main(["evaluate", str(run.path), "--gallery", *flags]) == 0
     assert "7 with replays" in capsys.readouterr().out
     data, levels = data_of(page), {row["turn"]: row for row in read_rows(run.levels.path)}
     shown = data["levels"]
@@ -122,7 +123,7 @@ def test_without_a_painter_it_shows_what_is_rendered_or_words(tmp_path, capsys):
     (tmp_path / "bare_task.py").write_text(TASK)
     command = ["train", f"{tmp_path}/bare_task.py:make", "--method", "plr", "--total-env-steps", "1_000", *SHORT]
     assert main([*command, "--out", str(tmp_path / "run")]) == 0
-    assert main(["gallery", str(tmp_path / "run")]) == 0
+    assert main(["evaluate", "--gallery", str(tmp_path / "run")]) == 0
     data = data_of(tmp_path / "run" / "gallery.html")
     assert data["scene"] is None and all(each["film"] == [] for each in next(iter(data["replays"].values())).values())
 
@@ -146,17 +147,17 @@ def test_a_row_that_unpacks_to_a_gigabyte_is_refused(run):
 
 def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
     old = tmp_path / "old"
-    shutil.copytree(run.path, old)
+    shutil.copytree(run.path, old, ignore=shutil.ignore_patterns("gallery.html"))
     lines = [line.split(",") for line in (old / "levels.csv").read_text().splitlines()]
     turn = lines[0].index("turn")
     (old / "levels.csv").write_text("".join(",".join(row[:turn] + row[turn + 1 :]) + "\n" for row in lines))
-    assert main(["gallery", str(old)]) == 1 and "older version" in capsys.readouterr().err
+    assert main(["evaluate", "--gallery", str(old)]) == 1 and "older version" in capsys.readouterr().err
     assert not (old / "gallery.html").exists()
 
 
 def test_no_run_no_page(tmp_path, capsys):
-    assert main(["gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
-    assert main(["gallery"]) == 2
+    assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
+    assert main(["gallery"]) == 2 and "regista evaluate RUN --gallery" in capsys.readouterr().err
 
 
 def test_recordings_off_leaves_no_tape(run, tmp_path):

@@ -5,7 +5,7 @@ import pytest
 
 from regista.experiments.__main__ import main
 from regista.experiments.pictures.scene_view import corners, view_of
-from regista.experiments.run.build import read_params
+from regista.experiments.run.programs import read_params
 from scenic_lite import load
 
 pytestmark = pytest.mark.drawn

@@ -80,30 +80,6 @@ def test_command_lines_make_the_tables_that_a_machine_makes(words, trained_here,
     assert_same(alone, tmp_path / "by lines", 2)
 
 
-@pytest.mark.slow
-def test_a_probe_goes_by_lines_too(tmp_path, capfd):
-    words = ["probe", "--methods", "dr", "--seeds", "1", "--longest", "3", "--total-env-steps", "4096"]
-    assert main([*words, "--out", str(tmp_path / "alone")]) == 0
-    capfd.readouterr()
-    by_lines = [*words, "--out", str(tmp_path / "by lines"), "--launcher", "commands"]
-    assert main(by_lines) == 0
-    lines = capfd.readouterr().out
-    assert lines.count("--only") == 1
-    subprocess.run(["xargs", "-L1", "-P2", "env"], cwd=ROOT, input=lines, text=True, check=True)
-    assert main(by_lines) == 0
-    for name in ("table.md", "curves.csv"):
-        assert (tmp_path / "alone" / name).read_text() == (tmp_path / "by lines" / name).read_text()
-    capfd.readouterr()
-    assert main([*by_lines, "--total-env-steps", "8192"]) == 0  # other settings: other runs
-    assert capfd.readouterr().out.count("--only") == 1
-
-
-def test_a_probe_knows_its_runs(tmp_path, capsys):
-    words = ["probe", "--methods", "dr", "--only", "paired-0", "--out", str(tmp_path)]
-    assert main(words) == 2
-    assert "no run 'paired-0'" in capsys.readouterr().err
-
-
 # ---------------------------------------------------------------- owners
 
 

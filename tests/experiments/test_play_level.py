@@ -90,4 +90,4 @@ def test_what_is_no_level_is_said(run, capsys):
 
 def test_a_task_is_no_start_for_football(run, tmp_path, capsys):
     assert main(["train", "1v1Free", "--from", str(run), "--out", str(tmp_path / "out"), *SMALL]) != 0
-    assert "which is seen otherwise" in capsys.readouterr().err
+    assert "which has other observations" in capsys.readouterr().err

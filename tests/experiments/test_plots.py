@@ -8,16 +8,18 @@ from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.view.render import FootballPainter, pitch_lines
 from regista.experiments.pictures import level_plots, plots
 from regista.experiments.pictures.overview import Comparison, overview
-from regista.experiments.run import build
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import Result
 from regista.experiments.run.table import Table
+from ued.core.task import TRAINING_SCENE
 
 pytestmark = pytest.mark.drawn
 
 
 @pytest.fixture(scope="module")
 def painter():
-    program = build.load_program(build.find_minigame("1v1Restricted").program, 2)
+    program = load_program(find_minigame("1v1Restricted").program, 2)
     return FootballPainter(Lineup(program))
 
 
@@ -46,7 +48,7 @@ def runs(tmp_path, painter):
     return found
 
 
-SCENES = (build.TRAINING_SCENE, "easy", "hard")
+SCENES = (TRAINING_SCENE, "easy", "hard")
 
 
 def ink(path):

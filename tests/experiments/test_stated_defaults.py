@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import fields, is_dataclass, replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -9,10 +10,10 @@ import pytest
 from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.__main__ import main
 from regista.experiments.commands import clone, compare, train
-from regista.experiments.run import build
+from regista.experiments.run import build, starting, trust
 from regista.experiments.run.folder import RunFolder
 
-TASK = "their_own.py:task"
+TASK = f"{Path(__file__).parents[2] / 'examples' / 'maze.py'}:make"
 CASES = [
     [],
     [TASK],
@@ -23,6 +24,11 @@ CASES = [
     ["academy/run_to_score+1v1Free", "--preset", "thesis"],
 ]
 CHOSEN = ("minigame", "method", "seed")
+
+
+@pytest.fixture(autouse=True)
+def trusted():
+    trust.allow(TASK)
 
 
 def flat(config, path=""):
@@ -54,14 +60,14 @@ def test_train_states_what_it_uses(argv, effective):
 
 @pytest.mark.parametrize("argv", CASES)
 def test_compare_states_what_it_uses(argv):
-    assert flat(build.settings_for(argv)) == flat(compare._read(argv).train)
+    assert flat(starting.settings_for(argv)) == flat(compare._read(argv).train)
 
 
 @pytest.mark.parametrize("argv", CASES)
 def test_other_cases_are_what_they_are_called(argv, effective):
-    cases = build.other_settings(argv)
+    cases = starting.other_settings(argv)
     games = [word for word in argv if word != "thesis" and not word.startswith("--preset")]
-    preset = build.preset_of(argv)
+    preset = starting.preset_of(argv)
     other = {"fast": "thesis", "thesis": "fast"}[preset]
     (config,) = cases.pop(f"with --preset {other}")
     assert flat(config) == effective([*games, "--preset", other])
@@ -93,7 +99,7 @@ def test_help_says_how_many_environments_there_are_in_each_case(capsys):
 
 
 def test_a_run_that_is_named_says_what_it_was_trained_with(tmp_path, capsys):
-    run = RunFolder.create(tmp_path / "run", replace(build.starting_point("fast", "1v1Free"), num_envs=7))
+    run = RunFolder.create(tmp_path / "run", replace(build.find_game("1v1Free").start("fast"), num_envs=7))
     assert stated(capsys, "train", "--resume", str(run.path), "--help")["--num-envs"] == "7"
 
 

@@ -146,8 +146,8 @@ def test_a_comparison_whose_runs_are_not_heard_ends(tmp_path):
     [
         ["inspect", "{scene}", "--n", "10000", "--show", "scenes"],  # one of a million draws is valid
         ["inspect", "1v1Free", "--png", "{out}.png", "--n", "3000"],
-        ["probe", "--methods", "dr", "plr", "--seeds", "2", "--total-env-steps", "1e9", "--out", "{out}"],
-        ["characterise", "1v1Free", "--levels", "100000"],
+        ["compare", "ued.probes:frontier", "--seeds", "2", "--total-env-steps", "1e9", "--out", "{out}"],
+        ["list", "--solved", "1v1Free", "--levels", "100000"],
         ["demonstrate", "3v2FourBehaviors", "--episodes", "100000", "--out", "{out}"],
         ["benchmark", "--seconds", "1000"],
     ],

@@ -212,7 +212,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/nowhere.py:push"], "there is no file"),
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
-        (["train", "{}/push_task.py"], "a task of yours is called file.py:name"),
+        (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
         (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
@@ -230,7 +230,7 @@ def test_what_is_no_task_is_told(command, message, task, tmp_path, capsys):
     [
         ("import no_such_package\n\nmake = None", "No module named 'no_such_package' ({}, line 1)"),
         ("import ued\n\ndef make(n):\n    return ued.Range(2, 1)", "got 2 and 1 ({}, line 4)"),
-        ("import ued\n\nmake = ued.Task(1, ['a'])", "tests must map names to levels, got ['a'] ({}, line 3)"),
+        ("import ued\n\nmake = ued.Task(1, ['a'])", "tests must be a mapping by name, got ['a'] ({}, line 3)"),
         ("import ued\n\nmake = ued.Task(print, {'training distribution': 1})", "a test cannot be called 'training"),
         ("def make(:", "SyntaxError"),
     ],

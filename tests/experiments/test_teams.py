@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
-from regista.experiments.run.baselines import make_baselines
-from regista.experiments.run.build import find_minigame, load_program, make_method, make_upomdp, starting_point
+from regista.envs.football.task import football_task
+from regista.experiments.run.build import make_matches, make_method
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import load_student
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import single_game
 from regista.experiments.run.table import read_rows
 from regista.experiments.transfer.episodes import NO_ACTION, play, play_keys
 from regista.experiments.transfer.replaying import leaving
@@ -106,7 +107,7 @@ def test_the_baselines_play_for_every_agent():
     import torch
 
     env = loaded("closest3")
-    for policy in make_baselines(env, env.program).values():
+    for policy in football_task(env.program).make_baselines(env).values():
         env.step(policy.play(env.observe(), torch.Generator().manual_seed(0)))
 
 
@@ -119,10 +120,11 @@ def test_the_baselines_play_for_every_agent():
     ],
 )
 def test_students_learn_in_every_control_mode(control, representation, agents):
-    config = starting_point("fast", GAME)
+    game = single_game(GAME)
+    config = game.start("fast")
     env = dataclasses.replace(config.env, control=control, representation=representation)
     ppo = dataclasses.replace(config.ppo, num_steps=4, num_minibatches=1, update_epochs=1)
-    upomdp = make_upomdp(load_program(find_minigame(GAME).program, None), 2, env, 0, 1)
+    upomdp = make_matches(game.program(config), 2, env, 0)
     method = make_method(dataclasses.replace(config, method="paired", env=env, ppo=ppo, num_envs=2), upomdp)
     metrics = method.update()
     assert metrics["env_steps"] == 2 * 2 * 4 and metrics["protagonist/grad_norm"] > 0

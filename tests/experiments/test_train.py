@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,9 +13,9 @@ import pytest
 import scenic_lite
 from regista.experiments.__main__ import main
 from regista.experiments.run import build
-from regista.experiments.run.build import TRAINING_SCENE, load_scenes
 from regista.experiments.run.config import ProgramConfig, TrainConfig
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import football_game
 from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
 
@@ -58,11 +57,15 @@ def test_a_run_that_tests_nothing_makes_no_environments_for_it(probe, tmp_path, 
     assert len(made) == 1
 
 
-def test_every_program_is_read_once(probe, tmp_path, monkeypatch):
+def test_every_program_is_read_once(monkeypatch):
     read = []
     load = scenic_lite.load
     monkeypatch.setattr(scenic_lite, "load", lambda path, *settings: read.append(path) or load(path, *settings))
-    assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
+    game, config = football_game("1v1Restricted"), TrainConfig()
+    game.source(config)
+    for settings in (config, config.scored()):
+        for scene in game.task(settings).scenes().values():
+            scene(1).close()
     assert len(read) == len(set(read)) == 4
 
 
@@ -72,7 +75,7 @@ def test_the_settings_of_a_program_are_part_of_the_run(probe, tmp_path, capsys):
     assert main(["train", str(program), "-p", "far=5", "--param", "name=dusk", "--out", str(path), *SHORT]) == 0
     settings = RunFolder.open(path).config
     assert settings.program == ProgramConfig(param=("far=5", "name=dusk"))
-    params = load_scenes(settings)[TRAINING_SCENE].params
+    params = football_game(str(program)).program(settings).params
     assert (params["far"], params["name"]) == (5, "dusk")
     capsys.readouterr()
     assert main(["train", "--resume", str(path), "-p", "far=6", "--total-env-steps", "22000"]) == 1
@@ -100,16 +103,14 @@ def test_a_mixture_is_trained_and_recorded_by_program(tmp_path):
 def test_points_of_a_mixture_are_those_of_its_programs():
     import numpy as np
 
-    from regista.experiments.run import build
-
-    config = replace(TrainConfig(), minigame="1v1Free+ChoosePassing")
-    mixed = build.load_scenes(config)[TRAINING_SCENE]
-    painter = build.make_painter(mixed)
-    own = [build.make_painter(program) for program in mixed.programs]
-    theta = np.zeros((2, 1 + max(program.dim for program in mixed.programs)))
+    game, config = football_game("1v1Free+ChoosePassing"), TrainConfig()
+    programs, mixed = [part.program(config) for part in game.games], game.task(config)
+    painter = mixed.painter(mixed.make(1))
+    own = [task.painter(task.make(1)) for task in (part.task(config) for part in game.games)]
+    theta = np.zeros((2, 1 + max(program.dim for program in programs)))
     theta[:, 0] = [-0.5, 0.5]
     places = painter.positions(theta)
-    for k, program in enumerate(mixed.programs):
+    for k, program in enumerate(programs):
         drawn = ~np.isnan(places[k, :, 0])
         assert sorted(painter.classes[drawn]) == sorted(own[k].classes)
         expected = own[k].positions(np.zeros((1, program.dim)))[0]

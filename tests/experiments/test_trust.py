@@ -31,7 +31,7 @@ def make(num_envs):
 """
 READ = {
     "evaluate": ["evaluate", "{run}", "--episodes", "2", "--levels", "0"],
-    "gallery": ["gallery", "{run}"],
+    "gallery": ["evaluate", "--gallery", "{run}"],
     "resume": ["train", "--resume", "{run}", "--total-env-steps", "32"],
     "from": ["train", "--from", "{run}", *TINY, "--method", "dr", "--out", "{run}-next"],
     "compare from": ["compare", "--from", "{run}", "--seeds", "1", "{run}"],
@@ -196,7 +196,7 @@ def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
 
 def test_demonstrations_are_of_football_alone(run, capsys):
     assert main(["demonstrate", "--run", str(run), "--out", "demos"]) == 2
-    assert "demonstrations are of football alone" in capsys.readouterr().err
+    assert "is a Python task; here a game of football is needed" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
@@ -207,7 +207,7 @@ def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
         os.mkfifo(run / name)
     else:
         (run / name).symlink_to("/dev/zero")
-    for words in (["gallery"], ["evaluate"], ["train", "--resume"]):
+    for words in (["evaluate", "--gallery"], ["evaluate"], ["train", "--resume"]):
         assert main([*words, str(run)]) == 1
         assert f"{name} is damaged: it is no regular file" in capsys.readouterr().err
 

@@ -50,9 +50,9 @@ def test_its_recording_does(tmp_path, monkeypatch):
     recordings = []
     monkeypatch.setattr("regista.experiments.run.recording.CurriculumRecorder", lambda *them: recordings.append(them))
     config = TrainConfig(minigame=GAME, method="dr", num_envs=2)
-    program = build.load_scenes(config)[build.TRAINING_SCENE]
-    upomdp = build.make_upomdp(program, 2, config.env, 0, 1)
-    RunRecorder(RunFolder(tmp_path, config), program, build.make_method(config, upomdp))
+    task = build.find_game(config.minigame).task(config)
+    upomdp = build.make_upomdp(task.make, 2, 0)
+    RunRecorder(RunFolder(tmp_path, config), task, build.make_method(config, upomdp))
     ((recording, *_),) = recordings
     assert recording.properties["simulator"] == "1" and recording.properties["minigame"] == GAME
 
