@@ -5,15 +5,21 @@ Read next: the `.scenic` files, each a page at most; `published`, what others ha
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from regista.envs.football.config import FootballConfig
+    from scenic_lite import Program
+    from ued.core.task import Task
 
 HERE = Path(__file__).parent
 CHECKPOINTS = "scoring,checkpoints"
 
 
 class Minigame(NamedTuple):
-    """A named training program with its test scenes.
+    """A named training program with its test scenes; `task()` makes it a `ued.Task`.
 
     `name`, with a `_` for each `/`, is also the Gymnasium id `regista/<name>-v1`; `tests` are (label, program) pairs,
     from easy to hard, each a game of its own, too.
@@ -39,6 +45,39 @@ class Minigame(NamedTuple):
     expert: Path | None = None
     team_expert: Path | None = None
     held_out: tuple[tuple[str, Path], ...] = ()
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """The settings of a run that this game changes, by dotted path."""
+        return {"env.control": self.control, "env.rewards": self.rewards}
+
+    def task(
+        self,
+        config: FootballConfig | None = None,
+        program: Program | None = None,
+        make: Callable[..., Any] | None = None,
+    ) -> Task:
+        """Return the game as a task, for `ued`'s methods or for `regista.train`.
+
+        Args:
+            config: what agents observe, control and are rewarded for; None: as the game's row has it.
+            program: the compiled training program; None: it is loaded.
+            make: makes environments of a program, `make(program, num_envs, config=config)`; None: `FootballVectorEnv`.
+
+        Raises `ScenicError` for a program that cannot be loaded.
+        """
+        from dataclasses import replace
+
+        from regista.envs.football.config import FootballConfig
+        from regista.envs.football.scenic.domain import FOOTBALL
+        from regista.envs.football.task import football_task
+        from regista.envs.football.vector_env import FootballVectorEnv
+        from scenic_lite import load
+
+        config = config or FootballConfig(control=self.control, rewards=self.rewards)
+        program = program or load(self.program, FOOTBALL, config.dialect)
+        made = football_task(program, dict(self.tests), dict(self.held_out), config, make or FootballVectorEnv)
+        return replace(made, defaults=self.defaults)
 
     def test_games(self) -> list[Minigame]:
         """Return each test scene as a game of its own, without tests."""

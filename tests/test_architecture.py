@@ -39,7 +39,7 @@ MAY_IMPORT = {
         "imageio_ffmpeg",
     },
     "envs/scenic3": {"envs.scenic3", "ued.core", "numpy", "gymnasium", "scenic", "greenlet"},
-    "minigames": {"minigames", "scenic_lite", "envs", "gymnasium"},
+    "minigames": {"minigames", "scenic_lite", "envs", "ued.core", "gymnasium"},
     "regista": {"regista", "minigames", "experiments", "ued"},  # what lies in the folder itself, not behind its links
 }
 EXCEPTIONS = {

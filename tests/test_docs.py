@@ -48,7 +48,6 @@ QUICK = {
     "inspect": [],
     "list": [],
     "play": ["--steps", "5"],
-    "replay": [],
     "demonstrate": ["--episodes", "2"],
     "clone": ["--epochs", "1"],
 }

@@ -112,7 +112,7 @@ def test_methods_are_compared(regista, project):
 def test_a_match_is_played_and_replayed(regista, project):
     regista("play", GAME, "--steps", "20", "--video", "match.gif", "--record", "match.npz")
     assert (project / "match.gif").stat().st_size > 1000
-    regista("replay", "match.npz", "--video", "again.gif")
+    regista("play", "--replay", "match.npz", "--video", "again.gif")
     assert (project / "again.gif").read_bytes() == (project / "match.gif").read_bytes()
 
 

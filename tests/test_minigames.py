@@ -145,3 +145,16 @@ def test_defences_say_that_they_are(name):
     game = BENCHMARK[name]
     for path in (game.program, *(path for _, path in game.tests)):
         assert Lineup(program_of(path)).config.defending == name.startswith("defense/")
+
+
+def test_a_minigame_is_a_task():
+    task = MINIGAMES["1v1Restricted"].task()
+    assert list(task.scenes()) == ["training distribution", "easy", "medium", "hard"]
+    assert list(task.scenes(held_out=True)) == ["training distribution", "in", "near", "clear"]
+    assert task.success_word == "goals" and task.defaults["env.control"] == "closest1"
+    for scene in task.scenes().values():
+        upomdp = task.make_scene(scene)(2)
+        seen, _ = upomdp.reset(seed=0)
+        assert seen.shape[0] == 2 and task.painter(upomdp).positions(upomdp.levels["theta"]).shape == (2, 4, 2)
+    assert list(task.make_baselines(upomdp)) == ["shoot", "random"]
+    assert BENCHMARK["defense/2vs2"].task().success_word == "success"

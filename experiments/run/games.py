@@ -1,8 +1,8 @@
 """Games of football: what a minigame's name, the path of a .scenic program or `a+b` stands for on the command line.
 
 `run.build.find_game` makes one, once; all that a command needs of it are its attributes. A task in a Python file is
-`run.tasks.PythonTask`, with the same methods. Read next: `envs.football.task`, what a game's task is made of;
-`minigames.suites`, the names; `run.mixed`, mixtures.
+`run.tasks.PythonTask`, with the same methods. Read next: `minigames.suites`, the names;
+`run.mixed`, mixtures.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ class FootballGame:
         """
         from regista.experiments.run.config import presets
 
-        defaults = {"env.control": self.minigame.control, "env.rewards": self.minigame.rewards}
+        defaults = self.minigame.defaults
         if preset == "thesis":
             del defaults["env.rewards"]
         return arguments.replace_paths(presets()[preset], defaults)
@@ -85,13 +85,10 @@ class FootballGame:
 
     def task(self, config: Any, env: FootballConfig | None = None) -> Task:
         """Return the training program and the test scenes as a task; test scenes are compiled when they are played."""
-        from regista.envs.football.task import football_task
-
         env = env or config.env
         prepare_kernels(env, config.threads)
-        tests, held_out = dict(self.minigame.tests), dict(self.minigame.held_out)
         make = partial(self._environments, dialect=env.dialect)
-        return football_task(self.program(config), tests, held_out, env, make)
+        return self.minigame.task(env, self.program(config), make)
 
     def source(self, config: Any) -> Source:
         """Return the text of the training program; a run does not go on with another one."""

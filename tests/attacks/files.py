@@ -228,7 +228,7 @@ class Target(Folder):
         self.upomdp = build.make_upomdp(make, config.num_envs, config.seed)
         self.config = config
         self.method = build.make_method(config, self.upomdp)
-        self.quick = env is None
+        self.quick = config.engine is None
 
     def reader(self, rng: np.random.Generator) -> Callable[[np.random.Generator], str]:
         """Return who reads it: mostly what takes no processes and no pictures."""

@@ -13,6 +13,7 @@ from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import Result
 from regista.experiments.run.table import Table
 from ued.core.task import TRAINING_SCENE
+from ued.methods import METHODS
 
 pytestmark = pytest.mark.drawn
 
@@ -132,7 +133,7 @@ def test_a_short_run_has_levels_in_all_periods(tmp_path):
 
 def test_every_method_has_a_colour_and_a_name_of_its_own():
     for known in (plots.METHOD_COLOURS, plots.METHOD_NAMES):
-        assert set(build.METHODS) <= set(known) and len(set(known.values())) == len(known)
+        assert set(METHODS) <= set(known) and len(set(known.values())) == len(known)
 
 
 def test_curves_of_students_whatever_their_names(tmp_path):

@@ -65,6 +65,26 @@ def make(num_envs):
 rows = [[-1, 0], [0, 0], [1, 0]]
 push = ued.Task(make, tests={"strong": {"force": 1.0, "ground": "ice"}, "three": rows, "other": make})
 broken = ued.Task(make, tests={"wrong": {"speed": 1}})
+
+
+class Right:
+    def __init__(self, upomdp):
+        self.random = ued.core.baselines.SampledPolicy(upomdp.single_action_space)
+        self.empty_memory = self.random.empty_memory
+
+    def play(self, observation, generator, greedy=False, memory=None):
+        return np.ones(len(observation), int)
+
+
+whole = ued.Task(
+    make,
+    tests={"strong": {"force": 1.0, "ground": "ice"}},
+    held_out={"weak": {"force": 0.4, "ground": "grass"}},
+    baselines={"right": Right},
+    defaults={"total_env_steps": 192, "ppo.gamma": 0.5, "plr.replay_prob": 0.25},
+    success_word="pushes",
+)
+unknown = ued.Task(make, defaults={"ppo.gama": 0.5})
 '''
 
 
@@ -259,3 +279,35 @@ def test_the_maze_is_a_task(tmp_path):
     out = tmp_path / "run"
     assert train(f"{tmp_path / 'maze_copy.py'}:make", out, "--method", "accel", "--total-env-steps", "512") == 0
     assert len(rows(out / "metrics.csv")) == 8
+
+
+@pytest.mark.slow
+def test_a_task_brings_defaults_baselines_held_out_scenes_and_its_word(task, trained_here, tmp_path, capsys):
+    whole, out = task.replace(":push", ":whole"), tmp_path / "both"
+    command = ["compare", whole, "--methods", "dr", "plr", "--seeds", "1", *SHORT, "--no-record", "--out", str(out)]
+    assert main([*command, "--episodes", "4", "--levels", "0", "--held-out"]) == 0
+    config = RunFolder.open(out / "plr-0").config
+    assert (config.total_env_steps, config.ppo.gamma, config.plr.replay_prob) == (192, 0.5, 0.25)
+    found = rows(out / "results.csv")
+    assert {row["scene"] for row in found} == {"training distribution", "weak"}
+    assert {row["method"] for row in found} == {"dr", "plr", "right", "random"}
+    assert "pushes" in (out / "table.txt").read_text()
+    (right,) = [row for row in found if (row["method"], row["scene"]) == ("right", "weak")]
+    assert right["goals"] == right["episodes"] == "4"
+    capsys.readouterr()
+    with pytest.raises(SystemExit):
+        main(["train", whole, "--help"])
+    assert "(default 192" in capsys.readouterr().out
+    assert main(["train", whole, "--gamma", "0.9", *SHORT, "--no-record", "--out", str(tmp_path / "run")]) == 0
+    assert RunFolder.open(tmp_path / "run").config.ppo.gamma == 0.9
+
+
+def test_defaults_that_are_no_settings_are_refused(task, tmp_path, capsys):
+    assert train(task.replace(":push", ":unknown"), tmp_path / "run") == 1
+    said = capsys.readouterr().err
+    assert "its defaults are no settings of a run" in said and "gama" in said
+
+
+def test_a_task_without_held_out_scenes_says_so(task, tmp_path, capsys):
+    assert main(["compare", task, "--held-out", *SHORT, "--out", str(tmp_path / "out")]) == 2
+    assert "push_task-push has no held-out scenes" in capsys.readouterr().err

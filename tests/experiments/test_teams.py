@@ -6,8 +6,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from regista.experiments.__main__ import main
 from regista.envs.football.task import football_task
+from regista.experiments.__main__ import main
 from regista.experiments.run.build import make_matches, make_method
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.evaluator import load_student
@@ -72,7 +72,7 @@ def test_a_student_of_another_number_of_agents_is_refused(tmp_path, capsys):
         assert wanted in capsys.readouterr().err
     assert before == (run / "checkpoint.pt").read_bytes()
     with pytest.raises(CommandError, match=wanted):
-        load_student(RunFolder.open(run), loaded().program)
+        load_student(RunFolder.open(run), single_game(GAME))
 
 
 def loaded(control="all", num_envs=3):

@@ -1,0 +1,70 @@
+"""Tasks: their scenes, their levels in all spellings, their baselines."""
+
+from __future__ import annotations
+
+import gymnasium
+import numpy as np
+import pytest
+
+from ued import GymUPOMDP, Range, Task
+from ued.core.task import TRAINING_SCENE, theta_of_scene
+from ued.probes import LONGEST, Frontier, frontier
+
+
+def make(num_envs):
+    return Frontier(num_envs, 5, 3)
+
+
+def test_scenes_are_the_training_distribution_then_the_tests():
+    task = Task(make, {"short": np.zeros(3)}, held_out={"long": np.ones((2, 3))})
+    assert list(task.scenes()) == [TRAINING_SCENE, "short"]
+    assert list(task.scenes(held_out=True)) == [TRAINING_SCENE, "long"]
+    assert task.make_scene(task.scenes()["short"]) is make
+    other = Task(make, {"other": Frontier})
+    assert other.make_scene(other.scenes()["other"]) is Frontier
+
+
+@pytest.mark.parametrize("levels", [[0.1, 0.2, 0.3], [[0.1, 0.2, 0.3]], np.array([[0.1, 0.2, 0.3]])])
+def test_levels_may_be_one_theta_or_several(levels):
+    assert np.allclose(theta_of_scene(levels, make(1)), [[0.1, 0.2, 0.3]])
+    assert theta_of_scene(Frontier, make(1)) is None  # random levels
+
+
+def test_levels_may_be_values_by_name():
+    upomdp = GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), lambda env, values: None, {"length": Range(0, 4)}, 1)
+    assert theta_of_scene({"length": 3.0}, upomdp).tolist() == [[0.5]]
+    assert theta_of_scene([{"length": 1.0}, {"length": 2.0}], upomdp).tolist() == [[-0.5], [0.0]]
+    upomdp.close()
+
+
+@pytest.mark.parametrize("levels", [[0.1], [2.0, 0, 0], {"speed": 1}, 7, ["a", "b", "c"]])
+def test_other_levels_are_refused(levels):
+    with pytest.raises(ValueError, match=r"expected theta \[L, 3\] or values by name"):
+        theta_of_scene(levels, make(1))
+
+
+@pytest.mark.parametrize("name", ["tests", "held_out", "baselines", "defaults"])
+def test_whatever_has_names_is_a_mapping(name):
+    with pytest.raises(ValueError, match=f"{name} must be a mapping by name"):
+        Task(make, **{name: [1]})
+
+
+def test_no_test_has_the_name_of_the_training_distribution():
+    with pytest.raises(ValueError, match="the name of the levels that train"):
+        Task(make, {TRAINING_SCENE: np.zeros(3)})
+
+
+def test_there_is_always_a_random_policy():
+    upomdp = make(4)
+    assert list(Task(make).make_baselines(upomdp)) == ["random"]
+    mine = object()
+    made = Task(make, baselines={"mine": lambda upomdp: mine}).make_baselines(upomdp)
+    assert list(made) == ["mine", "random"] and made["mine"] is mine
+    own = Task(make, baselines={"random": lambda upomdp: mine}).make_baselines(upomdp)
+    assert own == {"random": mine}
+
+
+def test_the_frontier_tests_every_length_once():
+    upomdp = frontier.make(2)
+    theta = theta_of_scene(frontier.tests["every length"], upomdp)
+    assert upomdp.length(theta).tolist() == list(range(1, LONGEST + 1)) and not upomdp.blocked(theta).any()
