@@ -19,6 +19,7 @@ import numpy as np
 
 from regista.experiments.run import arguments, build
 from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import UsageError
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.provenance import hardware, versions
@@ -51,6 +52,8 @@ class Measurement(NamedTuple):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
+    if any(word.partition("=")[0] == "--suite" for word in argv):
+        raise UsageError("benchmark --suite has moved: python -m lab.benchmarks --suite, in a checkout")
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
     rows = [*simulator_rows(config), training_row("PAIRED, 1v1", "1v1Free", "paired", config.threads, config.seconds)]
     if config.json:

@@ -60,6 +60,11 @@ ROOT = Path(__file__).parents[2]
             "regista: the command study has moved: python -m lab.studies, in a checkout",
         ),
         (["transfer", "a", "--policies", "best"], 2, "regista: policies must be sampled, greedy or both, got best"),
+        (
+            ["benchmark", "--suite", "grf"],
+            2,
+            "regista: benchmark --suite has moved: python -m lab.benchmarks --suite, in a checkout",
+        ),
         (["benchmark", "--seconds", "0"], 2, "regista: --seconds: must be positive, got 0.0"),
     ],
 )
