@@ -147,7 +147,7 @@ def refuse_without_ego(state: LoadState, source: Source) -> None:
     if state.ego is not None or not needed:
         return
     own = (instance.place for instance in state.objects if instance.place.file == source.file)
-    with state.placing(next(own, source.start)):
+    with state.with_location(next(own, source.start)):
         raise ScenicError("name", "the program sets no ego", hint="write ego = ... before one of its objects")
 
 

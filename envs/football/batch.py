@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from regista.envs.football.constants import IDLE, NO_FAULT, NO_KEY, NOBODY
+from regista.envs.football.constants import IDLE, NO_ACTION, NO_FAULT, NOBODY
+from regista.envs.football.control.actions import main_action
 from regista.envs.football.control.agents import num_agents, seen_by
 from regista.envs.football.control.episode import has_succeeded
-from regista.envs.football.control.keys import key_of_command
 from regista.envs.football.control.reward import agent_reward, team_reward
 from regista.envs.football.observation.observe import observe, remember_minimap
 from regista.envs.football.physics.motion import take_stance
@@ -53,7 +53,7 @@ class Outcome(NamedTuple):
     success: np.ndarray  # [N] bool, see `episode.has_succeeded`
     ended: np.ndarray  # [N] int64, `constants.RUNNING` .. `REJECTED`
     faults: np.ndarray  # [N] int64
-    agent_actions: np.ndarray  # [N, A] int64, what was done for each agent: one of the 19 actions, or NO_KEY
+    agent_actions: np.ndarray  # [N, A] int64, what was done for each agent: one of the 19 actions, or NO_ACTION
 
 
 class BatchSettings(NamedTuple):
@@ -85,7 +85,7 @@ def empty_outcome(count: int, agents: int) -> Outcome:
         np.zeros(count, bool),
         np.zeros(count, np.int64),
         np.zeros(count, np.int64),
-        np.full((count, agents), NO_KEY),
+        np.full((count, agents), NO_ACTION),
     )
 
 
@@ -101,14 +101,14 @@ def step_batch(batch, actions, outcome, seen, settings, code):
 @kernel(inline=True)
 def _step_row(batch, actions, outcome, seen, settings, code, index):
     """Step, reward and observe one match."""
-    if open_row(batch, actions, settings, code, index):
+    if begin_row(batch, actions, settings, code, index):
         play(batch.matches[index])
-        watch_row(batch, settings, code, index)
-    close_row(batch, outcome, seen, settings, index)
+        run_monitors(batch, settings, code, index)
+    finish_row(batch, outcome, seen, settings, index)
 
 
 @kernel(inline=True)
-def open_row(batch, actions, settings, code, index):
+def begin_row(batch, actions, settings, code, index):
     """Give every player of a match his action; return whether it is to be played."""
     if batch.idle[index]:
         return False
@@ -142,12 +142,12 @@ def ask_program(matches, registers, commands, cast, code, actions):
                 continue
             player = match.players[cast.players[o]]
             if player.agent != NOBODY:
-                key = key_of_command(player, as_seen(player.team, int(command)))
+                key = main_action(player, as_seen(player.team, int(command)))
                 actions[index, player.agent] = seen_by(player.team, key)
 
 
 @kernel(inline=True)
-def watch_row(batch, settings, code, index):
+def run_monitors(batch, settings, code, index):
     """Let the program's monitors see what has been played."""
     if settings.scripted:
         registers, commands = batch.registers[index], batch.commands[index]
@@ -155,19 +155,19 @@ def watch_row(batch, settings, code, index):
 
 
 @kernel(inline=True)
-def close_row(batch, outcome, seen, settings, index):
+def finish_row(batch, outcome, seen, settings, index):
     """Reward and observe a match, whether it was to be played or not."""
     if batch.idle[index]:
         outcome.terminated[index] = outcome.truncated[index] = False
         outcome.faults[index] = NO_FAULT
-        outcome.agent_actions[index] = NO_KEY
+        outcome.agent_actions[index] = NO_ACTION
         return
     match = batch.matches[index]
     outcome.rewards[index] = team_reward(match, settings.checkpoints)
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)
         action = match.last_actions[agent]
-        outcome.agent_actions[index, agent] = max(action, NO_KEY)  # the real engine does not tell what its AI wants
+        outcome.agent_actions[index, agent] = max(action, NO_ACTION)  # the real engine does not tell what its AI wants
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.success[index] = has_succeeded(match, settings.defending)

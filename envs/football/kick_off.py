@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from regista.envs.football.ai.balance import FULL_HOLD, NO_HOLD
+from regista.envs.football.ai.balance import FULL_POSSESSION, NO_POSSESSION
 from regista.envs.football.ai.formation import formation_slots
 from regista.envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from regista.envs.football.control.control_modes import assign_agents
@@ -174,7 +174,7 @@ def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
 def _hold(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return both teams' hold on the ball [N, 2] at the start: the nearer one has it, neither if both are as near."""
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
-    return NO_HOLD + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_HOLD - NO_HOLD)
+    return NO_POSSESSION + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_POSSESSION - NO_POSSESSION)
 
 
 def _look_at(players: np.ndarray, ball: np.ndarray) -> None:

@@ -10,16 +10,16 @@ from regista.envs.football.ai.decide import choose_command, read_game
 from regista.envs.football.ai.keeper import kick_out_if_overdue
 from regista.envs.football.ai.set_pieces import wait_for_restart
 from regista.envs.football.constants import BUILTIN_AI, RUNNING, STAND
+from regista.envs.football.control.actions import apply_action, release_sticky_actions
 from regista.envs.football.control.active_player import settle_first_step
 from regista.envs.football.control.agents import (
+    apply_commanded_actions,
     assign_actions,
     choose_controlled,
-    note_wishes,
-    press_commanded_keys,
+    record_desired_actions,
     set_actions,
 )
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.keys import apply_action, release_keys
 from regista.envs.football.control.reward import clear_rewards, pay_checkpoints
 from regista.envs.football.frames import play_frames
 from regista.envs.football.physics.dribble import dribble
@@ -54,7 +54,7 @@ def choose_actions(match, actions, code, cast, registers, commands):
     assign_actions(match, actions)
     if cast is not None:
         command_players(match, cast.players, commands)
-    press_commanded_keys(match)
+    apply_commanded_actions(match)
     return True
 
 
@@ -65,7 +65,7 @@ def play(match):
         settle_first_step(match)
     if not wait_for_restart(match):
         play_on(match)
-    note_wishes(match)
+    record_desired_actions(match)
     play_frames(match)
     advance_timers(match)
     apply_rules(match)
@@ -92,10 +92,10 @@ def decide(match):
     for i in range(match.num_players):
         player = match.players[i]
         if player.action == BUILTIN_AI:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
             choose_command(match, i)
         elif player.action == STAND:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
             player.desired_vx, player.desired_vy = 0.0, 0.0
         else:
             apply_action(match, i, player.action)

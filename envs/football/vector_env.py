@@ -20,8 +20,8 @@ from regista.envs.football.limits import Limits, StateError
 from regista.envs.football.observation.observer import Observer
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.initial_states import INVALID, InitialStates
 from regista.envs.football.scenic.lineup import Lineup
-from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from regista.kernels.rng import stream
@@ -93,7 +93,7 @@ class FootballVectorEnv(UPOMDP):
             self.lineup.object_to_player,
             self.behaviors.objects_read,
         )
-        self._starts = Starts(self.lineup, self.behaviors)
+        self._initial_states = InitialStates(self.lineup, self.behaviors)
         self._outcome = empty_outcome(num_envs, self.num_agents)
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
@@ -132,16 +132,16 @@ class FootballVectorEnv(UPOMDP):
         return self._observer.unit
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
-        return self._starts.rows(levels, self.upcoming) != INVALID
+        return self._initial_states.rows(levels, self.upcoming) != INVALID
 
     def sample_theta(self, count: int) -> np.ndarray:
         """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
         return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
-        whole(batch.starts)[where] = whole(self._starts.matches)[rows]
-        batch.start_registers[where] = self._starts.registers[rows]
+        batch, rows = self._batch, self._initial_states.rows(levels, self.upcoming)
+        whole(batch.starts)[where] = whole(self._initial_states.matches)[rows]
+        batch.start_registers[where] = self._initial_states.registers[rows]
         self._begin(where)
         return self.observe()
 
@@ -161,7 +161,7 @@ class FootballVectorEnv(UPOMDP):
         if not self._started:
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
-        out, seen = self._outcome, self._observer.room(self.num_envs)
+        out, seen = self._outcome, self._observer.allocate(self.num_envs)
         chosen = np.full_like(out.agent_actions, BY_PROGRAM) if self.scripted else self._checked(actions)
         self._engine.step(self._batch, chosen, out, seen, self._settings)
         if out.faults.any():
@@ -177,7 +177,7 @@ class FootballVectorEnv(UPOMDP):
 
     def observe(self) -> Any:
         """Return the present observations, in arrays of their own."""
-        seen = self._observer.room(self.num_envs)
+        seen = self._observer.allocate(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
 

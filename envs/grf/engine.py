@@ -1,8 +1,8 @@
 """The real engine behind a batch of matches: the program's part of a step is ours, the football between is its.
 
-    open_row     behaviors and agents choose the players' actions                              in our kernels
+    begin_row     behaviors and agents choose the players' actions                              in our kernels
     Workers      Google Research Football plays them                                           in its processes
-    close_row    what it shows becomes our record; endings, rewards, monitors, observations    in our kernels
+    finish_row    what it shows becomes our record; endings, rewards, monitors, observations    in our kernels
 
 A team needs no agent of the engine's where its built-in AI moves everybody, one where our only agent is `active` and
 no behavior moves anybody else, else one for every player; whoever has no command there takes the action that hands him
@@ -27,7 +27,7 @@ from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.lineup import Lineup, NotAMatchError, refusal
 from regista.envs.football.state import MATCH
-from regista.envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
+from regista.envs.grf.observed_batch import begin_rows, finish_rows, read_starts, read_steps, write_seeds
 from regista.envs.grf.worker import ROWS, TEAM
 from regista.envs.grf.workers import Episode, Workers, grf_python, shared_workers
 
@@ -68,13 +68,13 @@ class GrfEngine:
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
         """Move all matches on."""
         playing = np.zeros(len(batch.matches), np.bool_)
-        open_rows(batch, actions, settings, self._code, playing)
+        begin_rows(batch, actions, settings, self._code, playing)
         where = np.flatnonzero(playing)
         orders = np.zeros((len(where), ROWS), np.int64)
         orders[:, self._rows] = batch.matches["players"]["action"][where, : len(self._rows)]
         observed = self._workers.play([self._played[int(index)] for index in where], orders)
         read_steps(batch, where, observed, self._controllers, settings, self._code)
-        close_rows(batch, outcome, seen, settings)
+        finish_rows(batch, outcome, seen, settings)
 
     def get_state(self) -> dict[str, np.ndarray]:
         """Return the episodes as they have been played; the scenes are in `batch.starts`."""

@@ -5,7 +5,7 @@ Read next: `grf.observed_match`, what is done to one.
 
 from __future__ import annotations
 
-from regista.envs.football.batch import close_row, open_row, watch_row
+from regista.envs.football.batch import begin_row, finish_row, run_monitors
 from regista.envs.football.observation.observe import remember_minimap
 from regista.envs.grf.observed_match import read_start, read_step
 from regista.kernels.jit import kernel
@@ -22,10 +22,10 @@ def write_seeds(matches, where, seeds):
 
 
 @kernel
-def open_rows(batch, actions, settings, code, playing):
+def begin_rows(batch, actions, settings, code, playing):
     """Give all players their actions; write which matches are to be played into `playing` [N]."""
     for index in range(len(batch.matches)):
-        playing[index] = open_row(batch, actions, settings, code, index)
+        playing[index] = begin_row(batch, actions, settings, code, index)
 
 
 @kernel
@@ -43,11 +43,11 @@ def read_steps(batch, where, observed, controllers, settings, code):
     for at in range(len(where)):
         index = where[at]
         read_step(batch.matches[index], observed[at], controllers[index])
-        watch_row(batch, settings, code, index)
+        run_monitors(batch, settings, code, index)
 
 
 @kernel
-def close_rows(batch, outcome, seen, settings):
+def finish_rows(batch, outcome, seen, settings):
     """Reward and observe all matches."""
     for index in range(len(batch.matches)):
-        close_row(batch, outcome, seen, settings, index)
+        finish_row(batch, outcome, seen, settings, index)

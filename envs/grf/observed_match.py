@@ -22,9 +22,9 @@ from regista.envs.football.constants import (
     RUNNING,
     STEP,
 )
+from regista.envs.football.control.actions import hold_kick
 from regista.envs.football.control.agents import choose_closest
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.keys import hold_kick
 from regista.envs.football.control.reward import pay_checkpoints
 from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 from regista.envs.football.physics.possession import forget_kick
@@ -88,18 +88,18 @@ def _read_bodies(match, seen):
     ball.spin_x, ball.spin_y = seen.ball_rotation[1] * spin, -seen.ball_rotation[0] * spin
     for i in range(match.num_players):
         player = match.players[i]
-        there = seen.players[TEAM * player.team + player.shirt]
-        player.x, player.y = there.x * UNIT_X, there.y * UNIT_Y
-        player.vx, player.vy = there.dx * UNIT_X / STEP, there.dy * UNIT_Y / STEP
+        reported = seen.players[TEAM * player.team + player.shirt]
+        player.x, player.y = reported.x * UNIT_X, reported.y * UNIT_Y
+        player.vx, player.vy = reported.dx * UNIT_X / STEP, reported.dy * UNIT_Y / STEP
         speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
         if speed > STANDING:
             player.facing_x, player.facing_y = player.vx / speed, player.vy / speed
-        player.tiredness = there.tired
-        player.has_left = there.is_active == 0
-        player.cards = 2 if player.has_left else 1 if there.has_card != 0 else 0
-        player.direction = there.direction if there.controller != NOBODY else 0
-        player.sprint = there.controller != NOBODY and there.sprint != 0
-        player.dribble = there.controller != NOBODY and there.dribble != 0
+        player.tiredness = reported.tired
+        player.has_left = reported.is_active == 0
+        player.cards = 2 if player.has_left else 1 if reported.has_card != 0 else 0
+        player.direction = reported.direction if reported.controller != NOBODY else 0
+        player.sprint = reported.controller != NOBODY and reported.sprint != 0
+        player.dribble = reported.controller != NOBODY and reported.dribble != 0
 
 
 @kernel

@@ -139,7 +139,7 @@ class Match:
         }
         self.config = config.Config(values)
         self.core = football_env_core.FootballEnvCore(self.config)
-        self.keys = football_action_set.get_action_set(self.config)
+        self.actions = football_action_set.get_action_set(self.config)
         self.reward, self.done = 0.0, False
 
     def step(self, actions: np.ndarray) -> None:
@@ -150,7 +150,7 @@ class Match:
                 row = player - self.hidden[team]
                 several = digits(int(actions[TEAM * team + row])) if row >= 0 else [0]
                 for action in reversed(several[1:]):
-                    self.core._env.perform_action(self.keys[action]._backend_action, team == 0, agent)
+                    self.core._env.perform_action(self.actions[action]._backend_action, team == 0, agent)
                 first.append(several[0])
         _, self.reward, self.done, _ = self.core.step(first)
 

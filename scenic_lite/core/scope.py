@@ -60,7 +60,7 @@ class Scope(Environment):
 
     def owning(self, instance: Instance, name: str) -> Scope:
         """Return the same names; values drawn inside belong to `instance.name`."""
-        return Scope.at(self.mode.owned_by(instance, name), self) if self.mode.phase == LOAD else self
+        return Scope.at(self.mode.with_owner(instance, name), self) if self.mode.phase == LOAD else self
 
     def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
         """Return a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""

@@ -47,14 +47,14 @@ class DrawnPoint(NamedTuple):
     whole: Region | None = None
 
 
-class Sight(NamedTuple):
+class VisibilityDemand(NamedTuple):
     """What an object's specifier demands: that `viewer` sees it, or that it does not."""
 
     viewer: Instance
     visible: bool
 
 
-class Watched(NamedTuple):
+class EpisodeStatement(NamedTuple):
     """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
 
     tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
@@ -75,15 +75,15 @@ class LoadState:
     objects: list[Instance] = field(default_factory=list)
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
-    sights: list[tuple[Instance, Sight]] = field(default_factory=list)
+    visibility_demands: list[tuple[Instance, VisibilityDemand]] = field(default_factory=list)
     conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
     columns: list[ThetaColumn] = field(default_factory=list)
     points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
-    terminations: list[Watched] = field(default_factory=list)
-    records: list[Watched] = field(default_factory=list)
-    temporal: list[Watched] = field(default_factory=list)
+    terminations: list[EpisodeStatement] = field(default_factory=list)
+    records: list[EpisodeStatement] = field(default_factory=list)
+    temporal: list[EpisodeStatement] = field(default_factory=list)
     scenarios: list[Behavior] = field(default_factory=list)
     main: BehaviorCall | None = None  # the modular scenario that the program is
     main_frame: Environment | None = None
@@ -110,7 +110,7 @@ class LoadState:
         return self.columns[-1]
 
     @contextmanager
-    def placing(self, place: SourceSpan | None) -> Iterator[None]:
+    def with_location(self, place: SourceSpan | None) -> Iterator[None]:
         """Give an error that is raised inside without a place of its own this one."""
         try:
             yield
@@ -120,7 +120,7 @@ class LoadState:
                 error.source_line = self.sources[place.file].line(place.line)
             raise
 
-    def forget_watched(self) -> None:
+    def clear_episode_statements(self) -> None:
         """Begin new lists of what is watched in episodes: what follows belongs to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
 
@@ -134,7 +134,7 @@ class LoadState:
             behaviors=dict(self.behaviors),
             watching=RuntimeChecks(),
         )
-        copy.forget_watched()
+        copy.clear_episode_statements()
         return copy
 
     @contextmanager
@@ -190,7 +190,7 @@ class Mode:
         """Return the mode inside a requirement, where comparisons are symbolic and nothing can be drawn."""
         return self if self.symbolic else replace(self, symbolic=True, draw=refuse_draw)
 
-    def owned_by(self, instance: Instance, name: str) -> Mode:
+    def with_owner(self, instance: Instance, name: str) -> Mode:
         """Return the mode in which the values that are drawn belong to `instance.name`."""
         mode = object.__new__(Mode)  # `replace` is ten times slower, and this is done for every property
         vars(mode).update(vars(self), owner=(instance, name))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from scenic_lite.core.scope import Scope, name_draws
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -253,12 +253,12 @@ def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAf
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
     label = name or f"termination condition on line {node.lineno}"
-    scope.state.terminations.append(Watched(node, scope.place(node), scope, label, duration=duration))
+    scope.state.terminations.append(EpisodeStatement(node, scope.place(node), scope, label, duration=duration))
 
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:
     """`record`: evaluated in every step by whoever runs the episode."""
-    scope.state.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
+    scope.state.records.append(EpisodeStatement(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {

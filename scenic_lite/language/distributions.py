@@ -85,7 +85,7 @@ def present(lists: Value, column: ThetaColumn, items: list[Value]) -> Value:
         return choose(lists.index, [present(option, column, items) for option in lists.options])
     items += [item for i, item in enumerate(lists) if not any(other is item for other in (*items, *lists[:i]))]
     numbers = [next(i for i, other in enumerate(items) if other is item) for item in lists]
-    cut = Cut(np.arange(1, len(lists)) / max(len(lists), 1))
+    cut = Bucketize(np.arange(1, len(lists)) / max(len(lists), 1))
     return choose(RandomExpr(cut, (column,)), numbers) if numbers else -1
 
 
@@ -115,7 +115,7 @@ def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[fl
     scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
     shares = np.cumsum(scaled) / scaled.sum()
     column.listed, column.weights = tuple(options), tuple((scaled / scaled.sum()).tolist())
-    return shown_choice(column, RandomExpr(Cut(shares[:-1]), (column,)), options)
+    return shown_choice(column, RandomExpr(Bucketize(shares[:-1]), (column,)), options)
 
 
 def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -> Value:
@@ -127,7 +127,7 @@ def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -
     return value
 
 
-class Cut:
+class Bucketize:
     """Maps a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
 
     def __init__(self, bounds: Any) -> None:

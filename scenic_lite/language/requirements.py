@@ -23,7 +23,7 @@ from functools import reduce
 
 from scenic_lite.core.per_sample import Bindings, per_sample_condition
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LoadState, Requirement, Watched
+from scenic_lite.core.state import EpisodeStatement, LoadState, Requirement
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
@@ -50,7 +50,7 @@ def require(scope: Scope, node: nodes.Require) -> None:
     requirement = Requirement(label, scope.place(node), condition, probability)
     bindings = Bindings(scope)
     if is_temporal(node.condition):
-        state.temporal.append(Watched(node, requirement.place, scope, label, bindings))
+        state.temporal.append(EpisodeStatement(node, requirement.place, scope, label, bindings))
 
     def again() -> None:
         with bindings.restored(state), state.watching.within(number):

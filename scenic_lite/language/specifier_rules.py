@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import Sight
+from scenic_lite.core.state import VisibilityDemand
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import classes
@@ -44,7 +44,7 @@ def viewer_of(scope: Scope, viewer: Value) -> Instance:
     return viewer
 
 
-def placing(
+def location_specifier(
     scope: Scope, node: ast.AST, place: Value, heading: Value = None, priority: int = OPTIONAL
 ) -> ResolvedSpecifier:
     """Return the specifier of a place, and of a heading unless that is None: in dialect 3 the parent's."""
@@ -59,7 +59,7 @@ def words_of(node: ast.AST) -> str:
 
 
 def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
-    return placing(scope, node, place if isinstance(place, LazyValue) else classes.vector_of(place, "at"))
+    return location_specifier(scope, node, place if isinstance(place, LazyValue) else classes.vector_of(place, "at"))
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
@@ -73,10 +73,10 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
         if classes.is_object(region):
             region = RectangularRegion(region.properties["position"], *classes.rectangle_of(region)[2:])
         elif as_vector(region) is not None:
-            return placing(scope, node, classes.vector_of(region, "on"))
+            return location_specifier(scope, node, classes.vector_of(region, "on"))
     oriented = check_region(words, region)
     point, heading = point_in(scope, node, region)
-    return placing(scope, node, point, heading if oriented else None, MODIFYING if on else OPTIONAL)
+    return location_specifier(scope, node, point, heading if oriented else None, MODIFYING if on else OPTIONAL)
 
 
 def check_region(words: str, region: Value) -> bool:
@@ -115,10 +115,10 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             frozenset({extent, "heading"}),
             lambda self: centre + offset(self, 0.0).rotated(self.properties["heading"]),
         )
-        return placing(scope, node, place)
+        return location_specifier(scope, node, place)
     other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
     place = LazyValue(frozenset({extent}), lambda self: centre + offset(self, other).rotated(heading))
-    return placing(scope, node, place, heading)
+    return location_specifier(scope, node, place, heading)
 
 
 def own_extent(anchor: Value, extent: str) -> Value:
@@ -157,7 +157,7 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
     """Return the specifier of a place, and in dialect 3 of a parent heading."""
-    return placing(scope, node, place, heading if scope.state.dialect == 3 else None)
+    return location_specifier(scope, node, place, heading if scope.state.dialect == 3 else None)
 
 
 def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
@@ -165,7 +165,7 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
     Dialect 3 also demands that V sees the object, or nothing of it, wherever it is put.
     """
-    sight, dialect = Sight(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
+    sight, dialect = VisibilityDemand(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
     view = classes.view_of(sight.viewer)
 
     def place(self: Instance) -> Vector:
@@ -176,7 +176,7 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
     def demand(self: Instance) -> None:
         if dialect == 3:
-            scope.state.sights.append((self, sight))
+            scope.state.visibility_demands.append((self, sight))
 
     needs = frozenset({"regionContainedIn"})
     gives = {"position": Given(OPTIONAL if dialect == 3 else REQUIRED, LazyValue(needs, place))}
@@ -185,7 +185,7 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
     end, heading = follow(field, classes.vector_of(or_ego(scope, start), "following ... from"), distance)
-    return placing(scope, node, end, heading)
+    return location_specifier(scope, node, end, heading)
 
 
 # ------------------------------------------------------------ headings

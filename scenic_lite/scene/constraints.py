@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.state import LoadState, Sight
+from scenic_lite.core.state import LoadState, VisibilityDemand
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
@@ -213,10 +213,13 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
 def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
     """Yield what the ego must see by `requireVisible`, and what the specifiers `visible` and `not visible` demand."""
     made = {id(instance) for instance in objects}
-    demands = [(instance, sight, True) for instance, sight in state.sights if id(instance) in made]
+    demands = [(instance, sight, True) for instance, sight in state.visibility_demands if id(instance) in made]
     if state.ego is not None:
         others = (instance for instance in objects if instance is not state.ego)
-        demands = [*((one, Sight(state.ego, True), one.properties["requireVisible"]) for one in others), *demands]
+        demands = [
+            *((one, VisibilityDemand(state.ego, True), one.properties["requireVisible"]) for one in others),
+            *demands,
+        ]
     for instance, (viewer, visible), required in demands:
         seen = can_see(viewer, instance, state.dialect) if required is not False else visible
         holds = seen if visible else apply(NOT, seen)

@@ -80,7 +80,7 @@ class Program:
         values = [*objects, *state.params.values(), *conditions, *self.read_in_episodes]
         roots = [node for value in values for node in randoms_in(value)]
         self.layout = lay_out_theta(state, objects, roots, self.file)
-        with state.placing(source.start):
+        with state.with_location(source.start):
             self.tape = Tape(roots, self.layout.columns, state.budget.limits.operations)
         self._constraints.read_from(self.tape)
         rules = constraints.constraint_of_requirement(state, self._constraints)
@@ -322,10 +322,10 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
 def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
     """Raise ScenicError for a property or parameter that scenes cannot hold."""
     for instance in objects:
-        with state.placing(instance.place):
+        with state.with_location(instance.place):
             refuse_huge(instance.properties, f"a property of {instance.title()}")
     for name, value in state.params.items():
-        with state.placing(state.param_places[name]):
+        with state.with_location(state.param_places[name]):
             refuse_huge(value, f"the parameter '{name}'")
 
 

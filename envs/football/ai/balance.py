@@ -14,10 +14,10 @@ from regista.envs.football.physics.pitch import forward
 from regista.envs.football.state import BALL_MEMORY
 from regista.kernels.jit import kernel
 
-NO_HOLD, FULL_HOLD = 0.5, 1.5
+NO_POSSESSION, FULL_POSSESSION = 0.5, 1.5
 HOLD_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
-HOLD_TIME = 2.0  # s in which a hold follows what is so now
-LEAN_STEPS = 60  # steps over which the lean of the match is averaged
+POSSESSION_TIME = 2.0  # s in which a hold follows what is so now
+TREND_STEPS = 60  # steps over which the lean of the match is averaged
 PACE_TIME = 6.0  # s over which a player's speed is averaged
 
 
@@ -38,11 +38,11 @@ def remember_ball(match):
     if match.game_mode != NORMAL:
         match.remembered = 0
     match.remembered += 1
-    here, before = match.remembered % BALL_MEMORY, (match.remembered - 1) % BALL_MEMORY
+    now, before = match.remembered % BALL_MEMORY, (match.remembered - 1) % BALL_MEMORY
     if match.remembered == 1:
         match.ball_sums[before, 0], match.ball_sums[before, 1] = 0.0, 0.0
-    match.ball_sums[here, 0] = match.ball_sums[before, 0] + match.ball.x
-    match.ball_sums[here, 1] = match.ball_sums[before, 1] + match.ball.y
+    match.ball_sums[now, 0] = match.ball_sums[before, 0] + match.ball.x
+    match.ball_sums[now, 1] = match.ball_sums[before, 1] + match.ball.y
 
 
 @kernel
@@ -64,17 +64,17 @@ def follow_hold(match):
         sure = match.restart_team
     for team in (LEFT, RIGHT):
         if sure != NOBODY:
-            match.hold[team] = FULL_HOLD if sure == team else NO_HOLD
+            match.hold[team] = FULL_POSSESSION if sure == team else NO_POSSESSION
             continue
         now = (match.arrival[1 - team] + HOLD_SLACK) / (match.arrival[team] + HOLD_SLACK)
-        now = min(max(now, NO_HOLD), FULL_HOLD)
-        match.hold[team] += (now - match.hold[team]) * (1.0 - math.exp(-STEP / HOLD_TIME))
-    lean = match.hold[LEFT] - match.hold[RIGHT]
-    match.lean += (lean - match.lean) / min(match.remembered, LEAN_STEPS)
+        now = min(max(now, NO_POSSESSION), FULL_POSSESSION)
+        match.hold[team] += (now - match.hold[team]) * (1.0 - math.exp(-STEP / POSSESSION_TIME))
+    difference = match.hold[LEFT] - match.hold[RIGHT]
+    match.lean += (difference - match.lean) / min(match.remembered, TREND_STEPS)
 
 
 @kernel
-def lean_towards(match, team):
+def possession_trend(match, team):
     """Return by how much the block of `team` leans forward for who has had the ball in the last seconds: -1 to 1.
 
     Forward without the ball: measured, in scenes where a defender's slot alone decides where he stands.

@@ -9,9 +9,9 @@ from __future__ import annotations
 from regista.envs.football.ai.attack import meet_free_ball, play_ball
 from regista.envs.football.ai.balance import remember
 from regista.envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
-from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
+from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_slots, follow_ball
 from regista.envs.football.ai.keeper import choose_keeper_command
-from regista.envs.football.ai.marking import choose_hunters, choose_markers, hunts
+from regista.envs.football.ai.marking import choose_markers, choose_pressers, presses
 from regista.envs.football.ai.positions import take_position
 from regista.envs.football.ai.run_speed import REACTION, reaction_time
 from regista.envs.football.ai.support import choose_runners
@@ -36,11 +36,11 @@ def read_game(match):
     lay_traps(match)
     on_ball = first_at_ball(match)
     if on_ball != NOBODY and match.step % EXCHANGED_EVERY == 0:
-        exchange_posts(match, on_ball)
+        exchange_slots(match, on_ball)
     if match.step % MARKED_EVERY == MARKED_AT:
         choose_markers(match)
     choose_runners(match)
-    choose_hunters(match)
+    choose_pressers(match)
 
 
 @kernel
@@ -84,7 +84,7 @@ def choose_command(match, i):
         return
     elif match.team_in_possession != player.team and tackles(match, player):
         tackle(match, i)
-    elif hunts(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):
+    elif presses(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):
         go_for_ball(match, i, player.top_speed)
     else:
         take_position(match, i)

@@ -260,10 +260,10 @@ def deepest_danger(match, team):
     for i in range(match.num_players):
         player = match.players[i]
         if player.team == team and not player.has_left:
-            here = depth * player.x
-            last, second = max(last, here), max(second, min(last, here))
-            here += TRAP.seen_lead * depth * player.vx
-            led_last, led_second = max(led_last, here), max(led_second, min(led_last, here))
+            depth_of_player = depth * player.x
+            last, second = max(last, depth_of_player), max(second, min(last, depth_of_player))
+            depth_of_player += TRAP.seen_lead * depth * player.vx
+            led_last, led_second = max(led_last, depth_of_player), max(led_second, min(led_last, depth_of_player))
     match.second_last[team] = led_second
     return max(deepest, max(second, ball, 0.0) - TRAP.slack)
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from regista.envs.football.ai.balance import lean_towards, mean_ball
+from regista.envs.football.ai.balance import mean_ball, possession_trend
 from regista.envs.football.constants import GK, HALF_LENGTH, HALF_WIDTH, LEFT, RIGHT
 from regista.envs.football.physics.pitch import forward
 from regista.envs.football.physics.vectors import length
@@ -45,8 +45,8 @@ class Stance(NamedTuple):
     depth: float  # half of it, as a share of `Block.depth`
     width: float  # half of it, as a share of `Block.width`
     back: float  # how far behind the ball its middle is, as a share of the pitch; 0.5 is none
-    lean: float  # of its middle to where the match leans, as a share
-    lean_role: float  # more of it the more of an attacker a role is
+    trend: float  # of its middle to where the match leans, as a share
+    trend_role: float  # more of it the more of an attacker a role is
     midfield: float  # where the middle slots are stretched to, 0 back to 1 front
     close_up: float  # how far everybody closes up to the ball, as a share
     across: float  # how far everybody is drawn across to the ball, as a share
@@ -65,8 +65,8 @@ class Block(NamedTuple):
     far: float = 30.0
     unsure: float = 0.6  # weight of the half in which the ball is, where it is not clear whose it is
     half: float = 0.7  # of half the length: from there on the ball is clearly in a half
-    long_lean: float = 0.8  # weight of the last seconds in where the match leans
-    now_lean: float = 0.2  # and of the present
+    long_trend: float = 0.8  # weight of the last seconds in where the match leans
+    now_trend: float = 0.2  # and of the present
     stretch: float = 0.35  # of the middle slots
     stretch_ball: float = 0.3  # weight in it of where the ball is,
     stretch_half: float = 0.8  # up to this share of half the length
@@ -136,14 +136,14 @@ def blend(attack, defence, attacking):
 
 
 @kernel
-def post_place(match, player, post, on_ball):
-    """Return the place in m of the slot of player number `post` of his team, for a player who may be another.
+def slot_position_for(match, player, number, on_ball):
+    """Return the place in m of the slot of player number `number` of his team, for a player who may be another.
 
     `on_ball` is the player who has the ball or will be first at it. The stages: how far the team attacks, its block,
     the slot in it, and how far the ball draws him out of it.
     """
     ahead = forward(player.team)
-    owner, first = match.players[post], match.players[on_ball]
+    owner, first = match.players[number], match.players[on_ball]
     distance = length(first.x - player.x, first.y - player.y)
     haste = 1.0 - between(distance, BLOCK.near, BLOCK.far)
     ball_u = ahead * mean_ball(match, BLOCK.slow * (1.0 - BLOCK.haste * haste), 0)
@@ -166,12 +166,12 @@ def post_place(match, player, post, on_ball):
 
 
 @kernel
-def slot_place(match, i, on_ball):
+def slot_position(match, i, on_ball):
     """Return the place in m of player i's own slot, which is known in the steps in which slots are exchanged."""
     player = match.players[i]
     if match.step % EXCHANGED_EVERY == 0:
         return player.slot_place_x, player.slot_place_y
-    return post_place(match, player, i, on_ball)
+    return slot_position_for(match, player, i, on_ball)
 
 
 @kernel
@@ -191,13 +191,13 @@ def block(match, team, role, attacking, ball_u, ball_v):
     width = BLOCK.width * blend(ATTACK.width + WIDER[role], DEFENCE.width, attacking)
     back = blend(ATTACK.back + BACK_IN_ATTACK[role], DEFENCE.back + BACK_IN_DEFENCE[role], attacking)
     attacker = MINDSET[role] - 0.5
-    lean = blend(
-        min(max(ATTACK.lean + ATTACK.lean_role * attacker, 0.0), 1.0),
-        min(max(DEFENCE.lean + DEFENCE.lean_role * attacker, 0.0), 1.0),
+    trend = blend(
+        min(max(ATTACK.trend + ATTACK.trend_role * attacker, 0.0), 1.0),
+        min(max(DEFENCE.trend + DEFENCE.trend_role * attacker, 0.0), 1.0),
         attacking,
     )
-    side = BLOCK.now_lean * (2.0 * attacking - 1.0) + BLOCK.long_lean * lean_towards(match, team)
-    middle = ball_u + lean * (HALF_LENGTH * side - ball_u) - HALF_LENGTH * (2.0 * back - 1.0)
+    side = BLOCK.now_trend * (2.0 * attacking - 1.0) + BLOCK.long_trend * possession_trend(match, team)
+    middle = ball_u + trend * (HALF_LENGTH * side - ball_u) - HALF_LENGTH * (2.0 * back - 1.0)
     middle = min(max(middle, -HALF_LENGTH), HALF_LENGTH) * (1.0 - BLOCK.fit_depth * depth)
     across = min(max(ball_v, -HALF_WIDTH), HALF_WIDTH) * (1.0 - BLOCK.fit_width * width)
     rear = max(middle - depth * HALF_LENGTH, min(match.trap[team], HALF_LENGTH))
@@ -258,12 +258,12 @@ def close_up_strength(attacking, ball_u):
 
 
 @kernel
-def exchange_posts(match, on_ball):
+def exchange_slots(match, on_ball):
     """Let every two mates exchange their slots if that shortens their ways (their squares, so that no way is long)."""
     for i in range(match.num_players):
         player = match.players[i]
         if player.role != GK:
-            player.slot_place_x, player.slot_place_y = post_place(match, player, i, on_ball)
+            player.slot_place_x, player.slot_place_y = slot_position_for(match, player, i, on_ball)
     of_two_left, of_two_right = outfield(match, LEFT) == 2, outfield(match, RIGHT) == 2
     for i in range(1, match.num_players):
         a = match.players[i]
@@ -294,10 +294,10 @@ def exchange(match, a, b, x, y, of_two):
     Of a team of two either way must become shorter than both are now: the original looks for exchanges of short ways
     first, and of two mates it tries no others.
     """
-    here, there = match.players[a.post], match.players[b.post]
+    own_slot, other_slot = match.players[a.post], match.players[b.post]
     other_x, other_y = b.x + LOOK_AHEAD * b.vx, b.y + LOOK_AHEAD * b.vy
-    stay, other_stay = squared_way(x, y, here), squared_way(other_x, other_y, there)
-    change, other_change = squared_way(x, y, there), squared_way(other_x, other_y, here)
+    stay, other_stay = squared_way(x, y, own_slot), squared_way(other_x, other_y, other_slot)
+    change, other_change = squared_way(x, y, other_slot), squared_way(other_x, other_y, own_slot)
     if of_two:
         shorter = max(change, other_change) < min(stay, other_stay)
     else:

@@ -39,7 +39,7 @@ class Quality(NamedTuple):
     share: float = 0.8  # of the quality against nearness
 
 
-class Hunt(NamedTuple):
+class Press(NamedTuple):
     """Going for the opponent on the ball."""
 
     range: float = 10.0  # m to him,
@@ -50,7 +50,7 @@ class Hunt(NamedTuple):
 
 
 # Documented of Google Research Football; families matches and academy of `regista benchmark --suite grf`.
-DANGER, QUALITY, HUNT = Danger(), Quality(), Hunt()
+DANGER, QUALITY, PRESS = Danger(), Quality(), Press()
 
 
 @kernel
@@ -130,7 +130,7 @@ def marking_quality(player, rival):
 
 
 @kernel
-def choose_hunters(match):
+def choose_pressers(match):
     """Find the two players nearest to the opponent on the ball, of a team that is not: they alone may hunt him."""
     for team in (LEFT, RIGHT):
         match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
@@ -142,7 +142,7 @@ def choose_hunters(match):
 @kernel
 def find_nearest_two(match, team, rival):
     """Write the two players of `team` nearest to where an opponent will be in a moment."""
-    x, y = rival.x + HUNT.lead * rival.vx, rival.y + HUNT.lead * rival.vy
+    x, y = rival.x + PRESS.lead * rival.vx, rival.y + PRESS.lead * rival.vy
     first, second = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
@@ -157,7 +157,7 @@ def find_nearest_two(match, team, rival):
 
 
 @kernel
-def hunts(match, i):
+def presses(match, i):
     """Return whether player i goes for the opponent on the ball: near, free, and one of the two nearest."""
     player = match.players[i]
     team = player.team
@@ -167,14 +167,14 @@ def hunts(match, i):
     if player.marked_opponent != NOBODY or (match.hunter[team, 0] != i and match.hunter[team, 1] != i):
         return False
     rival = match.players[on_ball]
-    dx = rival.x + HUNT.rival_lead * rival.vx - player.x - HUNT.own_lead * player.vx
-    dy = rival.y + HUNT.rival_lead * rival.vy - player.y - HUNT.own_lead * player.vy
-    return length(dx, dy) < hunting_range(match, player)
+    dx = rival.x + PRESS.rival_lead * rival.vx - player.x - PRESS.own_lead * player.vx
+    dy = rival.y + PRESS.rival_lead * rival.vy - player.y - PRESS.own_lead * player.vy
+    return length(dx, dy) < pressing_range(match, player)
 
 
 @kernel
-def hunting_range(match, player):
+def pressing_range(match, player):
     """Return from how far in m a player hunts: defenders from further, the tired, the breathless and the weak less."""
     attacker = MINDSET[match.players[player.post].role]
     fresh = 1.0 - 0.5 * player.tiredness - 0.5 * min(player.mean_speed / EFFORT.sprint, 1.0)
-    return (HUNT.range + HUNT.range_defender * (1.0 - attacker)) * fresh * player.skill
+    return (PRESS.range + PRESS.range_defender * (1.0 - attacker)) * fresh * player.skill

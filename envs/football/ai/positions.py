@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from regista.envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
-from regista.envs.football.ai.formation import LINE, between, post_place, slot_place, smooth
+from regista.envs.football.ai.formation import LINE, between, slot_position, slot_position_for, smooth
 from regista.envs.football.ai.run_speed import head_for
 from regista.envs.football.ai.support import runs_behind, support_share, supporting_place
 from regista.envs.football.constants import CF, NOBODY
@@ -81,12 +81,12 @@ def own_place(match, i, first):
     player = match.players[i]
     far = between(apart(player, match.players[first]), OWN.near, OWN.far)
     if player.post == i:
-        return slot_place(match, i, first)
+        return slot_position(match, i, first)
     if far == 0.0:
-        return post_place(match, player, player.post, first)
+        return slot_position_for(match, player, player.post, first)
     share = smooth(OWN.share[LINE[player.role]] * far, 1.0)
-    x, y = slot_place(match, i, first)
+    x, y = slot_position(match, i, first)
     if share < 1.0:
-        post_x, post_y = post_place(match, player, player.post, first)
-        x, y = post_x + share * (x - post_x), post_y + share * (y - post_y)
+        slot_x, slot_y = slot_position_for(match, player, player.post, first)
+        x, y = slot_x + share * (x - slot_x), slot_y + share * (y - slot_y)
     return x, y

@@ -26,7 +26,7 @@ from regista.envs.football.constants import (
     STEP,
     THROW_IN,
 )
-from regista.envs.football.control.keys import is_kick, press_key, release_keys
+from regista.envs.football.control.actions import is_kick, release_sticky_actions, update_sticky_actions
 from regista.envs.football.physics.pitch import attacked_goal_x, forward
 from regista.envs.football.physics.possession import forget_kick, lose_ball
 from regista.envs.football.physics.vectors import apart, length, toward
@@ -88,9 +88,9 @@ def wait_for_restart(match):
     match.restart_wait += 1
     for i in range(match.num_players):
         if match.players[i].action == BUILTIN_AI:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
         else:
-            press_key(match.players[i], match.players[i].action)
+            update_sticky_actions(match.players[i], match.players[i].action)
     decide_restart(match, taker)
     if match.restart_kick == NOBODY:
         return True

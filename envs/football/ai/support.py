@@ -29,8 +29,8 @@ class Forces(NamedTuple):
     lane: float = 22.0  # m by which attackers' slots are pushed on, next to the lane
     lane_aside: float = 8.0  # m from the middle, on the side where the ball is not
     lane_width: float = 30.0  # m
-    helper: float = 12.0  # m by which the nearest mate's slot is pushed on,
-    helper_least: float = 0.3  # and share of it for defenders
+    support: float = 12.0  # m by which the nearest mate's slot is pushed on,
+    support_least: float = 0.3  # and share of it for defenders
     run: float = 2.0  # the goal pulls who runs behind the defence
     rivals: int = 3  # opponents nearest to him push,
     rival: float = 0.3
@@ -73,7 +73,7 @@ RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strong
 LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's push
 BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's way pushes
 ONSIDE = 0.08  # m before the line
-RUNS_EVERY, HELPER_EVERY = 5, 15  # steps
+RUNS_EVERY, SUPPORT_EVERY = 5, 15  # steps
 
 
 @kernel
@@ -144,7 +144,7 @@ def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
     player = match.players[i]
     attacker = MINDSET[match.players[player.post].role]
     if match.helper[player.team] == i:
-        push = FORCES.helper * (FORCES.helper_least + (1.0 - FORCES.helper_least) * attacker)
+        push = FORCES.support * (FORCES.support_least + (1.0 - FORCES.support_least) * attacker)
     else:
         ahead = forward(player.team)
         lane_y = -ahead * (FORCES.lane_aside if ahead * carrier_y >= 0.0 else -FORCES.lane_aside)
@@ -230,7 +230,7 @@ def choose_runners(match):
         on_ball = man_on_ball(match, team)
         if on_ball == NOBODY:
             continue
-        if match.step % HELPER_EVERY == 0:
+        if match.step % SUPPORT_EVERY == 0:
             match.helper[team] = nearest_mate_to(match, on_ball, 1.5, False)
         if match.step % RUNS_EVERY == 0 and match.runner[team] == NOBODY and match.team_in_possession == team:
             start_run(match, team, on_ball)

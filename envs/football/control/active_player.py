@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from regista.envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
-from regista.envs.football.control.keys import is_button
+from regista.envs.football.control.actions import is_button
 from regista.envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
 from regista.kernels.jit import kernel
 
@@ -60,12 +60,16 @@ def choose_active(match, team, agent):
     if new in (old, NOBODY):
         return
     match.agents[agent] = new
-    there = match.players[new]
-    there.agent = agent
+    new_player = match.players[new]
+    new_player.agent = agent
     if old != NOBODY:
-        here = match.players[old]
-        here.agent = NOBODY
-        there.direction, there.sprint, there.dribble = here.direction, here.sprint, here.dribble
+        old_player = match.players[old]
+        old_player.agent = NOBODY
+        new_player.direction, new_player.sprint, new_player.dribble = (
+            old_player.direction,
+            old_player.sprint,
+            old_player.dribble,
+        )
 
 
 @kernel

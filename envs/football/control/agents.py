@@ -1,7 +1,7 @@
 """The agents' part of a step: their actions reach their players, and then each gets the player of its next action.
 
 The latter comes last in a step, so that what an agent observes belongs to the player whom its next action moves. Read
-next: `control.control_modes`, what the modes are called; `control.keys`, which turns actions into wanted velocities
+next: `control.control_modes`, what the modes are called; `control.actions`, which turns actions into wanted velocities
 and kicks.
 """
 
@@ -16,13 +16,13 @@ from regista.envs.football.constants import (
     BY_PROGRAM,
     CLOSEST,
     LEFT,
-    NO_KEY,
+    NO_ACTION,
     NOBODY,
     NUM_ACTIONS,
     RIGHT,
 )
+from regista.envs.football.control.actions import desired_action, main_action
 from regista.envs.football.control.active_player import choose_active
-from regista.envs.football.control.keys import key_of_command, key_of_wish
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
@@ -39,7 +39,7 @@ def assign_actions(match, actions):
         action = actions[agent]
         if match.engine.sticky_noise > 0.0 and match.step > 0 and uniform(match) < match.engine.sticky_noise:
             last = match.last_actions[agent]
-            action = action if last == NO_KEY else last
+            action = action if last == NO_ACTION else last
         match.last_actions[agent] = action
         if action == BY_PROGRAM:
             continue
@@ -52,27 +52,27 @@ def assign_actions(match, actions):
 
 
 @kernel
-def press_commanded_keys(match):
+def apply_commanded_actions(match):
     """Let the agents that leave their players to the program press what it commands, one key a step as agents do."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] == BY_PROGRAM and i != NOBODY and match.players[i].action != BUILTIN_AI:
             player = match.players[i]
-            player.action = key_of_command(player, player.action)
+            player.action = main_action(player, player.action)
             match.last_actions[agent] = seen_by(player.team, player.action)
 
 
 @kernel
-def note_wishes(match):
+def record_desired_actions(match):
     """Note as an agent's action what comes nearest to what the built-in AI wants, where it has decided."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] != BY_PROGRAM:
             continue
-        match.last_actions[agent] = NO_KEY
+        match.last_actions[agent] = NO_ACTION
         if i != NOBODY:
             player = match.players[i]
-            match.last_actions[agent] = seen_by(player.team, key_of_wish(player, match.step))
+            match.last_actions[agent] = seen_by(player.team, desired_action(player, match.step))
 
 
 @kernel

@@ -1,7 +1,7 @@
 """The pull of a free ball on the player whom an agent moves: whom it pulls, how much, and where he meets it.
 
 As in Google Research Football, the first of all at the ball goes for it whatever his keys say, and at his ease if he
-is clearly the first; who is not has his keys' way and the ball's mixed. Read next: `control.keys`.
+is clearly the first; who is not has his keys' way and the ball's mixed. Read next: `control.actions`.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def follow_magnet(match, i):
     player = match.players[i]
     if player.kick == 0 and (match.carrier not in (NOBODY, i) or match.chaser[player.team] != i):
         return
-    keys_x, keys_y = player.desired_vx, player.desired_vy
+    action_x, action_y = player.desired_vx, player.desired_vy
     goes = is_ours(match, player.team)
     if at_hand(match, player):
         return
@@ -55,8 +55,8 @@ def follow_magnet(match, i):
     if goes:
         return
     share = pull(match, i)
-    player.desired_vx = share * player.desired_vx + (1.0 - share) * keys_x
-    player.desired_vy = share * player.desired_vy + (1.0 - share) * keys_y
+    player.desired_vx = share * player.desired_vx + (1.0 - share) * action_x
+    player.desired_vy = share * player.desired_vy + (1.0 - share) * action_y
 
 
 @kernel
@@ -80,12 +80,12 @@ def awaits(match, i):
     time = match.arrival[player.team]
     if match.carrier == i or in_time_by(match, player, time) < AWAIT.in_time:
         return False
-    ux, uy = keys_direction(player)
+    ux, uy = action_direction(player)
     return await_ball(match.ball, player, time, ux, uy)
 
 
 @kernel
-def keys_direction(player):
+def action_direction(player):
     """Return the unit vector of a player's keys, or of where he looks if they have no direction."""
     if player.direction == 0:
         return player.facing_x, player.facing_y
@@ -115,7 +115,7 @@ def pull(match, i):
     in_time = in_time_by(match, player, time)
     if in_time <= PULL.too_late:
         return 0.0
-    ux, uy = keys_direction(player)
+    ux, uy = action_direction(player)
     to_x, to_y = toward(player.desired_vx, player.desired_vy)
     alike = 1.0 - 0.5 * math.acos(min(max(ux * to_x + uy * to_y, -1.0), 1.0)) / math.pi
     forwards = 0.5 * (1.0 + forward(player.team) * ux)

@@ -66,7 +66,7 @@ class Observer:
             return None
         return simple115_unit() if self.kind == SIMPLE115 else np.ones(features_size(self._players))
 
-    def room(self, count: int) -> View:
+    def allocate(self, count: int) -> View:
         """Make fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
         vectors: tuple[int, ...] = (0,)
         planes: tuple[int, ...] = (0, 0, 0)

@@ -280,7 +280,7 @@ def arc(ball, player, speed, want, cosine):
     """
     ux, uy = player.vx / speed, player.vy / speed
     turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
-    if cosine < ARC.straight and turning > 0.0 and not leaves(ball, player, speed):
+    if cosine < ARC.straight and turning > 0.0 and not ball_escapes(ball, player, speed):
         kept = want * ARC.pace
         new = speed - ARC.slows * turning if speed > kept else min(speed + sprint_gain(speed, player.top_speed), kept)
         angle = ARC.rate * turning
@@ -292,7 +292,7 @@ def arc(ball, player, speed, want, cosine):
 
 
 @kernel
-def leaves(ball, player, speed):
+def ball_escapes(ball, player, speed):
     """Return whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
     if player.stride < STEP:
         return False

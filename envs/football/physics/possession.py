@@ -1,6 +1,6 @@
 """Who has the ball, and who can be first at it.
 
-Read next: `control.keys`, which turns actions into wanted velocities and kicks.
+Read next: `control.actions`, which turns actions into wanted velocities and kicks.
 """
 
 from __future__ import annotations

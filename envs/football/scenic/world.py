@@ -27,7 +27,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
     }
     if is_ball(instance):
         return live | {name: apply(INTEGER, fields[name]) for name in ("owned_team", "owned_player_idx")}
-    keys = [apply(EQUAL, fields["pressed"], float(key), kind="truth") for key in range(1, 9)]
+    directions = [apply(EQUAL, fields["pressed"], float(each), kind="truth") for each in range(1, 9)]
     sprint, dribble, owns, controlled = (
         apply(NOT_EQUAL, fields[name], 0.0, kind="truth")
         for name in ("sprint", "dribble", "owns_ball", "is_controlled")
@@ -36,7 +36,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
         "tired_factor": fields["tired_factor"],
         "owns_ball": owns,
         "is_controlled": controlled,
-        "sticky_actions": [*keys, sprint, dribble],
+        "sticky_actions": [*directions, sprint, dribble],
     }
 
 

@@ -16,7 +16,7 @@ from regista.envs.football.physics.possession import ball_speed, forget_kick
 from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.skills.blocks import block, is_shot
 from regista.envs.football.skills.first_touch import cushion, lets_come
-from regista.envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
+from regista.envs.football.skills.hands import PARRY, has_hands, hold, is_caught, is_caught_off_feet, knock_out, parry
 from regista.envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from regista.envs.football.skills.saves import DIVE, foresee
 from regista.envs.football.skills.tackles import (
@@ -340,7 +340,7 @@ def slide_at(match, i, distance):
 def can_keep(match, i):
     """Return whether the ball of a carrier sticks in the hands of keeper i: it is slow, and was not just played."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
-    return sticks_off_feet(length(ball.vx - player.vx, ball.vy - player.vy), abs(carrier.stride))
+    return is_caught_off_feet(length(ball.vx - player.vx, ball.vy - player.vy), abs(carrier.stride))
 
 
 @kernel
@@ -418,7 +418,7 @@ def catch(match, i):
     """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
     player, ball = match.players[i], match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    if fast < CATCH.easy or sticks(match, fast):
+    if fast < CATCH.easy or is_caught(match, fast):
         hold(match, i)
     else:
         parry(match, i)
@@ -433,7 +433,7 @@ def save(match, i):
     if not match.save_succeeds or ball.z > CATCH.below:
         player.touch_wait, player.down_wait = CLAIM.wait, CATCH.dive_down
         return
-    if has_hands(match, i) and sticks(match, length(ball.vx, ball.vy)):
+    if has_hands(match, i) and is_caught(match, length(ball.vx, ball.vy)):
         hold(match, i)
         return
     parry(match, i)

@@ -181,7 +181,7 @@ def take_along(ball, player):
 
 
 @kernel
-def lies(ball):
+def is_at_rest(ball):
     """Return whether a ball does not roll."""
     return length(ball.vx, ball.vy) < AT_REST.below
 
@@ -310,22 +310,22 @@ def cushion(match, i):
     player, ball = match.players[i], match.ball
     far_off, high_off, kept = difficulty(match, player)
     vx, vy, vz, z = ball.vx, ball.vy, ball.vz, ball.z
-    rests, has_keys = lies(ball), player.direction > 0 and player.kick == 0
+    rests, has_direction = is_at_rest(ball), player.direction > 0 and player.kick == 0
     is_hard, was_played = comes_hard(ball, player), match.last_touch != NOBODY
     take(match, i)
     if match.carrier != i:
         return
-    if rests and has_keys and in_stride(ball, player):
+    if rests and has_direction and in_stride(ball, player):
         return
-    if is_hard and has_keys and not rests and far_off < DROP.loose:
+    if is_hard and has_direction and not rests and far_off < DROP.loose:
         bring_down(ball, player)
         ball.z, ball.vz = z, high_off * (vz + DROP.lift)
         return
     runs = length(player.vx, player.vy) > START.jump
-    if runs and far_off == 0.0 and high_off == 0.0 and has_keys:
+    if runs and far_off == 0.0 and high_off == 0.0 and has_direction:
         take_along(ball, player)
         return
-    if not runs and has_keys and rests:
+    if not runs and has_direction and rests:
         ball.vx = AT_REST.set_off * DIRECTION_X[player.direction]
         ball.vy = AT_REST.set_off * DIRECTION_Y[player.direction]
         return

@@ -95,7 +95,7 @@ def ease_of_holding(speed, age, window):
 
 
 @kernel
-def sticks(match, speed):
+def is_caught(match, speed):
     """Draw whether a ball that was kicked sticks in the hands: not a fast one, nor one just kicked."""
     ease = ease_of_holding(speed, match.kick_age, HOLD.age)
     if ease < HOLD.from_ease:
@@ -105,7 +105,7 @@ def sticks(match, speed):
 
 
 @kernel
-def sticks_off_feet(speed, age):
+def is_caught_off_feet(speed, age):
     """Return whether a ball sticks in the hands that is this fast to them, in m/s, and was played `age` s ago."""
     return ease_of_holding(speed, age, HOLD.dribbled) >= HOLD.from_ease
 

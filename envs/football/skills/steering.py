@@ -1,6 +1,6 @@
 """Steering: the velocity that leads a player to a place, to a free ball or to one that is led; and slides.
 
-Read next: `skills.tackles`, what a slide does; `control.keys` and `ai.decide`, who steers.
+Read next: `skills.tackles`, what a slide does; `control.actions` and `ai.decide`, who steers.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def await_ball(ball, player, time, ux, uy):
         share = part / AWAIT.choices
         way = first + share * (last - first)
         dx, dy = ball.x + way * way_x - player.x, ball.y + way * way_y - player.y
-        rating = suits(wanted_x, wanted_y, ux, uy, dx, dy) + AWAIT.nearest * share
+        rating = is_suitable(wanted_x, wanted_y, ux, uy, dx, dy) + AWAIT.nearest * share
         if rating > best:
             best = rating
             distance = length(dx, dy)
@@ -128,7 +128,7 @@ def await_ball(ball, player, time, ux, uy):
 
 
 @kernel
-def suits(wanted_x, wanted_y, ux, uy, dx, dy):
+def is_suitable(wanted_x, wanted_y, ux, uy, dx, dy):
     """Return how well going (dx, dy) m suits who wants a velocity, in the direction (ux, uy)."""
     distance = length(dx, dy) + 1e-9
     pace = min(AWAIT.urgency, AWAIT.fastest / distance)

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 from typing import Any
 
 LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT, SPRINT, RELEASE_SPRINT = 9, 10, 11, 12, 13, 15
-SPRINT_KEY = 8  # in `sticky_actions`, after the eight directions
+SPRINT_INDEX = 8  # in `sticky_actions`, after the eight directions
 NORMAL, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = 0, 2, 3, 4, 5, 6
 KEEPER = 0  # role
 
@@ -75,7 +75,7 @@ class Pitch:
         self.ball = _metres(observation["ball"])
         self.ball_run = tuple(10 * speed for speed in _metres(observation["ball_direction"]))
         self.even = int(observation["steps_left"]) % 2 == 0
-        self.keys = [bool(key) for key in observation["sticky_actions"]]
+        self.sticky_actions = [bool(held) for held in observation["sticky_actions"]]
 
 
 # ---------------------------------------------------------------- with the ball
@@ -126,7 +126,7 @@ def dribble_direction(pitch: Pitch) -> int:
                 worth -= 1.5 * (1.0 - ahead / LOOK_AHEAD) * (1.0 - across / LANE) + 0.3
         if abs(pitch.me[1]) > SIDE and dy * pitch.me[1] > 0:
             worth -= 1.0
-        if pitch.keys[action - 1]:
+        if pitch.sticky_actions[action - 1]:
             worth += 0.1  # turning takes time
         if worth > best_worth:
             best, best_worth = action, worth
@@ -141,7 +141,7 @@ def _shot_direction(pitch: Pitch) -> int:
 
 def _kick(pitch: Pitch, direction: int, kick: int) -> int:
     """Press the direction that aims the kick, then the button every other step: releasing it is what kicks."""
-    return kick if pitch.keys[direction - 1] and pitch.even else direction
+    return kick if pitch.sticky_actions[direction - 1] and pitch.even else direction
 
 
 # ---------------------------------------------------------------- without the ball
@@ -176,9 +176,9 @@ def restart(pitch: Pitch, observation: Mapping[str, Any]) -> int:
 
 def _run(pitch: Pitch, direction: int) -> int:
     """Press a direction, and sprint once it is pressed."""
-    if not pitch.keys[direction - 1]:
+    if not pitch.sticky_actions[direction - 1]:
         return direction
-    return direction if pitch.keys[SPRINT_KEY] else SPRINT
+    return direction if pitch.sticky_actions[SPRINT_INDEX] else SPRINT
 
 
 def _metres(place: Any) -> Point:

@@ -53,7 +53,7 @@ class Row(NamedTuple):
     called: SourceSpan | None = None  # where the program calls the function of a library in which this stands
 
 
-class DrawnNow(ThetaColumn):
+class RuntimeDraw(ThetaColumn):
     """A draw at run time, as distributions know it; `register` holds its value."""
 
     __slots__ = ("register",)

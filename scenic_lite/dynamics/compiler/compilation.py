@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LoadState, Mode, Watched
+from scenic_lite.core.state import EpisodeStatement, LoadState, Mode
 from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Function, Instance, Namespace, Source
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
@@ -97,7 +97,7 @@ class CompiledScope(Scope):
             raise ScenicError("unsupported", message, hint=f"give it one before: {name} = None")
         if variable.mark is None:
             c.types.marked.add(variable.key)
-            c.types.outdated.add(variable.key)
+            c.types.changed_types.add(variable.key)
         else:
             c.code.fault_unless(variable.mark, f"'{name}' has no value yet in this function")
 
@@ -152,7 +152,7 @@ class WatchedItem(NamedTuple):
     statement's.
     """
 
-    watched: Watched
+    watched: EpisodeStatement
     register: int | None = None
     automaton: Any = None
     scope: CompiledScope | None = None
@@ -346,7 +346,7 @@ class Compilation:
             return self.shared[key]
         table, name = self.table_of(key), key[2]
         if key not in self.types.types:  # what was read of it before was taken for fixed
-            self.types.outdated.add(key)
+            self.types.changed_types.add(key)
         variable = self.shared[key] = Variable(self.code, self.types, key, shared=True)
         if name in table:
             place = variable.declare(table[name])

@@ -36,7 +36,7 @@ from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Namespace, ScenicClass
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, renew, run_behavior
-from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow
+from scenic_lite.dynamics.compiler.code import LABEL, Assembler, RuntimeDraw
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, ScenarioInstance, Thread
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary, for_undecided
@@ -57,20 +57,20 @@ from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import ThetaColumn, Value
 
-MOST_WALKS = 12
+MAX_PASSES = 12
 
 
 def compile_program(program: Program, world: World) -> Compiled:
     """Return the code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
     types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
-    for _ in range(MOST_WALKS):
-        types.read, types.outdated = set(), set()
+    for _ in range(MAX_PASSES):
+        types.read, types.changed_types = set(), set()
         compilation = Compilation(program, world, Assembler(), types, simulation)
         compilation.mode = compile_mode(compilation)
         with live_objects(compilation):
-            threads = walk(compilation)
-        if not types.outdated:
+            threads = compile_pass(compilation)
+        if not types.changed_types:
             return finished(compilation, threads)
     raise ScenicError("budget", "the variables of the program's behaviors take their types from too many others")
 
@@ -132,7 +132,7 @@ def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: floa
     code = c.code
     register = code.temporaries.take()
     code.row(op.DRAW, register, code.constant(offset), code.constant(span))
-    return DrawnNow(register, kind, place, offset, span)
+    return RuntimeDraw(register, kind, place, offset, span)
 
 
 def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
@@ -187,7 +187,7 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 
 
 # ------------------------------------------------------------ the threads of a match
-def walk(c: Compilation) -> list[Thread]:
+def compile_pass(c: Compilation) -> list[Thread]:
     """Compile everything once; return the threads."""
     code = c.code
     code.row(op.END, code.fixed.take())  # row 0: where a thread stands that has ended

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
+from scenic_lite.dynamics.compiler.code import Assembler, Label, Operands, RuntimeDraw
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import DOMAIN_ERROR, FAULT_MESSAGES
 from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
@@ -55,7 +55,7 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
 
 
 def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
-    if isinstance(node, RegisterValue | DrawnNow):
+    if isinstance(node, RegisterValue | RuntimeDraw):
         return node.register
     if id(node) in code.known:
         return code.known[id(node)][0]
@@ -70,7 +70,7 @@ def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
 
 def is_live(value: Value) -> bool:
     """Return whether a value is computed in the running match; what is not is known when it starts."""
-    if isinstance(value, RegisterValue | DrawnNow):
+    if isinstance(value, RegisterValue | RuntimeDraw):
         return True
     if not isinstance(value, RandomExpr):
         return False
@@ -78,7 +78,7 @@ def is_live(value: Value) -> bool:
     while pending:
         node = pending.pop()
         if isinstance(node, RandomExpr) and node not in seen:
-            if isinstance(node, RegisterValue | DrawnNow):
+            if isinstance(node, RegisterValue | RuntimeDraw):
                 return True
             seen.add(node)
             pending.extend(node.inputs)
@@ -179,7 +179,7 @@ def select(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
-    assert isinstance(node.operation, distributions.Cut)
+    assert isinstance(node.operation, distributions.Bucketize)
     bounds = tuple(code.constant(float(bound)) for bound in node.operation.bounds)
     code.row(op.BUCKETIZE, out, register_of(code, node.inputs[0]), Operands(bounds))
 
@@ -208,7 +208,7 @@ def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] = (
     (Table, select),
     (operations.SELECT.array, select),
-    (distributions.Cut, bucketize),
+    (distributions.Bucketize, bucketize),
     (Holds, in_shape),
     (
         operations.CLIP.array,
@@ -234,7 +234,7 @@ def is_whole(value: Value) -> bool:
         return operation.options.dtype.kind == "i"
     if operation is operations.SELECT.array:
         return all(map(is_whole, value.inputs[1:]))
-    if isinstance(operation, distributions.Cut):
+    if isinstance(operation, distributions.Bucketize):
         return True
     row = table_row(operation)
     if row is None or row.integers != operations.KEPT:

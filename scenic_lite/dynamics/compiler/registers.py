@@ -195,8 +195,8 @@ class TypeTable:
     """The types of all variables by their keys, as the walks over a program have found them so far."""
 
     types: dict[tuple, Type] = field(default_factory=dict)
-    read: set[tuple] = field(default_factory=set)  # in this walk
-    outdated: set[tuple] = field(default_factory=set)  # rows of this walk have relied on a type that was not the last
+    read: set[tuple] = field(default_factory=set)  # in this pass
+    changed_types: set[tuple] = field(default_factory=set)  # read in this pass and widened afterwards
     marked: set[tuple] = field(default_factory=set)  # a register says whether the match has given it a value
 
     def declare(self, key: tuple, type: Type) -> bool:
@@ -208,14 +208,14 @@ class TypeTable:
         assert after is not None
         self.types[key] = after
         if key in self.read:
-            self.outdated.add(key)
+            self.changed_types.add(key)
         return True
 
     def settle(self, path: tuple) -> bool:
         """Return whether rows of what is inlined here must be written again; those are then as if never written."""
-        own = {key for key in self.outdated if key[: len(path)] == path}
+        own = {key for key in self.changed_types if key[: len(path)] == path}
         if own:
-            self.outdated -= own
+            self.changed_types -= own
             self.read = {key for key in self.read if key[: len(path)] != path}
         return bool(own)
 

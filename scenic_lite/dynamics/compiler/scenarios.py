@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, choose
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import (
@@ -340,7 +340,7 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     """Make a temporal requirement during the match: its scenario watches it from the next step on."""
     part, own = own_part(c, scope), with_present_names(c, scope, node)
-    watched = Watched(node, scope.place(node), own, node.name or source_text(scope, node))
+    watched = EpisodeStatement(node, scope.place(node), own, node.name or source_text(scope, node))
     state = part.register(c.code, -1)
     part.temporal.append(WatchedItem(watched, state, Automaton(formula_of(node.condition)), own))
     register_of(c.code, 0, state)

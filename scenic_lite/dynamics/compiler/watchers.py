@@ -11,7 +11,7 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import product
 
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.dynamics.compiler.choices import branch, in_steps
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import (
@@ -37,7 +37,7 @@ MOST_STATES = 64  # of one temporal requirement
 MOST_ATOMS = 8  # expressions that one state asks for
 
 
-def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
+def frame_for(c: Compilation, watched: EpisodeStatement) -> CompiledScope:
     """Return the names that a statement outside of behaviors sees."""
     c.code.place = watched.place
     inlined = InlinedBody((*c.site.path, id(watched.tree)), Label())

@@ -1,6 +1,6 @@
 """Actions into desired velocities: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
 
-And back: which of the 19 comes nearest to what a program (`key_of_command`) or the built-in AI (`key_of_wish`) has a
+And back: which of the 19 comes nearest to what a program (`main_action`) or the built-in AI (`desired_action`) has a
 player do. Read next: `control.magnet`; `ai.decide`, which decides for everybody without a command, and
 `skills.kicks`, which carries the kicks out.
 """
@@ -20,7 +20,7 @@ from regista.envs.football.constants import (
     IDLE,
     KICK_PATIENCE,
     LONG_PASS,
-    NO_KEY,
+    NO_ACTION,
     NOBODY,
     NORMAL,
     NUM_COMMANDS,
@@ -89,7 +89,7 @@ def apply_action(match, i, actions):
     button, direction, dribble = IDLE, player.direction, player.dribble
     while actions > 0:  # from the last to the first
         action = actions % NUM_COMMANDS
-        press_key(player, action)
+        update_sticky_actions(player, action)
         if is_button(action):
             button = action
         actions //= NUM_COMMANDS
@@ -123,7 +123,7 @@ def begin_turn(match, player, direction, dribble):
 
 
 @kernel
-def press_key(player, action):
+def update_sticky_actions(player, action):
     """Update the sticky direction, sprint and dribble."""
     if 1 <= action <= 8:
         player.direction = action
@@ -140,7 +140,7 @@ def press_key(player, action):
 
 
 @kernel
-def release_keys(match, i):
+def release_sticky_actions(match, i):
     """Clear what is sticky, and a kick that has not begun: the built-in AI has taken over player i."""
     player = match.players[i]
     player.direction = 0
@@ -223,7 +223,7 @@ def steer(match, i):
         else:
             player.desired_vx, player.desired_vy = player.vx, player.vy
         return
-    speed = key_speed(player, match.carrier == i)
+    speed = requested_speed(player, match.carrier == i)
     if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed, player.kick < SHOT and match.carry_age < SETTING_OFF)
         return
@@ -265,7 +265,7 @@ def run_on(player, speed, sets_off):
 
 
 @kernel
-def key_speed(player, with_ball):
+def requested_speed(player, with_ball):
     """Return the speed in m/s that the sprint and dribble keys ask for."""
     if player.sprint:
         return player.top_speed
@@ -275,7 +275,7 @@ def key_speed(player, with_ball):
 
 
 @kernel
-def key_of_command(player, command):
+def main_action(player, command):
     """Return the one of the 19 actions that says most of a command: a kick or a slide, else the first key that changes
     something, else the first; none for the built-in AI's.
     """
@@ -329,16 +329,15 @@ def changes(player, action):
 
 
 @kernel
-def key_of_wish(player, step):
-    """Return the one of the 19 actions that comes nearest to what the built-in AI has a player do; NO_KEY while he is
-    down.
+def desired_action(player, step):
+    """Return the action, of the 19, nearest to what the built-in AI wants of a player; NO_ACTION while he is down.
 
-    A wish has a direction and a pace: which of both is told, goes by the step.
+    The AI wants a direction and a pace at once; one action holds only one of them, so the step decides which.
     """
     if player.is_sliding and player.down_wait >= SLIDE.time:
         return SLIDING
     if player.down_wait > 0.0:
-        return NO_KEY
+        return NO_ACTION
     if player.kick != 0:
         return player.kick
     speed = length(player.desired_vx, player.desired_vy)

@@ -17,7 +17,7 @@ BLOCK = 128  # levels that are made ahead at most
 INVALID = -1
 
 
-class Starts:
+class InitialStates:
     """The starts of a block of levels: those that are wanted, and those that are said to come next.
 
     A start depends on θ alone, so no number depends on which levels share a block. Its stream of random numbers is
