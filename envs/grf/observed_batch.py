@@ -1,6 +1,6 @@
-"""The kernels of a batch whose matches the real engine plays: each does to all rows what is done to one.
+"""The kernels of a batch that GRF plays: each loops over rows of the batch.
 
-Read next: `grf.observed_match`, what is done to one.
+Read next: `grf.observed_match`, the same for one match.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from regista.envs.grf.observed_match import read_start, read_step
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-SEEDS = 2_000_000_000  # that the engine's own environment draws from
+SEEDS = 2_000_000_000  # range of seeds from which GRF's own environment draws
 
 
 @kernel
@@ -23,14 +23,14 @@ def write_seeds(matches, where, seeds):
 
 @kernel
 def begin_rows(batch, actions, settings, code, playing):
-    """Give all players their actions; write which matches are to be played into `playing` [N]."""
+    """Give all players their actions; write which matches will be stepped into `playing` [N]."""
     for index in range(len(batch.matches)):
         playing[index] = begin_row(batch, actions, settings, code, index)
 
 
 @kernel
 def read_starts(batch, where, observed, controllers, settings):
-    """Write matches that the engine has begun, OBSERVED [k], into the records `where` [k]."""
+    """Write matches that GRF has begun, OBSERVED [k], into the records `where` [k]."""
     for at in range(len(where)):
         index = where[at]
         read_start(batch.matches[index], observed[at], controllers[index])
@@ -39,7 +39,7 @@ def read_starts(batch, where, observed, controllers, settings):
 
 @kernel
 def read_steps(batch, where, observed, controllers, settings, code):
-    """Write what the engine has played, OBSERVED [k], into the records `where` [k], and let the monitors see it."""
+    """Write what GRF has played, OBSERVED [k], into the records `where` [k], and run the monitors on it."""
     for at in range(len(where)):
         index = where[at]
         read_step(batch.matches[index], observed[at], controllers[index])

@@ -128,7 +128,7 @@ def test_theta_that_break_a_requirement_are_refused(load):
     theta = np.zeros((2, program.dim))
     theta[0, column] = -0.9
     assert program.valid(theta).tolist() == [False, True]
-    with pytest.raises(ValueError, match=r"is no valid scene of .*requirement on line"):
+    with pytest.raises(ValueError, match=r"is not a valid scene of .*requirement on line"):
         program.scene(theta[0], 0)
     report = program.report(200, np.random.default_rng(0))
     assert 0.6 < report.valid / report.tried < 0.85
