@@ -1,7 +1,7 @@
-"""Where a built-in player without the ball wants to be: his slot, where he helps the ball, whom he guards, the line.
+"""Where a built-in player without the ball wants to be: slot, support of the ball, marking, defensive line.
 
-The stages are Google Research Football's, the same whether his team has the ball or not: what changes is how much each
-counts, by the team's hold on the ball. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
+The stages are Google Research Football's and the same with and without the ball: the share of possession determines
+their weights. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from regista.kernels.jit import kernel
 
 
 class Own(NamedTuple):
-    """How far a player keeps to his own slot rather than to the one that he has exchanged for it, far from the ball."""
+    """How far a player far from the ball keeps to the own slot rather than to the exchanged one."""
 
     share: tuple[float, ...] = (1.0, 0.9, 0.8)  # backs, midfield, forwards
-    near: float = 15.0  # m to the player on the ball: up to here he takes the exchanged one,
-    far: float = 20.0  # from here on his own
+    near: float = 15.0  # m to the player on the ball: up to here the exchanged slot counts,
+    far: float = 20.0  # from here on the own slot
 
 
-# Documented of Google Research Football; families academy and matches of `regista benchmark --suite grf`.
+# Documented by Google Research Football; families academy and matches of `regista benchmark --suite grf`.
 OWN = Own()
-STRIDE = 3  # steps that a stride lasts, at whose end a player chooses anew; when that is differs between shirts,
-NEAR_BALL = 10.0  # m to the ball: nearer he does not wait for that
+STRIDE = 3  # steps of a stride, at whose end a player chooses a new target; the phase differs between shirts,
+NEAR_BALL = 10.0  # m to the ball, within which a player does not wait for it
 
 
 @kernel
 def take_position(match, i):
-    """Head for where player i wants to be, as he chose it at the end of his last stride; near the ball, or if he marks
-    the carrier, at once.
+    """Head for player i's target, chosen at the end of the last stride; near the ball or when marking the carrier,
+    chosen now.
     """
     player = match.players[i]
     rival = man_on_ball(match, 1 - player.team)
@@ -54,7 +54,7 @@ def take_position(match, i):
 
 @kernel
 def choose_place(match, i):
-    """Set where player i wants to be."""
+    """Set player i's target."""
     player = match.players[i]
     first = first_at_ball(match)
     if first == NOBODY:
@@ -77,7 +77,7 @@ def choose_place(match, i):
 
 @kernel
 def own_place(match, i, first):
-    """Return the place of player i's slot: near the ball of the one that he has for now, far off of his own."""
+    """Return the position of player i's slot: near the ball the exchanged one, far from it the own."""
     player = match.players[i]
     far = between(apart(player, match.players[first]), OWN.near, OWN.far)
     if player.post == i:
