@@ -46,7 +46,7 @@ class Record:
 
     Attributes:
         program: the text of the program; `file`: its path ("" if none), from which a program with modules of its own
-        is loaded again.
+            is loaded again.
         config: the settings of the environment.
         state: the environment's initial state, as `get_state` returns it.
         actions: `[T, N]` or `[T, N, A]`.

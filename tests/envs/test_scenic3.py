@@ -55,7 +55,10 @@ def test_without_scenic_it_says_what_to_install():
     code = "import sys; sys.modules['scenic'] = None\nimport regista.envs.scenic3"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 1
-    assert "ImportError: programs for Scenic itself need it and greenlet: pip install 'regista[scenic3]'" in done.stderr
+    assert (
+        "ImportError: programs of the original Scenic need scenic and greenlet: pip install 'regista[scenic3]'"
+        in done.stderr
+    )
 
 
 def drawn(scene):

@@ -182,7 +182,7 @@ def hit_goal_frame(ball, x, y, z):
 
 @kernel
 def entry_share(a, b, da, db):
-    """Return the share in [0, 1] of the way (da, db) from (a, b) at which it hits the frame at the origin, -1 if never."""
+    """Return the share in [0, 1] of the way (da, db) from (a, b) at which the frame at the origin is hit, else -1."""
     squared = da * da + db * db
     half = a * da + b * db
     outside = a * a + b * b - FRAME.reach * FRAME.reach

@@ -62,7 +62,7 @@ class Lineup:
 
     Attributes:
         players: indices `[P]` into the program's objects, in the order of the match: the left team before the right
-        one, keepers first, otherwise in program order.
+            one, keepers first, otherwise in program order.
         ball: index of the ball among the objects.
         object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
         roster: teams and roles `[P]`; random roles have their values at θ = 0.

@@ -72,7 +72,7 @@ class FootballPainter:
             the ball, so K = P + 1.
         focus: the point that represents a level: the program's ego.
         bounds: x low, x high, y low, y high in meters: the relevant part of the right half if everybody except the left
-        keeper starts there, else the whole pitch.
+            keeper starts there, else the whole pitch.
         reach: the whole pitch in the same format.
     """
 

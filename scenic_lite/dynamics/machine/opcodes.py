@@ -1,7 +1,7 @@
-"""The opcodes of the machine: plain integers, each beside its operands and its meaning.
+"""The opcodes of the virtual machine: plain integers, each with its operands and its meaning.
 
 Kernels read plain integers faster than members of an enumeration, and Numba compiles them to constants. A new opcode is
-one row here and one branch in `vm`. Read next: `dynamics.machine.bytecode`, how programs are made of them.
+one row of this table and one branch in `vm`. Read next: `dynamics.machine.bytecode`, how code consists of them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class Opcode(NamedTuple):
-    """One row of the table; `operands` says of each: t target, l list, k number, a..c register, `.` unused."""
+    """One row of the table; `operands` gives their kinds: t target, l list, k number, a..c register, `.` unused."""
 
     name: str
     operands: str
@@ -21,7 +21,7 @@ OPCODES: list[Opcode] = []  # by their number
 
 
 def opcode(name: str, operands: str, meaning: str) -> int:
-    """Enter an opcode into the table and return its number."""
+    """Add an opcode to the table and return its number."""
     OPCODES.append(Opcode(name, operands, meaning))
     return len(OPCODES) - 1
 
