@@ -64,7 +64,7 @@ BALL_FIELDS: Table = (
     ("vx", REAL, (), "m/s", "velocity"),
     ("vy", REAL, (), "m/s", ""),
     ("vz", REAL, (), "m/s", ""),
-    ("spin_x", REAL, (), "m/s", "speed of the surface at the bottom, seen from the centre, reversed: v when rolling"),
+    ("spin_x", REAL, (), "m/s", "speed of the surface at the bottom, seen from the center, reversed: v when rolling"),
     ("spin_y", REAL, (), "m/s", ""),
     ("curl", REAL, (), "rad/s", "spin about the vertical: positive bends the flight to the left"),
 )

@@ -60,7 +60,9 @@ class Budget:
         """Count what one scene has used."""
         self.scenes += scene.steps
         if self.scenes > self.limits.scenes:
-            raise exceeded(f"what is decided scene by scene takes more than {self.limits.scenes:,} steps in all scenes")
+            raise exceeded(
+                f"conditions evaluated scene by scene take more than {self.limits.scenes:,} steps in all scenes"
+            )
 
     def enter(self) -> None:
         self.calls += 1

@@ -34,7 +34,7 @@ def as_error(fault: BaseException) -> ScenicError:
     if isinstance(fault, RecursionError):
         return exceeded("expressions and functions are nested too deeply")
     if isinstance(fault, MemoryError):
-        return exceeded("more memory is asked for than there is")
+        return exceeded("more memory is needed than is available")
     if "not supported between instances" in str(fault):
         return ScenicError("type", "these values have no order", hint="compare numbers: a key is one, or an element")
     message = f"key {fault} is not in the dictionary" if isinstance(fault, KeyError) else str(fault)

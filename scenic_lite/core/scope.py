@@ -93,7 +93,7 @@ class Scope(Environment):
     def refuse_none(nodes: Iterable[ast.expr | None], values: Iterable[Value]) -> None:
         """Raise ScenicError if a written operand is None, which would be taken for an omitted one."""
         if any(value is None and node is not None for node, value in zip(nodes, values, strict=True)):
-            raise ScenicError("type", "None is no object, number or vector")
+            raise ScenicError("type", "None is not an object, a number or a vector")
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Execute statements in order."""

@@ -108,7 +108,7 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
 
 
 INSTEAD = {  # for attributes that are not supported
-    **dict.fromkeys(("polygons", "polygon"), "there are no objects of Shapely here: write .points, or .boundary"),
+    **dict.fromkeys(("polygons", "polygon"), "objects of Shapely are not supported: write .points, or .boundary"),
     "convexHull": "write PolygonalRegion(points)",
     "canSee": "write a can see b",
     "intersects": "write a intersects b",

@@ -147,7 +147,9 @@ def written(dialect: int, value: Value) -> str:
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, dict):
-        raise ScenicError("unsupported", "there is no text of a dictionary", hint="write its elements one by one")
+        raise ScenicError(
+            "unsupported", "a dictionary cannot be converted to text", hint="write its elements one by one"
+        )
     return repr(value) if isinstance(value, int | float | str | None) else describe_kind(value)
 
 
@@ -165,7 +167,7 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
     if spec or isinstance(value, str):
         return format(value, spec)
     if any(True for _ in randoms_in(value)) and not isinstance(value, Instance):
-        message = "there is no text of a collection or vector with random values, or values of a match"
+        message = "a collection or vector with random or live values cannot be converted to text"
         raise ScenicError("unsupported", message, hint="write them one by one")
     scope.mode.budget.whole(value)  # a shared part is written each time
     text = written(scope.state.dialect, value)

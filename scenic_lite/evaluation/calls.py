@@ -233,7 +233,7 @@ def new(scope: Scope, node: nodes.New) -> Value:
         hint = near(node.cls.id, classes) if isinstance(node.cls, ast.Name) else ""
         if isinstance(cls, Behavior | Function):
             hint = f"write {cls.name}(...), without new"
-        raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
+        raise scope.error("type", f"{describe_kind(cls)} is not a class of objects", node.cls, hint)
     if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
     instance = Instance(cls, scope.place(node), scope.mode.owner)

@@ -51,7 +51,7 @@ COMPARISONS: dict[type, operations.Operation] = {
 def constant(scope: Scope, node: ast.Constant) -> Value:
     scope.mode.budget.keep(node.value)
     if isinstance(node.value, float) and math.isinf(node.value):
-        raise ScenicError("value", "this number is too large", hint="write math.inf for what is endless")
+        raise ScenicError("value", "this number is too large", hint="write math.inf for infinity")
     return node.value
 
 

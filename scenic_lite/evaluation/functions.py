@@ -120,7 +120,7 @@ class Extreme:
 # ------------------------------------------------------------ of the language
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
     """Refuse functions that football's libraries import but programs do not need: they return Shapely objects."""
-    raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
+    raise ScenicError("unsupported", "objects of Shapely are not supported", hint="write PolygonalRegion(points)")
 
 
 def outside_behavior(scope: Scope, node: ast.AST) -> None:

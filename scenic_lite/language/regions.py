@@ -216,7 +216,7 @@ def bounds(self: Region) -> tuple:
     """Return ((low x, low y), (high x, high y))."""
     limits = self.bounds()
     if limits is None:
-        raise ScenicError("unsupported", "this can be asked of a fixed, bounded region only")
+        raise ScenicError("unsupported", "only fixed, bounded regions support this")
     low_x, high_x, low_y, high_y = limits
     return (low_x, low_y), (high_x, high_y)
 
@@ -224,7 +224,7 @@ def bounds(self: Region) -> tuple:
 def nearest_segment(self: PolylineRegion, point: Value) -> tuple[Vector, Vector]:
     at = vector_of(point)
     if not at.fixed:
-        raise ScenicError("unsupported", "the nearest segment can be asked of a fixed point only")
+        raise ScenicError("unsupported", "only fixed points have a nearest segment")
     start, end = segments(self)[int(self.nearest(at.x, at.y)[0])]
     return Vector(*start), Vector(*end)
 

@@ -216,7 +216,9 @@ def split_heading(
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
     if name == "behavior" and isinstance(value, Behavior):
-        scope.warn(f"the behavior {value.name} stands without brackets", node, f"write with behavior {value.name}()")
+        scope.warn(
+            f"the behavior {value.name} is written without brackets", node, f"write with behavior {value.name}()"
+        )
         value = scope.call(value, [], {}, node)
     elif name == "behavior":
         value = one_behavior(scope, node, value)

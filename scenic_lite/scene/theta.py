@@ -79,7 +79,7 @@ def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
     if free:
         names = ", ".join(f"{draw.name} (line {draw.place.line})" for draw in free)
         hint = "ask for more, or give default=θ for the rest"
-        raise ScenicError("value", f"nothing that is asked of the scene decides {names}", free[0].place, hint=hint)
+        raise ScenicError("value", f"the description of the scene does not determine {names}", free[0].place, hint=hint)
 
 
 def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterator[Target]:

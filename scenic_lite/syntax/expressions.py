@@ -44,7 +44,7 @@ def atom(c: Cursor, token: Token) -> ast.expr:
     if text == "(" or text == "[":
         return display(c, token)
     if text == "...":
-        c.fail('"..." is no value', 'write "pass" where nothing is done')
+        c.fail('"..." is not a value', 'write "pass" where nothing is done')
     text = f"{c.peek(-2).text} end" if kind == "newline" and c.index > 1 else text
     c.missing("a value", grammar.NO_VALUE.get(f"{c.previous.text} {text}", "") or grammar.NO_VALUE.get(text, ""))
 
@@ -112,7 +112,7 @@ def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
     try:
         return _ESCAPE.sub(lambda match: match[0].encode().decode("unicode_escape"), text)
     except UnicodeDecodeError as error:
-        c.fail(f'"{error.object.decode()}" stands for no character', at=token)
+        c.fail(f'"{error.object.decode()}" is not a character', at=token)
 
 
 def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end: int) -> Iterator[str | ast.expr]:

@@ -208,7 +208,7 @@ LOOKALIKES = {
     "≥": 'it is written ">="',
     "≠": 'it is written "!="',
     "°": 'degrees are written "deg"',
-    "\u00a0": "it looks like a blank, but is none",
+    "\u00a0": "it looks like a blank, but is another character",
     "!": 'negation is written "not"',
     "&": 'it is written "and"',
     "?": 'a choice is written "a if condition else b"',

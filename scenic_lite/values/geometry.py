@@ -86,7 +86,7 @@ def is_scalar(value: Value) -> bool:
 def vector_operand(value: Value, sign: str) -> Vector:
     vector = as_vector(value)
     if vector is None:
-        raise TypeError(f"`{sign}` of a vector and something that is no vector")
+        raise TypeError(f"`{sign}` of a vector and a value that is not a vector")
     return vector
 
 

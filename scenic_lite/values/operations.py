@@ -80,7 +80,7 @@ def real_power(base: Any, exponent: Any) -> Any:
     """Return `base ** exponent`. Raises ValueError if that is not a real number, as for -2 ** 0.5."""
     result = base**exponent
     if isinstance(result, complex):
-        raise ValueError(f"({base:g}) ** {exponent:g} is no real number")
+        raise ValueError(f"({base:g}) ** {exponent:g} is not a real number")
     return result
 
 

@@ -320,7 +320,7 @@ def boundary(region: Region) -> Region:
     """Return the boundary of a fixed polygon, as polylines."""
     shape = region.shape()
     if isinstance(shape, RandomExpr):
-        raise ScenicError("unsupported", "this can be asked of a fixed region only")
+        raise ScenicError("unsupported", "only fixed regions support this")
     return PolylineRegion([line.coords for line in shapely.get_parts(shape.boundary)])
 
 

@@ -123,12 +123,12 @@ def goes_for_led_ball(match, i):
     mine = meeting_time(ball, ahead, player)
     if mine >= RACE.longest:
         return False
-    his = meeting_time(ball, ahead, carrier)
+    theirs = meeting_time(ball, ahead, carrier)
     if carrier.stride < 0.0:
-        his = min(his, -carrier.stride)  # about to play it
+        theirs = min(theirs, -carrier.stride)  # about to play it
     elif carrier.stride > RACE.on_his_way:
-        his = min(his, max(RACE.touches_every - carrier.stride, 0.0))
-    in_time = (his + RACE.patience) / (mine + RACE.patience)
+        theirs = min(theirs, max(RACE.touches_every - carrier.stride, 0.0))
+    in_time = (theirs + RACE.patience) / (mine + RACE.patience)
     if in_time < RACE.in_time:
         return False
     if in_time < AWAIT.in_time or not awaits_carrier(match, player, mine):

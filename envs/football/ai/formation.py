@@ -30,7 +30,7 @@ SLOTS = (
 ROOM, ROUNDS = 0.5, 10  # distance to which slots are moved apart, as far as possible in so many rounds
 
 # By role, from the keeper on: the line, 0 back, 1 midfield, 2 forward, an index into tables; how much of an attacker it
-# is; what is added to the width of its block in attack, to the depth in defence, to how far back the block is
+# is; what is added to the width of its block in attack, to the depth in defense, to how far back the block is
 LINE = (0, 0, 0, 0, 1, 1, 1, 1, 1, 2)
 MINDSET = (0.0, 0.0, 0.25, 0.25, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0)
 WIDER = (0.0, 0.052, 0.052, 0.052, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -40,7 +40,7 @@ BACK_IN_DEFENCE = (0.0, 0.0, -0.075, -0.075, 0.0, 0.0, -0.05, -0.05, 0.0, 0.0)
 
 
 class Stance(NamedTuple):
-    """The block of a team in attack, or in defence."""
+    """The block of a team in attack, or in defense."""
 
     depth: float  # half of its depth, as a share of `Block.depth`
     width: float  # half of its width, as a share of `Block.width`
@@ -53,7 +53,7 @@ class Stance(NamedTuple):
 
 
 class Block(NamedTuple):
-    """What attack and defence share."""
+    """What attack and defense share."""
 
     depth: float = 0.45  # of half the pitch's length
     width: float = 0.95  # of half its width
@@ -78,9 +78,9 @@ class CloseUp(NamedTuple):
     """The pull of the ball on nearby players."""
 
     slow: float = 3.0  # s over which the ball is averaged in attack
-    quick: float = 2.0  # in defence, averaged with the position of the player on the ball
+    quick: float = 2.0  # in defense, averaged with the position of the player on the ball
     ahead: float = 1.0  # m in front of the ball in attack
-    behind: float = 2.0  # m behind it in defence
+    behind: float = 2.0  # m behind it in defense
     inward: float = 0.9  # of its lateral position
     reach: float = 50.0  # m
     flat: float = 0.8  # weight of a lateral distance
@@ -131,7 +131,7 @@ def between(value, low, high):
 
 @kernel
 def blend(attack, defence, attacking):
-    """Interpolate between attack and defence, `attacking` 0 to 1."""
+    """Interpolate between attack and defense, `attacking` 0 to 1."""
     return attack * attacking + defence * (1.0 - attacking)
 
 
@@ -227,7 +227,7 @@ def follow_ball(match):
 
 @kernel
 def focus(match, first, team, attacking, back):
-    """Return the point to which nearby players close up: in front of the ball in attack, behind it in defence."""
+    """Return the point to which nearby players close up: in front of the ball in attack, behind it in defense."""
     ahead, slow, quick = forward(team), match.slow_ball, match.quick_ball
     u = blend(ahead * slow[0], 0.5 * (ahead * quick[0] + ahead * first.x), attacking)
     v = CLOSE_UP.inward * blend(ahead * slow[1], 0.5 * (ahead * quick[1] + ahead * first.y), attacking)
@@ -246,7 +246,7 @@ def close_up(du, dv):
 
 @kernel
 def close_up_strength(attacking, ball_u):
-    """Return how far players close up: in attack more with the ball further forward, in defence further back."""
+    """Return how far players close up: in attack more with the ball further forward, in defense further back."""
     side = 0.3 + 0.7 * between(ball_u / HALF_LENGTH, -BLOCK.half, BLOCK.half)
     attack = side**0.8 if attacking > 0.0 else 0.0  # powers are slow, and mostly one of them counts
     defence = (1.0 - side) ** 0.6 if attacking < 1.0 else 0.0

@@ -1,6 +1,6 @@
 """Supporting runs: a field of forces moves players from their slots to where they support the ball, onside.
 
-As documented by Google Research Football; sometimes one player runs behind the defence. Read next: `ai.attack`, for the
+As documented by Google Research Football; sometimes one player runs behind the defense. Read next: `ai.attack`, for the
 player on the ball.
 """
 
@@ -31,7 +31,7 @@ class Forces(NamedTuple):
     lane_width: float = 30.0  # m
     support: float = 12.0  # m by which the supporting player's slot is moved forward,
     support_least: float = 0.3  # and share of it for defenders
-    run: float = 2.0  # the goal pulls a player who runs behind the defence
+    run: float = 2.0  # the goal pulls a player who runs behind the defense
     rivals: int = 3  # nearest opponents, which push,
     rival: float = 0.3
     rival_shadow: float = 2.0  # m behind them, seen from the ball
@@ -53,7 +53,7 @@ class Forces(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Runs behind the defence."""
+    """Runs behind the defense."""
 
     ahead: float = 26.0  # m in front of the player on the ball: the player nearest to there may run
     within: float = 40.0  # m to the player on the ball
@@ -85,7 +85,7 @@ def support_share(match, player):
 
 @kernel
 def runs_behind(match, i, share):
-    """Return whether player i runs behind the defence."""
+    """Return whether player i runs behind the defense."""
     player = match.players[i]
     return match.runner[player.team] == i and share > RUN.share[LINE[player.role]]
 
@@ -238,7 +238,7 @@ def choose_runners(match):
 
 @kernel
 def start_run(match, team, on_ball):
-    """Send the best placed teammate behind the defence, if there is room."""
+    """Send the best placed teammate behind the defense, if there is room."""
     runner = nearest_mate_to(match, on_ball, RUN.ahead, True)
     if runner == NOBODY or apart(match.players[runner], match.players[on_ball]) > RUN.within:
         return

@@ -56,7 +56,7 @@ class Touch(NamedTuple):
     nearer: float = 0.633  # share of `played_at` by which a standing player would play it nearer
     slower: float = 0.4  # m/s by which the ball may be faster than the player at a lunge
     slowing: float = 2.5  # m/s², deceleration of a rolling ball
-    aside_time: float = 0.55  # s in which a touch brings the ball back to his line
+    aside_time: float = 0.55  # s in which a touch brings the ball back to the line of the run
     aside: float = 2.0  # m/s at most for that correction
     first_gain: float = 4.5  # m/s² until the ball after a first touch can be played again
     pace_left: float = 0.934  # share of the desired speed left after a sprinter's touch

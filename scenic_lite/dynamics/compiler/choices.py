@@ -84,7 +84,7 @@ def whole_choice(value: Value, c: Compilation) -> Value:
     if not isinstance(value, RandomChoice) or value.options[-1] is not None:
         return value
     there = apply(NOT_EQUAL, value.index, len(value.options) - 1)
-    c.code.fault_unless(register_of(c.code, there), "None is no object, number or vector")
+    c.code.fault_unless(register_of(c.code, there), "None is not an object, a number or a vector")
     options = value.options[:-1]
     return options[0] if len(options) == 1 else choose(value.index, options)
 

@@ -197,7 +197,7 @@ class Assembler:
         number = float(self.text(value)) if isinstance(value, str) else float(value)
         key = number if number != 0 else 0.0
         if number != number:
-            raise ScenicError("value", "nan is no number to compute with")
+            raise ScenicError("value", "nan cannot be computed with")
         if key not in self.constants:
             self.constants[key] = CONSTANTS + len(self.constants)
         return self.constants[key]

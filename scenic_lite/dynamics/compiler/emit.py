@@ -195,7 +195,7 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
         corners = shapely.get_coordinates(ring)
         edges += np.hstack([corners[:-1], corners[1:]]).ravel().tolist()
     if len(edges) > 4000:
-        raise ScenicError("unsupported", "a region of more than 1000 edges cannot be asked for points in a match")
+        raise ScenicError("unsupported", "a region of more than 1000 edges cannot be tested for points in a match")
     registers = (register_of(code, x), register_of(code, y), *(code.constant(edge) for edge in edges))
     code.row(op.IN_RINGS, out, 0, Operands(registers))
 

@@ -142,7 +142,7 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
         c.code.rows.extend(rows)
         return fixed
     if len(node.generators) > 1:
-        raise refused("a comprehension over several lists, of which the match decides the length", "write a loop")
+        raise refused("a comprehension over several lists whose lengths the match decides", "write a loop")
     return filtered(c, scope, node.generators[0], node.elt)
 
 

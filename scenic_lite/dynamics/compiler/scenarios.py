@@ -288,7 +288,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
     """Compile `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
     if isinstance(target, RandomChoice):
-        raise ScenicError("unsupported", "`override` of whichever object a match finds")
+        raise ScenicError("unsupported", "`override` of an object that the match chooses")
     values = overridden_properties(scope, node, target, c.shown.names)
     for name, value in values.items():
         if name != "behavior":

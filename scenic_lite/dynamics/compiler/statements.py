@@ -131,7 +131,7 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
         value = checked(name, value, c.program.dialect) if name in owner.properties else value
         c.keep(("object", owner.label, name), value)
     elif isinstance(owner, RandomChoice):
-        raise ScenicError("unsupported", "attributes are set of one object, not of whichever a match finds")
+        raise ScenicError("unsupported", "attributes can be set on one object, not on one that the match chooses")
     else:
         raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
 

@@ -35,25 +35,27 @@ def verify(code: Code, objects: int, cells: int) -> Code:
     """
     rows, registers = code.rows.astype(np.int64), code.register_count
     _demand(int(rows[-1, 0]) in ENDS, "nothing follows the last row")
-    _demand(rows[:, 0] < len(OPCODES), "there is no such opcode")
+    _demand(rows[:, 0] < len(OPCODES), "unknown opcode")
     for opcode in np.unique(rows[:, 0]).tolist():
         mine = rows[rows[:, 0] == opcode]
         for values, kind in zip(mine[:, 1:].T, OPCODES[opcode].operands, strict=True):
             if kind in "abc.":  # an unused operand is read, too
-                _demand(values < registers, f"an operand of {OPCODES[opcode].name} is no register")
+                _demand(values < registers, f"an operand of {OPCODES[opcode].name} is not a register")
             elif kind == "t":
-                _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is no row")
+                _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is not a row")
             elif kind == "l":
                 for place in values.tolist():
                     _check_list(code, opcode, place)
     many = rows[rows[:, 0] == op.COPY_MANY]
-    _demand(many[:, 1:3] + many[:, 3:] <= registers, "what is copied ends beyond the registers")
+    _demand(many[:, 1:3] + many[:, 3:] <= registers, "a copy ends beyond the registers")
     entries, moved = code.threads.T
-    _demand((entries >= FIRST_FREE) & (entries < registers), "a slot is no register")
+    _demand((entries >= FIRST_FREE) & (entries < registers), "a slot is not a register")
     _demand((moved >= -1) & (moved < objects), "a thread moves no object")
     kinds = code.scenarios, code.behaviors, code.records, code.monitors
     _demand(min(kinds) >= 0 and sum(kinds) + 2 == len(code.threads), "threads are missing")
-    _demand(0 <= code.world_base <= registers - cells and 0 <= code.clock < registers, "the world is in no registers")
+    _demand(
+        0 <= code.world_base <= registers - cells and 0 <= code.clock < registers, "the world is outside the registers"
+    )
     return code
 
 
@@ -62,7 +64,7 @@ def _check_list(code: Code, opcode: int, place: int) -> None:
     _demand(1 <= place < len(code.lists), "a list is not there")
     length = int(code.lists[place - 1])
     _demand(place + length <= len(code.lists), "a list ends beyond the lists")
-    _demand(code.lists[place : place + length] < code.register_count, "an element of a list is no register")
+    _demand(code.lists[place : place + length] < code.register_count, "an element of a list is not a register")
     whole = opcode != op.IN_RINGS or (length - LENGTHS[opcode]) % EDGE == 0
     _demand(whole and length >= LENGTHS.get(opcode, 0), "a list is too short")
 
