@@ -120,7 +120,7 @@ def placed(
             players[field] = positions[..., axis]
     left, right = _nearest(positions, ball, players["team"][0]).T
     matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in GRF, the right team if both are equally near
-    matches["hold"] = _hold(left, right)
+    matches["hold"] = _possession_share(left, right)
     _look_at(players, ball)
     assign_agents(matches, (config.control, config.right_control))
     return matches
@@ -170,7 +170,7 @@ def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
     return np.stack([np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT)], axis=-1)
 
 
-def _hold(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _possession_share(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return both teams' share of possession [N, 2] at the start: the nearer one has it, neither if equally near."""
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
     return NO_POSSESSION + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_POSSESSION - NO_POSSESSION)

@@ -28,7 +28,7 @@ from scenic_lite import ScenicError
 
 KIND = "regista match record"
 LARGEST = 2**31  # bytes of a record, uncompressed
-FORMAT = f"{KIND} 4"  # 3 had one seed for all episodes of a level
+FORMAT = f"{KIND} 4"
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
 _LEVELS = ("levels", "visits", "episodes")

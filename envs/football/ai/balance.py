@@ -15,7 +15,7 @@ from regista.envs.football.state import BALL_MEMORY
 from regista.kernels.jit import kernel
 
 NO_POSSESSION, FULL_POSSESSION = 0.5, 1.5
-HOLD_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
+POSSESSION_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
 POSSESSION_TIME = 2.0  # s, time constant with which possession follows the present
 TREND_STEPS = 60  # steps over which the possession trend is averaged
 PACE_TIME = 6.0  # s over which a player's speed is averaged
@@ -25,7 +25,7 @@ PACE_TIME = 6.0  # s over which a player's speed is averaged
 def remember(match):
     """Update the averages of the ball's position, of possession, and of every player's speed."""
     remember_ball(match)
-    follow_hold(match)
+    update_possession(match)
     for i in range(match.num_players):
         player = match.players[i]
         speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
@@ -55,7 +55,7 @@ def mean_ball(match, seconds, axis):
 
 
 @kernel
-def follow_hold(match):
+def update_possession(match):
     """Update both teams' shares of possession by who can be first at the ball; a keeper or taker has all of it."""
     sure = NOBODY
     if match.keeper_holding != NOBODY:
@@ -66,7 +66,7 @@ def follow_hold(match):
         if sure != NOBODY:
             match.hold[team] = FULL_POSSESSION if sure == team else NO_POSSESSION
             continue
-        now = (match.arrival[1 - team] + HOLD_SLACK) / (match.arrival[team] + HOLD_SLACK)
+        now = (match.arrival[1 - team] + POSSESSION_SLACK) / (match.arrival[team] + POSSESSION_SLACK)
         now = min(max(now, NO_POSSESSION), FULL_POSSESSION)
         match.hold[team] += (now - match.hold[team]) * (1.0 - math.exp(-STEP / POSSESSION_TIME))
     difference = match.hold[LEFT] - match.hold[RIGHT]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from regista.envs.football.ai.attack import meet_free_ball, play_ball
 from regista.envs.football.ai.balance import remember
-from regista.envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
+from regista.envs.football.ai.defence import goes_for_led_ball, must_move, set_defensive_lines, tackle, tackles
 from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_slots, follow_ball
 from regista.envs.football.ai.keeper import choose_keeper_command
 from regista.envs.football.ai.marking import choose_markers, choose_pressers, presses
@@ -33,7 +33,7 @@ def read_game(match):
     find_team_in_possession(match)
     remember(match)
     follow_ball(match)
-    lay_traps(match)
+    set_defensive_lines(match)
     on_ball = first_at_ball(match)
     if on_ball != NOBODY and match.step % EXCHANGED_EVERY == 0:
         exchange_slots(match, on_ball)

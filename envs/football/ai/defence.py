@@ -69,7 +69,7 @@ class Meet(NamedTuple):
     wide: float = 0.8  # m aside for each m deeper: beyond that the presser must move
 
 
-class Trap(NamedTuple):
+class DefensiveLine(NamedTuple):
     """The defensive line, behind which nobody falls back without the ball."""
 
     start: float = 40.0  # m from the own goal to the line,
@@ -84,7 +84,7 @@ class Trap(NamedTuple):
 
 
 # Documented by Google Research Football; families tackles, academy and matches of `regista benchmark --suite grf`.
-DUEL, RACE, GUARD, MEET, TRAP = Duel(), Race(), Guard(), Meet(), Trap()
+DUEL, RACE, GUARD, MEET, DEFENSIVE_LINE = Duel(), Race(), Guard(), Meet(), DefensiveLine()
 
 
 @kernel
@@ -238,7 +238,7 @@ def run_round(player, rival, x, y):
 
 
 @kernel
-def lay_traps(match):
+def set_defensive_lines(match):
     """Set both teams' defensive lines and second-last players."""
     for team in (LEFT, RIGHT):
         match.trap[team] = -deepest_danger(match, team)
@@ -249,30 +249,31 @@ def deepest_danger(match, team):
     """Return how deep in a team's half, in m from the middle, its line is: by ball, carrier, and slow teammates."""
     depth = -forward(team)
     ball = depth * match.ball.x
-    near = between(ball, HALF_LENGTH - TRAP.start - TRAP.fall_back, HALF_LENGTH - TRAP.force)
-    deepest = max(HALF_LENGTH - TRAP.start, ball + TRAP.fall_back * (1.0 - near))
-    deepest = max(deepest, ball + TRAP.future * depth * match.ball.vx)
+    low = HALF_LENGTH - DEFENSIVE_LINE.start - DEFENSIVE_LINE.fall_back
+    near = between(ball, low, HALF_LENGTH - DEFENSIVE_LINE.force)
+    deepest = max(HALF_LENGTH - DEFENSIVE_LINE.start, ball + DEFENSIVE_LINE.fall_back * (1.0 - near))
+    deepest = max(deepest, ball + DEFENSIVE_LINE.future * depth * match.ball.vx)
     on_ball = man_on_ball(match, 1 - team)
     if on_ball != NOBODY:
         rival = match.players[on_ball]
-        deepest = max(deepest, depth * (rival.x + TRAP.rival_lead * rival.vx) + TRAP.caution)
+        deepest = max(deepest, depth * (rival.x + DEFENSIVE_LINE.rival_lead * rival.vx) + DEFENSIVE_LINE.caution)
     last, second, led_last, led_second = -math.inf, -math.inf, -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]
         if player.team == team and not player.has_left:
-            depth_of_player = depth * player.x
-            last, second = max(last, depth_of_player), max(second, min(last, depth_of_player))
-            depth_of_player += TRAP.seen_lead * depth * player.vx
-            led_last, led_second = max(led_last, depth_of_player), max(led_second, min(led_last, depth_of_player))
+            now = depth * player.x
+            last, second = max(last, now), max(second, min(last, now))
+            soon = now + DEFENSIVE_LINE.seen_lead * depth * player.vx
+            led_last, led_second = max(led_last, soon), max(led_second, min(led_last, soon))
     match.second_last[team] = led_second
-    return max(deepest, max(second, ball, 0.0) - TRAP.slack)
+    return max(deepest, max(second, ball, 0.0) - DEFENSIVE_LINE.slack)
 
 
 @kernel
-def held_up(match, team, x):
+def held_by_line(match, team, x):
     """Return x of a position in m, compressed in front of the defensive line."""
     depth = -forward(team)
-    start = -match.trap[team] - TRAP.soft
+    start = -match.trap[team] - DEFENSIVE_LINE.soft
     if depth * x <= start:
         return x
-    return depth * (start + TRAP.soft * min((depth * x - start) / (2.0 * TRAP.soft), 1.0))
+    return depth * (start + DEFENSIVE_LINE.soft * min((depth * x - start) / (2.0 * DEFENSIVE_LINE.soft), 1.0))

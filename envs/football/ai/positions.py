@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from regista.envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
+from regista.envs.football.ai.defence import guard_share, guarding_place, held_by_line, run_round
 from regista.envs.football.ai.formation import LINE, between, slot_position, slot_position_for, smooth
 from regista.envs.football.ai.run_speed import head_for
 from regista.envs.football.ai.support import runs_behind, support_share, supporting_place
@@ -71,7 +71,7 @@ def choose_place(match, i):
             guard_x, guard_y = guarding_place(match, player, x, y)
             x, y = x + share * (guard_x - x), y + share * (guard_y - y)
     if player.role != CF:
-        x = held_up(match, player.team, x)
+        x = held_by_line(match, player.team, x)
     player.place_x, player.place_y = x, y
 
 
