@@ -13,13 +13,17 @@ from numba import prange
 
 from regista.envs.football.constants import IDLE, NO_ACTION, NO_FAULT, NOBODY
 from regista.envs.football.control.actions import main_action
-from regista.envs.football.control.agents import num_agents, seen_by
+from regista.envs.football.control.agents import in_team_frame, num_agents
 from regista.envs.football.control.episode import has_succeeded
 from regista.envs.football.control.reward import agent_reward, team_reward
 from regista.envs.football.observation.observe import observe, remember_minimap
 from regista.envs.football.physics.motion import take_stance
 from regista.envs.football.physics.variation import vary_engine
-from regista.envs.football.scenic.scripted_step import as_seen, run_program_behaviors, run_program_monitors
+from regista.envs.football.scenic.scripted_step import (
+    commands_in_team_frame,
+    run_program_behaviors,
+    run_program_monitors,
+)
 from regista.envs.football.scenic.world_table import THE_BALL, Cast
 from regista.envs.football.simulator import choose_actions, play
 from regista.envs.football.state import MATCH
@@ -142,8 +146,8 @@ def ask_program(matches, registers, commands, cast, code, actions):
                 continue
             player = match.players[cast.players[o]]
             if player.agent != NOBODY:
-                key = main_action(player, as_seen(player.team, int(command)))
-                actions[index, player.agent] = seen_by(player.team, key)
+                action = main_action(player, commands_in_team_frame(player.team, int(command)))
+                actions[index, player.agent] = in_team_frame(player.team, action)
 
 
 @kernel(inline=True)

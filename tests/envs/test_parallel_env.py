@@ -150,5 +150,5 @@ def test_what_does_not_fit_is_refused_in_one_sentence() -> None:
     with pytest.raises(RuntimeError, match=r"no match is running; call reset\(\) before step\(\)"):
         env.step({"agent_0": 0, "agent_1": 0})
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"needs an action of each of agent_0, agent_1, got agent_0$"):
+    with pytest.raises(ValueError, match=r"needs an action for each of agent_0, agent_1, got agent_0$"):
         env.step({"agent_0": 0})

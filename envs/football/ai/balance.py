@@ -25,7 +25,7 @@ PACE_TIME = 6.0  # s over which a player's speed is averaged
 def remember(match):
     """Update the averages of the ball's position, of possession, and of every player's speed."""
     remember_ball(match)
-    update_possession(match)
+    update_possession_share(match)
     for i in range(match.num_players):
         player = match.players[i]
         speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
@@ -55,7 +55,7 @@ def mean_ball(match, seconds, axis):
 
 
 @kernel
-def update_possession(match):
+def update_possession_share(match):
     """Update both teams' shares of possession by who can be first at the ball; a keeper or taker has all of it."""
     sure = NOBODY
     if match.keeper_holding != NOBODY:

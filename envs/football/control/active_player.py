@@ -114,7 +114,7 @@ def designate(match, team, active):
     elif best != present:
         time = time_to_ball(match, match.players[present], ahead)
         rating = (soonest + DESIGNATION.patience) / (time + DESIGNATION.patience)
-        rating *= standing(match, best, active) / standing(match, present, active)
+        rating *= designation_factor(match, best, active) / designation_factor(match, present, active)
         if best != active:
             _, opponents = first_of_team(match, 1 - team, match.chaser[1 - team], ahead)
             if time < opponents - DESIGNATION.ahead:
@@ -145,7 +145,7 @@ def first_of_team(match, team, likely, ahead):
 
 
 @kernel
-def standing(match, i, active):
+def designation_factor(match, i, active):
     """Return the factor of player i's time for designation: the smaller, the more suitable."""
     has_ball = DESIGNATION.has_ball if owns(match.ball, match.players[i]) else 1.0
     return has_ball * (DESIGNATION.is_active if i == active else 1.0)

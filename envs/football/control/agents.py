@@ -48,7 +48,7 @@ def assign_actions(match, actions):
             action = 0
         if match.agents[agent] != NOBODY:
             player = match.players[match.agents[agent]]
-            player.action = seen_by(player.team, action)
+            player.action = in_team_frame(player.team, action)
 
 
 @kernel
@@ -59,7 +59,7 @@ def apply_commanded_actions(match):
         if match.last_actions[agent] == BY_PROGRAM and i != NOBODY and match.players[i].action != BUILTIN_AI:
             player = match.players[i]
             player.action = main_action(player, player.action)
-            match.last_actions[agent] = seen_by(player.team, player.action)
+            match.last_actions[agent] = in_team_frame(player.team, player.action)
 
 
 @kernel
@@ -72,7 +72,7 @@ def record_desired_actions(match):
         match.last_actions[agent] = NO_ACTION
         if i != NOBODY:
             player = match.players[i]
-            match.last_actions[agent] = seen_by(player.team, desired_action(player, match.step))
+            match.last_actions[agent] = in_team_frame(player.team, desired_action(player, match.step))
 
 
 @kernel
@@ -89,7 +89,7 @@ def num_agents(match):
 
 
 @kernel
-def seen_by(team, action):
+def in_team_frame(team, action):
     """Rotate a direction, 1..8, for a right player, who sees the pitch from the other end; keep other actions."""
     if team == RIGHT and 1 <= action <= 8:
         return (action + 3) % 8 + 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING
 from regista.kernels.jit import kernel
 
@@ -128,7 +128,7 @@ def _write_goal(me, side, ux, uy, distance, row, at):
 def _write_command(me, row, at):
     row[at : at + 8] = 0.0
     if me.direction > 0:
-        row[at + seen_by(me.team, me.direction) - 1] = 1.0
+        row[at + in_team_frame(me.team, me.direction) - 1] = 1.0
     row[at + 8] = 1.0 if me.sprint else 0.0
     row[at + 9] = 1.0 if me.dribble else 0.0
     row[at + 10] = 1.0 if me.kick > 0 else 0.0

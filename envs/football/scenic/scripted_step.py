@@ -20,7 +20,7 @@ from regista.envs.football.constants import (
     RUNNING,
     TERMINATED,
 )
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.scenic.world_table import THE_BALL, write_world
 from regista.kernels.jit import kernel
 from scenic_lite.dynamics.machine import bytecode
@@ -85,18 +85,18 @@ def command_players(match, object_to_player, commands):
                 continue
         elif match.agents_only and match.num_agents[player.team] > 0:
             continue
-        player.action = as_seen(player.team, int(commands[o]))
+        player.action = commands_in_team_frame(player.team, int(commands[o]))
 
 
 @kernel
-def as_seen(team, actions):
+def commands_in_team_frame(team, actions):
     """Turn every direction among some actions for a right player; the built-in AI's action stands alone."""
     turned, digit = 0, 1
     while actions > 0:
         action = actions % NUM_COMMANDS
         if action == BUILTIN_AI:
             return BUILTIN_AI
-        turned += digit * seen_by(team, action)
+        turned += digit * in_team_frame(team, action)
         digit *= NUM_COMMANDS
         actions //= NUM_COMMANDS
     return turned

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.scenic.world_fields import FIELDS
 from regista.kernels.jit import kernel
 
@@ -59,7 +59,7 @@ def _write_player(match, i, registers, at, with_heading):
     registers[at + 6] = 1.0 if match.reported_owner == i else 0.0
     registers[at + 7] = 1.0 if player.agent != NOBODY else 0.0
     registers[at + 8] = player.tiredness
-    registers[at + 9] = seen_by(player.team, player.direction)
+    registers[at + 9] = in_team_frame(player.team, player.direction)
     registers[at + 10] = 1.0 if player.sprint else 0.0
     registers[at + 11] = 1.0 if player.dribble else 0.0
     registers[at + 12] = NOBODY
