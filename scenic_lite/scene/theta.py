@@ -78,7 +78,7 @@ def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
     free = [draw for d, (draw, column) in pairs if d not in decided and column.span != 0]
     if free:
         names = ", ".join(f"{draw.name} (line {draw.place.line})" for draw in free)
-        hint = "ask for more, or give default=θ for the rest"
+        hint = "describe more, or give default=θ for the rest"
         raise ScenicError("value", f"the description of the scene does not determine {names}", free[0].place, hint=hint)
 
 
