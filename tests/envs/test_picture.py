@@ -77,7 +77,7 @@ def test_what_is_no_film_is_refused(tmp_path):
         write_video(tmp_path / "film.avi", [np.zeros((10, 10, 3), np.uint8)])
     with pytest.raises(ValueError, match="no frame"):
         write_video(tmp_path / "film.gif", [])
-    with pytest.raises(ValueError, match="no folder"):
+    with pytest.raises(ValueError, match="does not exist"):
         write_video(tmp_path / "nowhere" / "film.gif", [np.zeros((10, 10, 3), np.uint8)])
 
 

@@ -67,7 +67,7 @@ def test_foreign_and_damaged_files_are_refused(tmp_path):
         with pytest.raises(RecordError, match=f"{name}.npz is not a record of a match"):
             load_record(tmp_path / f"{name}.npz")
     np.savez(tmp_path / "other.npz", a=np.arange(3))
-    with pytest.raises(RecordError, match="does not say 'regista match record'"):
+    with pytest.raises(RecordError, match="its format is not 'regista match record'"):
         load_record(tmp_path / "other.npz")
     with pytest.raises(FileNotFoundError):
         load_record(tmp_path / "none.npz")
