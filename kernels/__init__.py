@@ -1,4 +1,4 @@
-"""What the language and simulators compile with: the `kernel` decorator, its linking, its cache, random numbers.
+"""Compilation for the language and the simulators: the `kernel` decorator, its linking and cache, random numbers.
 
 Imported as `regista.kernels`; `regista/kernels` is a link to this folder. Read next: `jit`.
 """

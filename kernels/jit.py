@@ -1,8 +1,9 @@
-"""`kernel`: how every compiled function of Regista is compiled and where the result is kept.
+"""`kernel`: the decorator that compiles all of Regista's Numba functions and caches the machine code.
 
-Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another
-file and it serves stale code. So the cache folder is named by a digest of every source that a kernel can see: a file
-with kernels imports from others with kernels and from leaves, or else an edit there compiles football anew.
+Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another file and it
+serves stale code. So the cache folder is named by a digest of every source file that a kernel can see. A file with
+kernels must therefore import only other files with kernels and files without imports of their own; any other import
+would make an unrelated edit recompile the football simulator.
 Read next: `regista.envs.football.simulator`, the largest user.
 """
 
@@ -22,8 +23,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-# Numba and torch bring an OpenMP pool each. Threads that wait by spinning take the cores from each other's work: two
-# threads then train ten times slower than one. This must be said before either library starts its pool.
+# Numba and torch start an OpenMP pool each. Threads that spin while they wait take cores from the other pool: two
+# threads then train ten times slower than one. The policy must be set before either library starts its pool.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 import numba
@@ -31,12 +32,15 @@ import numpy as np
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista/kernels", "scenic_lite", "regista/envs")
-KNOWN_INSIDE = ((0, 61), (0, 69))  # Numba from the first to before the second: what `numba_linking` knows the inside of
-# Half of the first compilation is saved by `numba_linking`, which leans on Numba's private classes: 0 goes without it.
+KNOWN_INSIDE = (
+    (0, 61),
+    (0, 69),
+)  # from the first version to before the second: those whose internals `numba_linking` uses
+# `numba_linking` saves half of the first compilation, but relies on Numba's private classes: 0 disables it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # the latter: without Numba's counting of references
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # `_nrt`: no reference counting
 KEPT_CACHES = 4  # digests: the present one and a few that a developer may switch back to
-KEPT_SECONDS = 86_400  # a cache that is younger may belong to a program that runs just now
+KEPT_SECONDS = 86_400  # a younger cache may belong to a running program
 
 _numba_config: Any = numba.config
 _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))?", re.MULTILINE)
@@ -45,10 +49,10 @@ _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))
 def kernel(function: Callable | None = None, *, parallel: bool = False, inline: bool = False) -> Any:
     """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
 
-    Kernels make no arrays: so they need not count references to those that they are handed, which would cost them a
-    tenth of their time. Kernels never raise: `error_model="numpy"` leaves a division by zero to give inf or nan, as in
-    C. With `NUMBA_DISABLE_JIT=1` the function is returned as it is and runs as plain Python. With `inline` it becomes
-    part of whatever calls it: a batch of arrays costs more to hand over than many a kernel does.
+    Kernels create no arrays, so they skip reference counting, which would cost a tenth of their time. Kernels never
+    raise: with `error_model="numpy"` a division by zero gives inf or nan, as in C. With `NUMBA_DISABLE_JIT=1` the
+    function is returned unchanged and runs as plain Python. With `inline` the function is inlined into its callers:
+    passing a batch of arrays costs more than many kernels take to run.
     """
 
     def decorate(undecorated: Callable) -> Any:
@@ -65,7 +69,7 @@ def kernel(function: Callable | None = None, *, parallel: bool = False, inline: 
 
 
 def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
-    """Return the function as Numba's own dispatcher, or as a `Kernel` where its inside is known."""
+    """Return the function as Numba's own dispatcher, or as a `Kernel` if this version of Numba supports it."""
     if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
         return numba.njit(cache=True, **options)(function)
     from regista.kernels.numba_linking import Kernel
@@ -76,7 +80,7 @@ def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
 
 
 def compiled(function: Any) -> bool:
-    """Return whether calling the kernel will be quick: it runs uncompiled, or is in memory or in the cache."""
+    """Return whether calling the kernel is quick: it runs uncompiled, or is in memory or in the cache."""
     if not hasattr(function, "signatures") or function.signatures:
         return True
     folder = Path(function.stats.cache_path)
@@ -85,11 +89,11 @@ def compiled(function: Any) -> bool:
 
 
 def sources() -> list[Path]:
-    """List the files that kernels stand in and all of ours that those import: what compiled code depends on."""
+    """List the files with kernels and all of our files that those import: everything that compiled code depends on."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
     pending = [path for path, text in texts.items() if "regista.kernels.jit import" in text]
-    pending += (path for path in texts if path.parent == ROOT / "regista" / "kernels")  # what compiles them
+    pending += (path for path in texts if path.parent == ROOT / "regista" / "kernels")  # the compiler itself
     while pending:
         path = pending.pop()
         if path in seen:
@@ -108,7 +112,7 @@ def sources() -> list[Path]:
 
 
 def digest() -> str:
-    """Name the present state of `sources()`, and of what compiles them, in 16 hexadecimal digits.
+    """Return the digest of `sources()` and of the compiler's versions and options: 16 hexadecimal digits.
 
     A checkout and an installed package with the same sources have the same digest and share compiled kernels.
     """
@@ -121,9 +125,9 @@ def digest() -> str:
 
 
 def _cache_folder() -> Path:
-    """Make the cache folder of this digest: NUMBA_CACHE_DIR, else the user's cache, else a temporary folder.
+    """Create the cache folder of this digest in NUMBA_CACHE_DIR, else in the user's cache, else in a temporary folder.
 
-    What lies in a cache is run. So a folder into which somebody else could have put something is not used.
+    Cached code is executed. So a folder that another user could write into is not used.
     """
     user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
     chosen = os.environ.get("NUMBA_CACHE_DIR")
@@ -137,7 +141,7 @@ def _cache_folder() -> Path:
             if not _private(folder):
                 continue
             folder.chmod(0o700)
-            folder.touch()  # newest: `_forget` goes by age
+            folder.touch()  # marks it as the newest: `_forget` sorts by age
             with tempfile.TemporaryFile(dir=folder):
                 pass
         except OSError:
@@ -146,32 +150,32 @@ def _cache_folder() -> Path:
         return folder
     fresh = Path(tempfile.mkdtemp(prefix="regista-"))
     atexit.register(_remove, fresh, os.getpid())
-    print(f"regista: compiled kernels are kept in {fresh} until this program ends", file=sys.stderr)
+    print(f"regista: compiled kernels are cached in {fresh} until this program ends", file=sys.stderr)
     return fresh
 
 
 def _private(folder: Path) -> bool:
-    """Return whether a folder is the user's, and nobody else may write into it; say it where that is not so."""
+    """Return whether a folder belongs to the user and only the user can write into it; print a warning if not."""
     status = folder.lstat()
     mine, writable = status.st_uid == os.getuid(), bool(status.st_mode & 0o022)
     if mine and not writable and stat.S_ISDIR(status.st_mode):
         return True
-    why = "it belongs to somebody else" if not mine else "others may write into it" if writable else "it is no folder"
+    why = "it belongs to another user" if not mine else "others may write into it" if writable else "it is not a folder"
     print(f"regista: {folder} is not used as a cache of compiled kernels: {why}", file=sys.stderr)
     return False
 
 
 def _remove(folder: Path, maker: int) -> None:
-    """Remove a temporary cache when the process ends that made it, not when a child of it does."""
+    """Remove a temporary cache when the process that made it ends, but not when one of its children does."""
     if os.getpid() == maker:
         shutil.rmtree(folder, ignore_errors=True)
 
 
 def _forget(parent: Path) -> None:
-    """Remove the caches of all but the newest few digests that are days old; leave whatever else lies there alone."""
+    """Remove the caches of old digests, except the newest few; leave everything else in the folder alone."""
     ages = {}
     for path in parent.iterdir():
-        with suppress(OSError):  # another program may be tidying up, too
+        with suppress(OSError):  # another program may be removing caches, too
             if re.fullmatch(r"[0-9a-f]{16}", path.name):
                 ages[path] = time.time() - path.stat().st_mtime
     for path in sorted(ages, key=lambda path: ages[path])[KEPT_CACHES:]:

@@ -1,8 +1,8 @@
-"""Where the machine code of a kernel is kept: under its file's name within Regista, not under its path on the disk.
+"""The cache of machine code: named by a file's path within Regista, not by its path on the disk.
 
 Numba names the folder after the path of the source file, so each clone and each environment would compile the same
-kernels again. The cache folder of `kernels.jit` is named after a digest of all sources, so equal copies of Regista can
-share it. Read next: `kernels.numba_linking`, whose kernels are kept so.
+kernels again. The cache folder of `kernels.jit` is named by a digest of all sources, so equal copies of Regista can
+share it. Read next: `kernels.numba_linking`, whose kernels use this cache.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _config: Any = numba.config
 
 
 class _PlaceWithin(_CacheLocator):
-    """The folder for the kernels of one folder of Regista, in the cache of `kernels.jit`."""
+    """The cache folder for the kernels of one folder of Regista, inside the cache of `kernels.jit`."""
 
     def __init__(self, py_func: Any, py_file: str, within: Path) -> None:
         self._py_file = py_file
@@ -32,7 +32,7 @@ class _PlaceWithin(_CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Callable, py_file: str) -> _PlaceWithin | None:
-        """Return the place of a function, or None for a function that is not part of Regista: Numba then finds one."""
+        """Return the locator of a function, or None for a function outside Regista, whose place Numba chooses."""
         path = Path(py_file)
         within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
         if not _config.CACHE_DIR or within.parts[:1] not in {(name,) for name in PACKAGES}:
@@ -67,6 +67,6 @@ class _KernelCacheImpl(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one function, in the place of `_PlaceWithin`."""
+    """Numba's cache of one function, placed by `_PlaceWithin`."""
 
     _impl_class = _KernelCacheImpl

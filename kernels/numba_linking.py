@@ -1,10 +1,10 @@
-"""How kernels that call each other become machine code once: where Python calls them, not at every call on the way.
+"""Linking of kernels that call each other: machine code is generated once per entry point, not once per kernel.
 
-Numba makes a program of each compiled function: it links all that the function calls, optimises the whole and makes
-machine code of it, so that a chain of n calls is optimised n times over, and wraps each for calls from Python. Most of
-our kernels are only ever called by others. So a `Kernel` is two: the part that other kernels link, which stays as it
-came from Numba's front end, and the program of its own that it becomes where Python calls it. Half of the first
-compilation goes with that; the machine code of what Python calls is the same.
+Numba makes a program of each compiled function: it links all callees, optimizes the whole and generates machine code,
+so that a chain of n calls is optimized n times over, and wraps each function for calls from Python. Most of our kernels
+are only called by other kernels. So a `Kernel` has two forms: the part that other kernels link, which stays as Numba's
+front end produced it, and the program that it becomes when Python calls it. This saves half of the first compilation;
+the machine code of functions called from Python is the same.
 Read next: `kernels.jit`, which makes kernels.
 """
 
@@ -27,17 +27,17 @@ from numba.core.types.functions import BaseFunction
 
 from regista.kernels.numba_cache import KernelCache
 
-# Stages for what no kernel has: contexts, closures, exceptions, expressions of arrays, functions to inline as source.
+# Compiler stages for what kernels never use: contexts, closures, exceptions, array expressions, source inlining.
 NEEDLESS = {
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "InlineOverloads"),
     "NopythonRewrites",
 }
-GARBAGE = 100_000  # objects made, fewer those freed, before young ones are looked through; Python's 700 cost a tenth
+GARBAGE = 100_000  # allocations less frees before young objects are collected; 700, Python's, costs 10%
 
 
 class _PartLibrary(JITCodeLibrary):
-    """The code of one part: neither optimised nor made machine code; it hands over all parts below it in one module."""
+    """The code of one part, neither optimized nor compiled; it links all parts below it into one module."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -51,7 +51,7 @@ class _PartLibrary(JITCodeLibrary):
         if self._shared_module is None:
             libraries = _below(self)
             modules = [library._own_module() for library in libraries if isinstance(library, _PartLibrary)]
-            while len(modules) > 1:  # in pairs: each time LLVM reads all of the module that it links another into
+            while len(modules) > 1:  # in pairs: each link makes LLVM read the whole destination module
                 for module, other in zip(modules[::2], modules[1::2], strict=False):
                     module.link_in(other)
                 modules = modules[::2]
@@ -62,11 +62,11 @@ class _PartLibrary(JITCodeLibrary):
         return self._shared_module
 
     def _own_module(self) -> Any:
-        """Return a copy of the module of this part alone, whose functions several programs may hold."""
+        """Return a copy of the module of this part alone; several programs may contain its functions."""
         module = self._final_module.clone()
         for function in module.functions:
             if not function.is_declaration and function.linkage.name == "external":
-                function.linkage = "weak_odr"  # which stays while nobody calls it yet
+                function.linkage = "weak_odr"  # kept even while it has no caller
         return module
 
 
@@ -84,7 +84,7 @@ def _below(top: _PartLibrary) -> list[Any]:
 
 
 class _ProgramLibrary(JITCodeLibrary):
-    """The code of a program: nobody but its own entry calls what it has linked, and so the optimiser may do more."""
+    """The code of a program: only its own entry calls the linked functions, so the optimizer may do more."""
 
     def _optimize_final_module(self) -> None:
         for function in self._final_module.functions:
@@ -94,7 +94,7 @@ class _ProgramLibrary(JITCodeLibrary):
 
 
 class _PartCodegen(JITCPUCodegen):
-    """Numba's code generator, with the same engine, except that it makes libraries of parts; a part has no address."""
+    """Numba's code generator with the same engine, but for libraries of parts, which have no address."""
 
     _library_class = _PartLibrary
 
@@ -103,11 +103,11 @@ class _PartCodegen(JITCPUCodegen):
         self.usual = usual
 
     def set_env(self, name: str, environment: Any) -> None:
-        """Do nothing: what Python objects a function needs is only asked for in errors, and kernels never raise."""
+        """Do nothing: a function's Python objects are only needed for errors, and kernels never raise."""
 
 
 class _PartCompiler(Compiler):
-    """Numba's compiler up to its intermediate code."""
+    """Numba's compiler up to its intermediate representation."""
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *rest: Any) -> None:
         super().__init__(typingctx, targetctx, library, *rest)
@@ -124,13 +124,13 @@ class _PartCompiler(Compiler):
 
 
 def _run_pass(analysis: Any, _: int, step: Any, state: Any) -> None:
-    """Run one pass without Numba's report of it, which writes out the types of all arguments."""
+    """Run one pass without Numba's report of it, which prints the types of all arguments."""
     step.analysis = analysis
     step.run_pass(state)
 
 
 class _ProgramCompiler(_PartCompiler):
-    """Numba's compiler; of the bodies of parallel loops and what Numba wraps round them it makes parts, too."""
+    """Numba's compiler, which also makes parts of the bodies of parallel loops and their wrappers."""
 
     def compile_extra(self, func: Any) -> Any:
         library = self.state.library = _ProgramLibrary(self.state.targetctx.codegen().usual, func.__qualname__)
@@ -140,7 +140,7 @@ class _ProgramCompiler(_PartCompiler):
 
 @contextmanager
 def _in_haste() -> Iterator[None]:
-    """Spare Numba what it does again and again: typing an operator, colouring errors that it drops, seeking garbage."""
+    """Skip Numba's repeated work: typing of operators, coloring of errors that it discards, garbage collection."""
     operators: Any = BaseFunction
     colours: Any = type(errors.termcolor())
     typed, coloured, thresholds = operators.get_call_type, colours.errmsg, gc.get_threshold()
@@ -166,7 +166,7 @@ class _Part(CPUDispatcher):
     """A kernel as other kernels see it."""
 
     def compile(self, sig: Any) -> Any:
-        this: Any = self  # as Numba knows itself
+        this: Any = self  # Numba's own name for it
         args, return_type = normalize_signature(sig)
         if tuple(args) not in this.overloads:
             with this._compiling_counter:
@@ -175,7 +175,7 @@ class _Part(CPUDispatcher):
 
 
 class Kernel(CPUDispatcher):
-    """A compiled function: called from Python a program of its own, called from other kernels a part of theirs."""
+    """A compiled function: a program of its own when called from Python, a part when called from other kernels."""
 
     def __init__(self, py_func: Any, targetoptions: dict[str, Any]) -> None:
         super().__init__(py_func, targetoptions=targetoptions, pipeline_class=_ProgramCompiler)
@@ -187,13 +187,13 @@ class Kernel(CPUDispatcher):
         return self._part._numba_type_
 
     def enable_caching(self) -> None:
-        """Keep what is compiled where every copy of Regista with the same sources finds it."""
+        """Cache compiled code where every copy of Regista with the same sources finds it."""
         self._cache = KernelCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
-        """Load or compile it; programs that begin together wait for the one that compiles, and load what it made."""
+        """Load or compile the kernel; of programs that start together one compiles, and the others load its result."""
         with ExitStack() as held:
-            with suppress(OSError):  # a folder that nobody may write into, or that knows no locks
+            with suppress(OSError):  # a folder that is read-only or does not support locks
                 name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
                 fcntl.flock(held.enter_context(open(name, "w")), fcntl.LOCK_EX)
             held.enter_context(_in_haste())

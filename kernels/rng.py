@@ -1,8 +1,8 @@
-"""Random numbers from the stream that a record holds in its field `random`, the same for any number of threads.
+"""Random numbers from the stream in a record's field `random`, the same for any number of threads.
 
 The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003): shifts and exclusive ors
-only, so that it runs uncompiled without a warning about overflow. Streams start from SplitMix64 hashes of
-the seeds (Steele, Lea and Flood, OOPSLA 2014). Football's matches and the machine that runs behaviors
+only, so that it runs uncompiled without overflow warnings. Streams start from SplitMix64 hashes of
+the seeds (Steele, Lea and Flood, OOPSLA 2014). Football matches and the virtual machine of behaviors
 (`dynamics.machine.vm`) draw from it.
 """
 
@@ -37,7 +37,7 @@ def stream(seed: int) -> int:
 
 @kernel
 def uniform(rng):
-    """Draw from [0, 1) and move the stream of `rng`, a record, on by one."""
+    """Draw from [0, 1) and advance the stream of `rng`, a record, by one."""
     state = rng.random
     state ^= state << _A
     state ^= state >> _B
@@ -48,6 +48,6 @@ def uniform(rng):
 
 @kernel
 def normal(rng):
-    """Draw from the standard normal distribution by Box and Muller's method: two uniform draws."""
+    """Draw from the standard normal distribution by the Box-Muller method: two uniform draws."""
     radius = math.sqrt(-2.0 * math.log(1.0 - uniform(rng)))
     return radius * math.cos(_TWO_PI * uniform(rng))

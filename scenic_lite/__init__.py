@@ -1,15 +1,15 @@
-"""A compact interpreter of Scenic: programs that describe distributions of scenes, evaluated for N samples at once.
+"""A two-dimensional Scenic for arrays of scenes: programs describe distributions of scenes, evaluated N at a time.
 
-`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` plays what happens in them. README.md is the
-manual of the language. The rooms, from the ground up:
+`load` reads a program; `Program` maps θ in [-1, 1]^D to scenes; `dynamics` runs behaviors in them. README.md is the
+manual of the language. The packages, from the ground up:
 
     syntax      text → tokens → checked tree
-    values      random expressions as graphs, and the plane that they lie in
-    core        scopes, types, budget: what every chapter stands on
+    values      random expressions as graphs, and geometry in the plane
+    core        scopes, types, budget: the basis of all other packages
     language    the chapters of the manual: classes, distributions, specifiers, operators, requirements, regions
     evaluation  the tree walked once, on numbers and on random values alike
     scene       θ → scenes, and back
-    dynamics    behaviors and monitors: the reference, the compiler, the machine
+    dynamics    behaviors and monitors: the compiler, the virtual machine
 
 Read next: `loader`, `values.graph`, `scene.program`; then `tests/reference/interpreter.py`.
 """

@@ -1,6 +1,6 @@
-"""The one exception of the language: what is wrong, where, and what would have been right.
+"""The exception of the language: what is wrong, where, and how to correct it.
 
-Read next: `syntax.lexer`, where the first of them are raised.
+Read next: `syntax.lexer`, which raises the first of them.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ class SourceSpan(NamedTuple):
 
 
 class ScenicError(Exception):
-    """A program that cannot be read, compiled or sampled.
+    """A program that cannot be loaded, compiled or sampled.
 
     `kind` is one of `syntax`, `name`, `type`, `value`, `specifier`, `random-control-flow`, `rejection`,
-    `budget`, `import`, `unsupported`, or `warning` for what is allowed but surely not meant. `str()` gives
-    `file:line:column: message (hint)`, then the source line with the culprit underlined; columns are printed from 1.
-    `also` holds what else was found to be wrong at the same time; `str()` shows it below.
+    `budget`, `import`, `unsupported`, or `warning` for a probable mistake. `str()` gives
+    `file:line:column: message (hint)`, then the source line with the error underlined; columns are printed from 1.
+    `also` holds further errors found at the same time, which `str()` appends.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class ScenicError(Exception):
         source_line: str = "",
         notes: Iterable[str] = (),
     ) -> None:
-        super().__init__(kind, message)  # what it takes to make it again: errors of other processes arrive pickled
+        super().__init__(kind, message)  # the constructor's arguments, so that errors can be pickled between processes
         self.kind = kind
         self.message = message
         self.place = place
@@ -52,12 +52,12 @@ class ScenicError(Exception):
 
     @property
     def line(self) -> int | None:
-        """Line of the culprit, from 1."""
+        """Line of the error, from 1."""
         return self.place.line if self.place else None
 
     @property
     def column(self) -> int | None:
-        """Column of the culprit, from 1."""
+        """Column of the error, from 1."""
         return self.place.column + 1 if self.place else None
 
     def __str__(self) -> str:
@@ -74,9 +74,9 @@ class ScenicError(Exception):
     def _underlined(self, place: SourceSpan) -> list[str]:
         text = self.source_line.rstrip("\n")
         end = place.end_column if place.end_line == place.line else len(text)
-        start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # of the part that is shown
+        start = max(0, place.column - WIDEST // 2) if len(text) > WIDEST else 0  # of the visible part
         text = text[start : start + WIDEST]
-        # Tabs stay tabs in the margin, so that the carets stand under the text whatever the tab width.
+        # Tabs stay tabs in the margin, so that the carets align with the text whatever the tab width.
         margin = "".join(c if c == "\t" else " " for c in text[: place.column - start])
         carets = "^" * max(1, min(end, start + len(text)) - place.column)
         return ["    " + text, "    " + margin + carets]
@@ -87,5 +87,5 @@ class UnsetVariable(ScenicError):
 
 
 def harmless(text: str) -> str:
-    """Return a text that commands no terminal, whatever the program contains."""
+    """Return a text without terminal control sequences, whatever the program contains."""
     return "".join(each if each.isprintable() or each in "\n\t" else "\ufffd" for each in text)

@@ -1,6 +1,6 @@
-"""Load a program: parse it, walk its tree once, and hand what it made to `Program`.
+"""Load a program: parse it, walk its tree once, and pass the result to `Program`.
 
-The evaluation itself is spread over `scope`, `expressions`, `calls`, `statements` and `modules`. Read next:
+The evaluation itself is in `scope`, `expressions`, `calls`, `statements` and `modules`. Read next:
 `core.scope`.
 """
 
@@ -40,11 +40,11 @@ def load(
     `dialect` is 2 (the thesis's Scenic 2) or 3 (Scenic 3 in two dimensions). Without it, a first line `# scenic: 2` or
     `# scenic: 3` decides; without that, a program that makes its objects with `new` is of dialect 3, any other of 2.
     `scenario` names the modular scenario to run; without it, that is `Main`, or the only one. `params` are global
-    parameters that win over whatever the program sets. `model` is a module whose names the program gets in place of
-    those of its own `model` statement or of the domain's default model.
+    parameters that override those of the program. `model` is a module whose names replace those of the program's own
+    `model` statement or of the domain's default model.
 
-    Raises ScenicError, with a place in the text, for whatever is wrong with the program; ValueError or TypeError for an
-    argument that means nothing.
+    Raises ScenicError, with a place in the text, for any error in the program; ValueError or TypeError for an
+    invalid argument.
     """
     text, file, folder = text_of(source)
     mode = load_mode(domain, dialect_of(text, file, dialect))
@@ -63,7 +63,7 @@ def load(
 
 
 def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
-    """Run the setup of the main scenario, if there is one. Raises ScenicError if it cannot be told which one is."""
+    """Run the setup of the main scenario, if there is one. Raises ScenicError if it is ambiguous."""
     state = mode.state
     scenario = main_of(state, source, name)
     if scenario is None:
@@ -81,7 +81,7 @@ def set_up_main(mode: Mode, source: Source, name: str | None) -> None:
 
 
 def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | None:
-    """Return the scenario that the program is, among those of its own file."""
+    """Return the main scenario among those of the program's own file."""
     known = {scenario.name: scenario for scenario in state.scenarios if scenario.scope.source is source}
     if name is not None:
         if name not in known:
@@ -98,24 +98,24 @@ def main_of(state: LoadState, source: Source, name: str | None) -> Behavior | No
 
 
 def override(state: LoadState, file: str, params: Mapping[str, object], model: str | None) -> None:
-    """Set what the caller decides and the program cannot change."""
+    """Set the caller's parameters and model, which the program cannot change."""
     if not isinstance(params, Mapping):
-        raise TypeError(f"params maps names to values, it is no {type(params).__name__}")
+        raise TypeError(f"params must map names to values, got {type(params).__name__}")
     for name, value in params.items():
         if not isinstance(name, str):
-            raise TypeError(f"the name of a parameter is a text, not {name!r}")
+            raise TypeError(f"the name of a parameter must be a text, got {name!r}")
         if not is_plain(value):
             raise TypeError(f"the parameter '{name}' must be a number, a text, a truth value, None, or a list of them")
         state.params[name] = value
         state.param_places[name] = SourceSpan(file, 1, 0, 1, 1)
     state.fixed_params = frozenset(params)
     if model is not None and not isinstance(model, str):
-        raise TypeError(f"model is the name of a module, not {model!r}")
+        raise TypeError(f"model must be the name of a module, got {model!r}")
     state.model = model
 
 
 def is_plain(value: object) -> bool:
-    """Return whether a value is one that the text of a program could hold too."""
+    """Return whether a value could also be written in a program."""
     if isinstance(value, list | tuple):
         return all(is_plain(part) for part in value)
     if isinstance(value, dict):
@@ -124,7 +124,7 @@ def is_plain(value: object) -> bool:
 
 
 def warn_of_overrides(state: LoadState, own: Source) -> None:
-    """Warn of a parameter of the caller that nobody sets, and that is almost spelt like one that somebody does."""
+    """Warn of a caller's parameter that the program never sets, if its name is similar to one that it does set."""
     unset = own.start
     known = {name for name, place in state.param_places.items() if place != unset}
     known |= state.domain.params if state.domain else frozenset()
@@ -136,9 +136,9 @@ def warn_of_overrides(state: LoadState, own: Source) -> None:
 
 
 def refuse_without_ego(state: LoadState, source: Source) -> None:
-    """Raise ScenicError, at its first object, for a program that sets no ego but needs one.
+    """Raise ScenicError, at its first object, for a program that needs an ego and sets none.
 
-    Dialect 3 needs an ego only to see others, dialect 2 always, but for a scenario whose compose block sets it.
+    Dialect 3 needs an ego only for visibility, dialect 2 always, except in a scenario whose compose block sets it.
     """
     if state.dialect == 2:
         needed = state.main is None or not state.main.behavior.scenario.compose
@@ -147,12 +147,12 @@ def refuse_without_ego(state: LoadState, source: Source) -> None:
     if state.ego is not None or not needed:
         return
     own = (instance.place for instance in state.objects if instance.place.file == source.file)
-    with state.placing(next(own, source.start)):
+    with state.with_location(next(own, source.start)):
         raise ScenicError("name", "the program sets no ego", hint="write ego = ... before one of its objects")
 
 
 def text_of(source: str | Path) -> tuple[str, str, Path | None]:
-    """Return text, name to print, and folder of a source."""
+    """Return text, printed name, and folder of a source."""
     if not isinstance(source, str | Path):
         raise TypeError(f"load takes the path or the text of a program, not {type(source).__name__}")
     if isinstance(source, Path) or source.endswith(".scenic") or is_file(source):
@@ -171,7 +171,7 @@ def is_file(source: str) -> bool:
 
 
 def load_mode(domain: Domain | None, dialect: int) -> Mode:
-    """Return the mode of a load that knows all of the language and nothing yet of a program."""
+    """Return the mode of a load, which knows the language but nothing of a program yet."""
     state = LoadState(domain, dialect)
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
     handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)

@@ -74,8 +74,8 @@ def test_a_cache_of_somebody_else_is_not_used(tmp_path: Path) -> None:
         folder.mkdir(mode=0o700)
         os.chown(folder, 12345, 12345)
     found, said = asked(tmp_path, NUMBA_CACHE_DIR=str(tmp_path / "numba"))
-    assert said.count("it belongs to somebody else") == 2
-    assert said.endswith(f"regista: compiled kernels are kept in {found} until this program ends")
+    assert said.count("it belongs to another user") == 2
+    assert said.endswith(f"regista: compiled kernels are cached in {found} until this program ends")
     assert not Path(found).exists()
 
 

@@ -1,4 +1,4 @@
 """A football simulator that behaves like Google Research Football, batched and compiled.
 
-Read next: `simulator`, what a step of a match is; `state`, the record of a match; `vector_env`, matches for learners.
+Read next: `simulator`, one step of a match; `state`, the record of a match; `vector_env`, the environment.
 """

@@ -1,6 +1,6 @@
-"""Settings of the football environment; those of the match itself are parameters of the program.
+"""Settings of the football environment; settings of the match are parameters of the program.
 
-Light: importing it loads neither NumPy's nor Numba's machinery. Read next: `vector_env`.
+Importing it loads neither NumPy nor Numba. Read next: `vector_env`.
 """
 
 from __future__ import annotations
@@ -17,41 +17,40 @@ MOST_SPREAD = 0.99
 
 
 def most_workers() -> int:
-    """Return how many processes may hold engines on this machine."""
+    """Return the largest number of processes that may run GRF on this machine."""
     return 4 * (os.cpu_count() or 1)
 
 
 @dataclass(frozen=True)
 class FootballConfig:
-    """What agents see and are paid for, and whom they move. Raises ValueError for a name that does not exist."""
+    """The agents' observations, rewards and players. Raises ValueError for an unknown name."""
 
     representation: str = field(
-        default="features", metadata={"help": "what agents see: features, simple115, smm, smm_stacked or raw"}
+        default="features", metadata={"help": "observation: features, simple115, smm, smm_stacked or raw"}
     )
-    rewards: str = field(default="scoring", metadata={"help": "what they are paid for: scoring or scoring,checkpoints"})
+    rewards: str = field(default="scoring", metadata={"help": "reward: scoring or scoring,checkpoints"})
     control: str = field(
         default="closest1",
         metadata={"help": "left players that agents move: closest1 to closest3, active, a number, all, allNonGK, none"},
     )
-    right_control: str = field(default="none", metadata={"help": "right players that agents move: the same words"})
+    right_control: str = field(default="none", metadata={"help": "right players that agents move: same values"})
     dialect: int | None = field(
         default=None,
-        metadata={"help": "version of Scenic that the program is written in, 2 or 3; else found out"}
+        metadata={"help": "version of Scenic that the program is written in, 2 or 3; default: detected"}
         | {"least": 2, "most": 3},
     )
     engine_spread: float = field(
         default=0.0,
-        metadata={"help": "share by which keepers, tackles, kicks and reactions differ from episode to episode: 0.15"}
+        metadata={"help": "relative spread of keepers, tackles, kicks and reactions between episodes, such as 0.15"}
         | {"least": 0, "most": MOST_SPREAD},
     )
     engine: str = field(
-        default="regista", metadata={"help": "what plays: regista, our simulator, or grf, Google Research Football"}
+        default="regista", metadata={"help": "simulator: regista, our simulator, or grf, Google Research Football"}
     )
-    grf_python: str | None = field(default=None, metadata={"help": "the Python that has gfootball; else looked for"})
+    grf_python: str | None = field(default=None, metadata={"help": "the Python that has gfootball; default: detected"})
     grf_workers: int = field(
         default=0,
-        metadata={"help": "processes that hold engines of grf; 0: one for each core"}
-        | {"least": 0, "most": most_workers},
+        metadata={"help": "worker processes for grf; 0: one per core"} | {"least": 0, "most": most_workers},
     )
 
     def __post_init__(self) -> None:
@@ -67,17 +66,17 @@ class FootballConfig:
         if not 0 <= self.engine_spread <= MOST_SPREAD:
             raise ValueError(f"engine_spread must be 0 or more and at most {MOST_SPREAD}, got {self.engine_spread}")
         if self.engine_spread and self.engine == "grf":
-            raise ValueError("engine_spread is of our simulator; engine 'grf' is as it is")
+            raise ValueError("engine_spread needs engine 'regista'; engine 'grf' does not support it")
         if not 0 <= self.grf_workers <= most_workers():
             raise ValueError(
                 f"grf_workers must be 0 or more and at most {most_workers()} on this machine, got {self.grf_workers}"
             )
         if self.control == self.right_control == "none":
-            raise ValueError("control and right_control are both 'none': there must be an agent")
+            raise ValueError("control and right_control are both 'none': at least one agent is needed")
 
 
 def check_control(mode: str | int) -> str:
-    """Return a control mode as text. Raises ValueError for one that does not exist."""
+    """Return a control mode as text. Raises ValueError for an unknown one."""
     text = str(mode)
     if text not in CONTROL_MODES and not (text.isdecimal() and int(text) > 0):
         known = ", ".join(CONTROL_MODES)

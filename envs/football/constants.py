@@ -1,7 +1,7 @@
-"""The numbers of the game: pitch, ball, bodies, actions and modes, in metres and seconds.
+"""The numbers of the game: pitch, ball, bodies, actions and modes, in meters and seconds.
 
-Values are Google Research Football's own, or fitted to measurements of it. Numbers that belong to one chapter
-stand at the head of that chapter's file. Read next: `state`.
+Values are Google Research Football's own, or fitted to measurements of it. Numbers that only one module needs are at
+the top of that module. Read next: `state`.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ STEP = 0.1  # s, one decision
 FRAMES = 10  # physics frames in a step
 DT = STEP / FRAMES  # s, one physics frame
 
-# Programs' coordinates: x in [-100, 100], y in [-42, 42]
+# Scenic coordinates: x in [-100, 100], y in [-42, 42]
 METRES_PER_X = 0.544
 METRES_PER_Y = 0.836
 
 # Pitch
 HALF_LENGTH = 55.0  # m, from the halfway line to the goal line
 HALF_WIDTH = 36.0  # m, from the middle to the side line
-OUT_MARGIN = 0.17  # m, how far the ball's centre must be beyond a line to be out or in goal
+OUT_MARGIN = 0.17  # m, how far the ball's center must be beyond a line to be out or in goal
 GOAL_HALF_WIDTH = 3.7  # m
 GOAL_HEIGHT = 2.5  # m
 BOX_DEPTH = 16.4  # m, the penalty box: from the goal line
@@ -50,12 +50,12 @@ DIRECTION_LEFT, DIRECTION_TOP_LEFT, DIRECTION_TOP, DIRECTION_TOP_RIGHT = 1, 2, 3
 DIRECTION_RIGHT, DIRECTION_BOTTOM_RIGHT, DIRECTION_BOTTOM, DIRECTION_BOTTOM_LEFT = 5, 6, 7, 8
 LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT = 9, 10, 11, 12
 SPRINT, RELEASE_DIRECTION, RELEASE_SPRINT, SLIDING, DRIBBLE, RELEASE_DRIBBLE = 13, 14, 15, 16, 17, 18
-BUILTIN_AI = 19  # never a learner's action
-STAND = -1  # a lazy player, who does nothing at all; never a learner's action either
+BUILTIN_AI = 19  # never an agent's action
+STAND = -1  # a lazy player, who does nothing; never an agent's action either
 NUM_ACTIONS = 19
-NO_KEY = -1  # what was done is none of the 19
-BY_PROGRAM = -2  # an agent leaves its player to the program; never a learner's action
-NUM_COMMANDS = 20  # with the built-in AI's; several actions at once are digits of this base
+NO_ACTION = -1  # none of the 19 actions describes the step
+BY_PROGRAM = -2  # an agent leaves its player to the program; never an agent's own action
+NUM_COMMANDS = 20  # including the built-in AI's; several actions at once are digits in this base
 ACTION_NAMES = (
     *("idle", "left", "top_left", "top", "top_right", "right", "bottom_right", "bottom", "bottom_left"),
     *("long_pass", "high_pass", "short_pass", "shot"),
@@ -67,16 +67,16 @@ _DIAGONAL = 0.7071067811865476
 DIRECTION_X = (0.0, -1.0, -_DIAGONAL, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL)
 DIRECTION_Y = (0.0, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL, -1.0, -_DIAGONAL)
 
-# How the agents of a team get their players: `control_modes` says more
+# How the agents of a team get their players: see `control_modes`
 NO_AGENTS, CLOSEST, ACTIVE, FIXED = range(4)
 CONTROL_MODES = ("closest1", "closest2", "closest3", "active", "all", "allNonGK", "none")  # or a number
 
 # Modes of the game
 NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
 
-# What ended an episode; the last two: a `terminate` of its program, a requirement of the program that does not hold
+# What ended an episode; the last two: the program's `terminate`, a violated requirement of the program
 RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION, TERMINATED, REJECTED = range(7)
 
-# Faults: what a kernel found that must not be; in the program itself, `scenic_lite.dynamics` says which
+# Faults found by a kernel; for a fault of the program, `scenic_lite.dynamics` reports which one
 NO_FAULT, NOT_A_NUMBER, BAD_ACTION, PROGRAM_FAULT = range(4)
-KICK_PATIENCE = 20  # steps that a kick waits for the ball to come into reach
+KICK_PATIENCE = 20  # steps for which a requested kick waits for the ball to come into reach

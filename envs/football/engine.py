@@ -1,7 +1,7 @@
-"""What plays the matches of a batch: our own simulator, or another engine behind the same few calls.
+"""The interface of engines: our own simulator, or GRF, behind the same few methods.
 
-An engine begins matches and moves all of them on by a step; what it finds goes into `Batch` and `Outcome`, so that
-whoever calls it need not know which one it is. Read next: `batch`; `regista.envs.grf.engine`, the other one.
+An engine begins matches and steps all of them; it writes results into `Batch` and `Outcome`, so its caller does not
+depend on the engine. Read next: `batch`; `regista.envs.grf.engine`, the other engine.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from scenic_lite.dynamics.machine.bytecode import Code
 
 
 class Engine(Protocol):
-    """What a batch of matches needs of whatever plays it."""
+    """What an engine does for a batch of matches."""
 
     def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
-        """Put the matches `where` (indices `[k]`) at the start that `batch.starts` holds.
+        """Reset the matches `where` (indices `[k]`) to the initial states in `batch.starts`.
 
-        `luck` `[k]` are their random streams, but where every episode of a match repeats one.
+        `luck` `[k]` are their random streams; deterministic matches ignore them.
         """
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
-        """Move all matches on with actions `[N, A]`, as `batch.step_batch`."""
+        """Step all matches with actions `[N, A]`, as `batch.step_batch`."""
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """Return what changes beside the batch."""
+        """Return the state outside the batch."""
 
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Take back what `get_state` gave; the batch is already that of the same moment."""
+        """Restore what `get_state` returned; the batch has been restored already."""
 
     def close(self) -> None:
-        """Let go of what the matches hold."""
+        """Free the engine's resources."""
 
 
 class Simulator:
-    """Our own simulator: everything that changes stands in the batch."""
+    """Our own simulator: all of its state is in the batch."""
 
     def __init__(self, code: Code) -> None:
         self._code = code
@@ -49,14 +49,14 @@ class Simulator:
         return {**vars(self), "_compiled": None}  # machine code cannot be sent to another process
 
     def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
-        """Put the matches `where` at their start."""
+        """Reset the matches `where` to their initial states."""
         begin(batch, where, luck, settings)
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
-        """Move all matches on.
+        """Step all matches.
 
-        Numba finds out the types of all arrays at every call, which takes longer than ten matches do: they stay what
-        they are, so it is asked once.
+        Numba infers the types of all arrays at every call, which takes longer than stepping ten matches: the types
+        never change, so they are inferred once.
         """
         arguments = batch, actions, outcome, seen, settings, self._code
         if self._compiled is not None:
@@ -67,11 +67,11 @@ class Simulator:
             self._compiled = step_batch.get_overload(tuple(map(numba.typeof, arguments)))
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """Return nothing."""
+        """Return an empty state."""
         return {}
 
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Take nothing."""
+        """Do nothing: the state is in the batch."""
 
     def close(self) -> None:
-        """Hold nothing."""
+        """Do nothing: there are no resources."""

@@ -1,19 +1,19 @@
-"""What a field of a record may hold: in a table of fields this stands in place of a bare type.
+"""Refuses tampered checkpoints, with `limits`: the kinds of fields of a record, in place of bare types in its tables.
 
-Light: programs are read without Numba. Read next: `state`, the tables; `limits`, which checks records by them.
+Importing it does not load Numba. Read next: `state`, the tables; `limits`, which checks records by them.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-LARGEST = 1e9  # magnitude of a real number in a record: far beyond any pitch, and yet a fine integer
+LARGEST = 1e9  # magnitude of a real number in a record: far beyond any pitch, and safe to convert to an integer
 
 
 class Whole(NamedTuple):
-    """A whole number from `low` to `high`; below the number of things that `high` names, where it is a name.
+    """A whole number from `low` to `high`; if `high` is a name, from `low` to below the count of that name.
 
-    `given`: a match has what the line-up of its program gives it, and nothing else.
+    `given`: the value must be the one that the program's line-up gives the match.
     """
 
     low: int
@@ -25,7 +25,7 @@ class Whole(NamedTuple):
 
 
 class Real(NamedTuple):
-    """A number of this magnitude at most: NaN never is."""
+    """A real number of at most this magnitude; NaN is refused."""
 
     largest: float = LARGEST
 
@@ -34,7 +34,7 @@ class Real(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A number that the machine takes for a place among so many, whole or not: not negative, and less than that."""
+    """A number that the virtual machine uses as an index into `places` entries, whole or not: 0 to below that."""
 
     places: int
 
@@ -42,10 +42,10 @@ class Place(NamedTuple):
         return f"a number from 0 to {self.places - 1:,}"
 
 
-Kind = Whole | Real | Place | str  # or what NumPy calls it: "?" for truth values, "u8" where any 64 bits will do
+Kind = Whole | Real | Place | str  # or NumPy's name: "?" for booleans, "u8" for any 64 bits
 Table = tuple[tuple[str, Kind, tuple[int, ...], str, str], ...]  # name, kind, shape, unit, meaning
 
 
 def stored(kind: Kind) -> str:
-    """Return how NumPy stores such a field."""
+    """Return NumPy's type of a field of this kind."""
     return kind if isinstance(kind, str) else "i8" if isinstance(kind, Whole) else "f8"

@@ -1,4 +1,4 @@
-"""The ten frames of a step: bodies, ball and their meetings, until the ball leaves the pitch.
+"""The ten physics frames of a step: bodies, ball and contacts, until the ball leaves the pitch.
 
 Read next: `physics.ball`, `physics.bodies`, `skills.contacts`, one per line of `play_frames`.
 """
@@ -18,10 +18,10 @@ from regista.kernels.jit import kernel
 
 @kernel
 def play_frames(match):
-    """Move everything on by one step of 100 ms; the ball stops where it leaves the pitch.
+    """Simulate the frames of one step of 100 ms; the ball stops where it leaves the pitch.
 
-    Who is far from the ball and from everybody else is moved on only before somebody does something to the ball, when
-    others may ask where he is, and at the end: then by all the frames that he is behind.
+    A player far from the ball and from everybody else is only moved before a contact with the ball, when others may
+    read the player's position, and at the end: then by all skipped frames at once.
     """
     bits, crowd = reachable(match), crowded(match)
     near, behind = bits | crowd | bit_of(match.kicker) | bit_of(match.keeper_holding), 0
@@ -56,5 +56,5 @@ def play_frames(match):
 
 @kernel
 def bit_of(i):
-    """Return the bit of player i, 0 for nobody."""
+    """Return the bit of player i, 0 for NOBODY."""
     return 0 if i == NOBODY else 1 << i

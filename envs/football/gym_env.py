@@ -1,4 +1,4 @@
-"""One football match as a stock Gymnasium environment: a batch of one.
+"""One football match as a standard Gymnasium environment: a batch of one.
 
 Read next: `vector_env`, which does the work.
 """
@@ -34,16 +34,16 @@ class FootballEnv(gymnasium.Env):
 
     Args:
         program: a compiled program, the path of one, or its text.
-        representation: what agents see: "features", "simple115", "smm", "smm_stacked", "raw" (see `observation`).
+        representation: the observation: "features", "simple115", "smm", "smm_stacked", "raw" (see `observation`).
         rewards: "scoring" or "scoring,checkpoints".
         control, right_control: which players of the left and of the right team agents move (see `control_modes`).
         render_mode: None or "rgb_array".
-        dialect: of a program given as text or path, 2 or 3; None: found out (see `scenic_lite.load`).
+        dialect: of a program given as text or path, 2 or 3; None: detected (see `scenic_lite.load`).
         engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
 
-    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("": it runs),
-    `info["agent_rewards"]` `[A]` what each of several agents is paid, `info["records"]`, of a program with `record`,
-    what was recorded in the step, by name.
+    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("" while it
+    runs), `info["agent_rewards"]` `[A]` the reward of each of several agents, `info["records"]`, of a program with
+    `record`, the values recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
@@ -82,7 +82,7 @@ class FootballEnv(gymnasium.Env):
         return self._first(observations), {"theta": info["levels"]["theta"][0], "replaced": bool(info["replaced"][0])}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Play 0.1 s."""
+        """Step the match by 0.1 s."""
         observations, rewards, terminated, truncated, info = self.batch.advance(np.array([action], np.int64))
         own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
         if self.batch.num_agents > 1:
@@ -92,7 +92,7 @@ class FootballEnv(gymnasium.Env):
         return self._first(observations), float(rewards[0]), bool(terminated[0]), bool(truncated[0]), own
 
     def reset_random(self) -> Any:
-        """Draw all environment parameters at random and reset (thesis, section 4.2); gives the observation."""
+        """Draw all environment parameters at random and reset (thesis, section 4.2); return the observation."""
         return self.reset()[0]
 
     def step_adversary(self, theta: Any) -> tuple[Any, dict[str, Any]]:
@@ -100,40 +100,40 @@ class FootballEnv(gymnasium.Env):
         return self.reset(options={"theta": theta})
 
     def reset_agent(self) -> Any:
-        """Start a new episode on the same level; gives the observation."""
+        """Start a new episode on the same level; return the observation."""
         return self._first(self.batch.reset_agent())
 
     def render(self) -> np.ndarray | None:
         """Return the match as a picture, uint8 `[height, width, 3]` (see `picture`); None without a render mode.
 
-        After the last step of an episode that is its last moment.
+        After the last step of an episode it shows the end of that episode.
         """
         if not self.render_mode:
             return None
         return draw_match(self.batch.matches[0])
 
     def close(self) -> None:
-        """Let go of what the engine holds."""
+        """Free the engine's resources."""
         self.batch.close()
 
     def get_state(self) -> dict[str, Any]:
-        """Return everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
+        """Return the full state, as arrays and plain values; `set_state` resumes from it bit for bit."""
         return self.batch.get_state()
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Take back what `get_state` gave; give the observation of that moment.
+        """Restore what `get_state` returned; return the observation of that state.
 
         Raises ValueError for a state of another match: see `FootballVectorEnv.set_state`.
         """
         return self._first(self.batch.set_state(state))
 
     def _first(self, observations: Any) -> Any:
-        """Return row 0 of a batch; of `raw` a dict with the original's types, or a tuple of them for several agents."""
+        """Return row 0 of a batch; of `raw` a dict with GRF's types, or a tuple of dicts for several agents."""
         if isinstance(observations, tuple):
             return tuple(row(part, 0) for part in observations)
         return row(observations, 0) if isinstance(observations, dict) else observations[0]
 
 
 def is_there(value: Any) -> bool:
-    """Return whether anything was recorded: a vector or number is NaN if not, all else None."""
+    """Return whether anything was recorded: a missing vector or number is NaN, other values are None."""
     return value is not None and not (isinstance(value, float | np.ndarray) and bool(np.isnan(value).any()))

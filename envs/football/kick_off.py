@@ -1,6 +1,6 @@
-"""From who stands where, and the settings of an episode, to matches about to begin.
+"""Matches about to begin, from the players' positions and the settings of an episode.
 
-Read next: `state`, the record that is filled here; `scenic.lineup`, which takes all that from a program.
+Read next: `state`, the record that is filled; `scenic.lineup`, which reads positions and settings from a program.
 """
 
 from __future__ import annotations
@@ -10,40 +10,39 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from regista.envs.football.ai.balance import FULL_HOLD, NO_HOLD
+from regista.envs.football.ai.balance import FULL_POSSESSION, NO_POSSESSION
 from regista.envs.football.ai.formation import formation_slots
 from regista.envs.football.constants import BALL_RADIUS, GK, LEFT, MAX_PLAYERS, NOBODY, RIGHT, TOP_SPEEDS
 from regista.envs.football.control.control_modes import assign_agents
 from regista.envs.football.state import ENGINE, MATCH, NOBODY_YET
 from regista.kernels.rng import streams
 
-NO_KICK = 9.0  # s since the last kick, where nobody has kicked yet
+NO_KICK = 9.0  # s since the last kick, if nobody has kicked yet
 
 
 @dataclass(frozen=True)
 class MatchConfig:
-    """Settings of an episode, named as in Google Research Football; each one value or an array [N].
+    """Settings of an episode, named as in Google Research Football; each is one value or an array [N].
 
-    What ends an episode means what it means there. A goal by either side. Out of play: the first step that shows a
-    mode other than 0, so a throw-in, a corner, a goal kick, a foul or an offside; never a kick-off. Possession: the
-    ball is owned by the other team than the last that owned it, however long nobody did, and goals do not make that
-    forgotten. An episode has exactly `game_duration` steps, and the second half begins after exactly `second_half` of
-    them. (Theirs has one step more.)
+    Endings have GRF's meaning. Score: a goal by either side. Out of play: the first step with a game mode other than 0
+    or kick-off, that is a throw-in, a corner, a goal kick, a foul or an offside. Possession change: the ball is owned
+    by the team that did not own it last; neither time without an owner nor a goal resets the last owner. An episode has
+    exactly `game_duration` steps (GRF's has one more), and the second half begins after `second_half` steps.
     """
 
     game_duration: npt.ArrayLike = 400
     end_episode_on_score: npt.ArrayLike = True
     end_episode_on_out_of_play: npt.ArrayLike = True
     end_episode_on_possession_change: npt.ArrayLike = True
-    defending: bool = False  # an episode succeeds where no goal is conceded: see `episode.has_succeeded`
+    defending: bool = False  # an episode succeeds if no goal is conceded: see `episode.has_succeeded`
     offsides: npt.ArrayLike = False
-    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off again; never
+    second_half: npt.ArrayLike = 999_999_999  # step at which the other team kicks off; the default is never
     left_team_difficulty: npt.ArrayLike = 1.0
     right_team_difficulty: npt.ArrayLike = 0.6
     deterministic: npt.ArrayLike = False  # the same random numbers in every episode
-    use_magnet: npt.ArrayLike = True  # a free ball pulls the best placed player whatever his agent's direction
-    agents_only: npt.ArrayLike = False  # in a team with agents behaviors move their players, and nobody else
-    # In what the engine differs from the measured one: `state.ENGINE_FIELDS`, and by how much from episode to episode
+    use_magnet: npt.ArrayLike = True  # a free ball attracts the best placed player, whatever direction the agent holds
+    agents_only: npt.ArrayLike = False  # in a team with agents, behaviors move only the agents' players
+    # How the engine differs from the measured one: `state.ENGINE_FIELDS`, and their spread between episodes
     reaction_time: npt.ArrayLike = 1.0
     start_lag: npt.ArrayLike = 1.0
     keeper_speed: npt.ArrayLike = 1.0
@@ -59,9 +58,9 @@ class MatchConfig:
 
 @dataclass(frozen=True)
 class Roster:
-    """Who plays: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), the left team first.
+    """The players: `teams` [P] (0 left, 1 right) and `roles` [P] (0 keeper .. 9 forward), the left team first.
 
-    `order` [P] is the place of each in the program, which settles ties; None: they come in that order.
+    `order` [P] is the position of each in the program, which breaks ties; None: the order of the arrays.
     """
 
     teams: npt.ArrayLike
@@ -76,9 +75,9 @@ def kick_off(
     seeds: npt.ArrayLike,
     config: MatchConfig = MatchConfig(),
 ) -> np.ndarray:
-    """Make matches MATCH [N] about to begin: everyone stands, the ball lies still and is nobody's.
+    """Make matches MATCH [N] about to begin: everyone stands, the ball is at rest and has no owner.
 
-    `positions` [N, P, 2] and `ball` [N, 2] are in metres, `seeds` [N] start the random streams. Raises ValueError
+    `positions` [N, P, 2] and `ball` [N, 2] are in meters, `seeds` [N] start the random streams. Raises ValueError
     if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
     """
     positions, ball = np.asarray(positions, float), np.asarray(ball, float)
@@ -87,7 +86,7 @@ def kick_off(
 
 
 def unplaced(roster: Roster, config: MatchConfig, count: int = 1) -> np.ndarray:
-    """Make matches MATCH `[count]` as far as they depend on who plays and on the settings, not on where they stand."""
+    """Make matches MATCH `[count]`, filling everything that depends on players and settings but not on positions."""
     teams, roles = np.asarray(roster.teams, np.int64), np.asarray(roster.roles, np.int64)
     matches = np.zeros(count, MATCH)
     for name in NOBODY_YET:
@@ -109,7 +108,7 @@ def unplaced(roster: Roster, config: MatchConfig, count: int = 1) -> np.ndarray:
 def placed(
     matches: np.ndarray, positions: np.ndarray, ball: np.ndarray, seeds: npt.ArrayLike, config: MatchConfig
 ) -> np.ndarray:
-    """Return matches MATCH [N] of what `unplaced` made of this config, [N] or one for all; see `kick_off`."""
+    """Return matches MATCH [N] from the result of `unplaced` for this config, [N] or one for all; see `kick_off`."""
     matches = matches[np.broadcast_to(np.arange(len(matches)), len(positions))]  # copies whole records
     matches["random"] = streams(np.where(config.deterministic, 0, np.asarray(seeds)).astype(np.uint64))
     for axis, name in enumerate("xy"):
@@ -120,8 +119,8 @@ def placed(
         for field in (name, "start_" + name, "place_" + name):
             players[field] = positions[..., axis]
     left, right = _nearest(positions, ball, players["team"][0]).T
-    matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in the original, the right one if both are as near
-    matches["hold"] = _hold(left, right)
+    matches["starter"] = np.where(left < right, LEFT, RIGHT)  # as in GRF, the right team if both are equally near
+    matches["hold"] = _possession_share(left, right)
     _look_at(players, ball)
     assign_agents(matches, (config.control, config.right_control))
     return matches
@@ -129,9 +128,9 @@ def placed(
 
 def _check(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
     if positions.ndim != 3 or positions.shape[2] != 2 or ball.shape != (len(positions), 2):
-        raise ValueError(f"positions must be [N, P, 2] and ball [N, 2], not {positions.shape} and {ball.shape}")
+        raise ValueError(f"positions must be [N, P, 2] and ball [N, 2], got {positions.shape} and {ball.shape}")
     if not (teams.shape == roles.shape == positions.shape[1:2]):
-        raise ValueError(f"{positions.shape[1]} players, but teams {teams.shape} and roles {roles.shape}")
+        raise ValueError(f"positions have {positions.shape[1]} players, teams {teams.shape} and roles {roles.shape}")
     if not 1 <= len(teams) <= MAX_PLAYERS:
         raise ValueError(f"a match has 1 to {MAX_PLAYERS} players, not {len(teams)}")
 
@@ -145,14 +144,14 @@ def _write_settings(matches: np.ndarray, config: MatchConfig) -> None:
 
 
 def _apply_factors(players: np.ndarray, engine: np.ndarray, roles: np.ndarray) -> None:
-    """Give players [N, P] their shares of what the engine [N] differs in."""
+    """Give players [N, P] their factors of the engine's variation [N]."""
     for name in ("reaction_time", "start_lag"):
         players[name] = engine[name][:, None]
     players["top_speed"] *= np.where(roles == GK, engine["keeper_speed"][:, None], 1.0)
 
 
 def _number_players(players: np.ndarray, teams: np.ndarray, roles: np.ndarray) -> None:
-    """Give players [N, P] their shirts, and what these stand for."""
+    """Give players [N, P] their shirt numbers, and the formation slots of these."""
     players["team"], players["role"] = teams, roles
     players["marked_opponent"] = NOBODY
     for team in (LEFT, RIGHT):
@@ -166,19 +165,19 @@ def _number_players(players: np.ndarray, teams: np.ndarray, roles: np.ndarray) -
 
 
 def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.ndarray:
-    """Return for both teams the square of the distance in m from the ball to the nearest player: [N, 2]."""
+    """Return for both teams the squared distance in m from the ball to the nearest player: [N, 2]."""
     squared = np.sum((positions - ball[:, None]) ** 2, axis=-1)
     return np.stack([np.where(teams == team, squared, np.inf).min(axis=1) for team in (LEFT, RIGHT)], axis=-1)
 
 
-def _hold(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return both teams' hold on the ball [N, 2] at the start: the nearer one has it, neither if both are as near."""
+def _possession_share(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return both teams' share of possession [N, 2] at the start: the nearer one has it, neither if equally near."""
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
-    return NO_HOLD + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_HOLD - NO_HOLD)
+    return NO_POSSESSION + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_POSSESSION - NO_POSSESSION)
 
 
 def _look_at(players: np.ndarray, ball: np.ndarray) -> None:
-    """Let players [N, P] look at the ball [N, 2], on top of it at the goal that they attack."""
+    """Turn players [N, P] to the ball [N, 2]; a player on top of it faces the goal that the team attacks."""
     places = np.stack([players["x"], players["y"]], axis=-1)
     away = ball[:, None] - places
     size = np.hypot(away[..., 0], away[..., 1])

@@ -1,8 +1,8 @@
-"""What the fields of a record may hold, and the one check that a record which came from outside keeps to it.
+"""Refuses tampered checkpoints: checks every field of a record from outside against its limits.
 
-Kernels look nothing up twice and check no bounds: an index that is out of range writes into the next match. So whatever
-takes a state from outside (`set_state`, and through it checkpoints and records of matches) checks all of it at once, as
-words of 64 bits, by what the tables of `state` say of each field. Read next: `field_kinds`.
+Kernels check no bounds: an index out of range writes into the next match. So whatever loads a state from outside
+(`set_state`, and through it checkpoints and records of matches) checks all of it first, as words of 64 bits, against
+the tables of `state`. Read next: `field_kinds`.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ import numpy as np
 from regista.envs.football.field_kinds import Kind, Place, Real, Table, Whole, stored
 from regista.kernels.jit import kernel
 
-MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; of two, the greater number has the greater
+MAGNITUDE = np.int64(2**63 - 1)  # the bits of a double without its sign; they order like the magnitudes
 WORD = 8  # bytes
 
 
 class StateError(ValueError):
-    """A state that is none of these matches; the message says what was found where, and what would do."""
+    """A state that does not fit these matches; the message gives the field, its value and the valid values."""
 
 
 def bits(number: float) -> int:
-    """Return the 64 bits of a double as a whole number."""
+    """Return the 64 bits of a double as an integer."""
     return int(np.float64(number).view(np.int64))
 
 
 class Limits:
-    """The limits of every word of some rows: of a word's masked bits, as a whole number, the least and the greatest.
+    """The limits of every word of some rows: the least and greatest value of a word's masked bits, as integers.
 
     Attributes:
         masks, lows, highs: int64 `[W]`.
         used: int64 `[W]`, the bits of a word that belong to a field.
-        fields: the name of each of these fields, the byte at which it begins, and what it may be.
+        fields: the name of each of these fields, its first byte, and its kind.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Limits:
 
     @classmethod
     def of_array(cls, size: int, kinds: Mapping[int, Kind], counts: Mapping[str, int] | None = None) -> Limits:
-        """Return the limits of rows of so many numbers of 64 bits, of some of which it is said what they may be."""
+        """Return the limits of rows of so many 64-bit numbers, some of which have a given kind."""
         return cls([(f"[{i}]", WORD * i, kinds.get(i, "f8")) for i in range(size)], counts or {})
 
     @staticmethod
@@ -79,26 +79,26 @@ class Limits:
             raise StateError(f"{where}[{row}]{self._explained(words[row], word)}")
 
     def _explained(self, words: np.ndarray, word: int) -> str:
-        """Say what is wrong with one word of a row `[W]`."""
+        """Return the message for one invalid word of a row `[W]`."""
         low, high, content = self.lows[word], self.highs[word], words.view(np.uint8)
         for name, at, kind in self.fields:
             if kind == "?" and at // WORD == word and content[at] > 1:
                 return f"{name} is the byte {content[at]}; it must be 0 or 1"
             if kind != "?" and at // WORD == word:
                 value = words[word : word + 1].view(stored(kind))[0]
-                limits = f"{low}, as the program has it" if low == high and isinstance(kind, Whole) else kind
+                limits = f"{low}, as in the program" if low == high and isinstance(kind, Whole) else kind
                 return f"{name} is {value:g}; it must be {limits}"
         raise AssertionError(f"no field has word {word}")
 
 
 def words_of(rows: np.ndarray) -> np.ndarray:
-    """Return rows `[N, ...]` as words of 64 bits `[N, W]`: a view, where they lie side by side."""
+    """Return rows `[N, ...]` as words of 64 bits `[N, W]`: a view if they are contiguous."""
     rows = np.ascontiguousarray(rows)
     return rows.reshape(-1).view(np.int64).reshape(len(rows), rows.nbytes // WORD // max(len(rows), 1))
 
 
 def fields_of(dtype: np.dtype, tables: Mapping[np.dtype, Table], path: str = "", at: int = 0) -> Iterator[Any]:
-    """Yield the name, the first byte and the kind of every number in a record, given the tables of its parts."""
+    """Yield name, first byte and kind of every number in a record, given the tables of its parts."""
     kinds = {name: kind for name, kind, *_ in tables[dtype]}
     for name, (part, offset, *_) in (dtype.fields or {}).items():
         base, shape = part.subdtype or (part, ())
@@ -113,9 +113,9 @@ def fields_of(dtype: np.dtype, tables: Mapping[np.dtype, Table], path: str = "",
 
 @kernel
 def first_outside(words, used, masks, lows, highs):
-    """Return the number of the first of the words [N, W] that is outside its limits [W], or -1.
+    """Return the index of the first of the words [N, W] outside its limits [W], or -1.
 
-    A row of zeros is a match that has not begun.
+    A row of zeros, a match that has not begun, is valid.
     """
     for row in range(words.shape[0]):
         wrong, begun = False, False

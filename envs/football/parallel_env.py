@@ -1,7 +1,7 @@
-"""One football match as a PettingZoo `ParallelEnv`: each agent by its name, those of both teams if both have some.
+"""One football match as a PettingZoo `ParallelEnv`: agents by name, of both teams if both have agents.
 
-For trainers of other people, and for self-play. A match at a time: who has a fast trainer takes `FootballVectorEnv`,
-whose N matches give arrays `[N, A, ...]` with agents in the same order. Needs PettingZoo, which nothing else here does.
+It serves other libraries' trainers and self-play, one match at a time. Vectorized trainers use `FootballVectorEnv`,
+whose N matches give arrays `[N, A, ...]` with agents in the same order. Only this module needs PettingZoo.
 Read next: `gym_env`, which does the work.
 """
 
@@ -30,20 +30,20 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
     Args:
         program: a compiled program, the path of one, or its text.
-        control: whom agents of the left team move: "all", "allNonGK", "closest1" to "closest3", "active", a number,
-            or "none".
-        right_control: the same of the right team, for self-play; its agents see the pitch turned, attack +x, too, and
-            are paid when the left ones lose.
+        control: the left team's players that agents move: "all", "allNonGK", "closest1" to "closest3", "active", a
+            number, or "none".
+        right_control: the same for the right team, for self-play; its agents see the pitch rotated, so that they
+            attack +x, too, and their rewards have the opposite sign.
         settings: the other arguments of `FootballEnv`: representation, rewards, render_mode, dialect, engine ...
 
-    Agents are "agent_0", "agent_1", ... in the order of the vector environment's axis of agents, left ones first. An
-    observation belongs to the player whom the agent's next action moves. All agents' episodes end in the same step.
-    `infos` are numbers, the same for all agents: `theta` `[D]` that is played, and `ended`, why the episode ended in
-    this step, of `constants.RUNNING` to `REJECTED`; of a program with `record` also `records`, as `FootballEnv` has.
+    Agents are "agent_0", "agent_1", ... in the order of the vector environment's agent axis, left ones first. An
+    observation belongs to the player that the agent's next action moves. All agents' episodes end in the same step.
+    `infos` are the same for all agents: `theta` `[D]`, and `ended`, why the episode ended in this step,
+    `constants.RUNNING` to `REJECTED`; for a program with `record` also `records`, as in `FootballEnv`.
 
     Attributes:
         teams: "left" or "right" by agent.
-        state_space: of `state`; None where observations are "raw".
+        state_space: of `state`; None if observations are "raw".
     """
 
     metadata = {**FootballEnv.metadata, "name": "regista_football_v0", "is_parallelizable": True}  # noqa: RUF012
@@ -57,7 +57,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         batch = self.match.batch
         count, left = batch.num_agents, batch.lineup.num_agents[LEFT]
         self.possible_agents = [f"agent_{number}" for number in range(count)]
-        self.agents: list[str] = []  # until `reset`
+        self.agents: list[str] = []  # empty until `reset`
         self.teams = {agent: TEAMS[number >= left] for number, agent in enumerate(self.possible_agents)}
         seen = self.match.observation_space
         spaces = [*seen.spaces] if isinstance(seen, Tuple) else [of_one_agent(seen, count) for _ in range(count)]
@@ -67,29 +67,29 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         self._seen: list[Any] = []
 
     def observation_space(self, agent: str) -> Space:
-        """Return what this agent sees."""
+        """Return the observation space of an agent."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Space:
-        """Return what this agent does: one of Google Research Football's 19 actions."""
+        """Return the action space of an agent: Google Research Football's 19 actions."""
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start a match; raises `ued.core.upomdp.ThetaError` for a θ that is none."""
+        """Start a match; raises `ued.core.upomdp.ThetaError` for an invalid θ."""
         observation, _ = self.match.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
         return self._apart(observation), self._infos({"ended": ""})
 
     def step(self, actions: dict[str, int]) -> tuple[dict, dict, dict, dict, dict]:
-        """Play 0.1 s, with an action of each agent.
+        """Step the match by 0.1 s, with an action for each agent.
 
-        Raises RuntimeError where there is no match, ValueError unless there is one action for each agent.
+        Raises RuntimeError before `reset` or after the end, ValueError unless there is one action for each agent.
         """
         if not self.agents:
-            raise RuntimeError("there is no match; call reset() before step()")
+            raise RuntimeError("no match is running; call reset() before step()")
         if actions.keys() != set(self.agents):
-            raise ValueError(f"step() needs an action of each of {', '.join(self.agents)}, got {', '.join(actions)}")
-        chosen = [operator.index(actions[agent]) for agent in self.agents]  # no number is cut to a whole one
+            raise ValueError(f"step() needs an action for each of {', '.join(self.agents)}, got {', '.join(actions)}")
+        chosen = [operator.index(actions[agent]) for agent in self.agents]  # refuses floats instead of truncating them
         observation, reward, terminated, truncated, info = self.match.step(chosen if len(chosen) > 1 else chosen[0])
         agents, rewards = self.agents, info.pop("agent_rewards", [reward])
         if terminated or truncated:
@@ -103,12 +103,12 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         )
 
     def state(self) -> np.ndarray:
-        """Return what all agents see side by side, for critics that see all: vectors end to end, images on each other.
+        """Return all agents' observations in one array, for centralized critics: vectors concatenated, images stacked.
 
         Raises NotImplementedError for "raw" observations.
         """
         if self.state_space is None:
-            raise NotImplementedError("representation 'raw' has no state() in one array; each dict tells of everything")
+            raise NotImplementedError("representation 'raw' has no state() array; each dict has the full state")
         return np.concatenate(self._seen, axis=-1)
 
     def render(self) -> np.ndarray | None:
@@ -116,11 +116,11 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         return self.match.render()
 
     def close(self) -> None:
-        """Let go of what the engine holds."""
+        """Free the engine's resources."""
         self.match.close()
 
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
-        """Return the same facts for each agent."""
+        """Return the same info for each agent."""
         theta = self.match.batch.levels["theta"][0]
         told = {**info, "theta": theta.copy(), "ended": REASONS[info["ended"]]}
         return {agent: dict(told) for agent in self.possible_agents}
@@ -131,7 +131,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
 
 def joined_space(space: Space, count: int) -> Box | None:
-    """Return the space of so many agents' observations side by side; None of what is no array."""
+    """Return the space of so many agents' concatenated observations; None if observations are not arrays."""
     if not isinstance(space, Box):
         return None
     return Box(

@@ -1,4 +1,4 @@
-"""Records of matches: where they started and what the agents did, from which they are played again bit for bit.
+"""Records of matches: initial states and the agents' actions, from which matches are replayed bit for bit.
 
     recorder = Recorder(env)                  # a FootballVectorEnv that has been reset
     recorder.step(actions)                    # in place of env.step
@@ -6,7 +6,8 @@
     for matches in replay("match.npz"):       # MATCH [N] at the start and after every step
         ...
 
-A record is a NumPy archive without pickled objects: reading a stranger's runs nothing of his. Read next: `vector_env`.
+A record is a NumPy archive without pickled objects: loading an untrusted one runs none of its code. Read next:
+`vector_env`.
 """
 
 from __future__ import annotations
@@ -26,32 +27,32 @@ from regista.envs.football.version import SIMULATOR_VERSION, UNNUMBERED, simulat
 from scenic_lite import ScenicError
 
 KIND = "regista match record"
-LARGEST = 2**31  # bytes of a record, unpacked
-FORMAT = f"{KIND} 4"  # 3: before episodes had luck of their own
+LARGEST = 2**31  # bytes of a record, uncompressed
+FORMAT = f"{KIND} 4"
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
 _LEVELS = ("levels", "visits", "episodes")
 _ARRAYS = ("actions", "last", *_STATE, *_LEVELS)
-_OPTIONAL = ("scripted", "lengths", "simulator")  # the first two: of demonstrations; the last: of our own matches
+_OPTIONAL = ("scripted", "lengths", "simulator")  # the first two: of demonstrations; the last: of our simulator
 
 
 class RecordError(ValueError):
-    """A file that is no record of a match, or one that this simulator plays differently; the message says which."""
+    """A file that is not a record of a match, or that this simulator plays differently; the message says which."""
 
 
 @dataclass(frozen=True)
 class Record:
-    """What is in a record.
+    """The content of a record.
 
     Attributes:
-        program: the text of the program, and `file`, where it stood ("" if nowhere): a program with modules of its own
-            is read from there again.
+        program: the text of the program; `file`: its path ("" if none), from which a program with modules of its own
+            is loaded again.
         config: the settings of the environment.
-        state: of the environment at the start, as `get_state` gives it.
+        state: the environment's initial state, as `get_state` returns it.
         actions: `[T, N]` or `[T, N, A]`.
         last: MATCH `[N]` after the last step.
-        scripted: the program played the agents' players; `actions` tells what that was.
-        lengths: `[N]` steps of one episode each, after which a match stands still; None: all are played to the end.
+        scripted: the program played the agents' players; `actions` holds what it did.
+        lengths: `[N]` steps of one episode each, after which a match is idle; None: every match plays all steps.
     """
 
     program: str
@@ -64,7 +65,7 @@ class Record:
     lengths: np.ndarray | None = None
 
     def rows(self, kept: np.ndarray) -> Record:
-        """Return the record of some of the matches, at these indices."""
+        """Return the record of the matches at these indices."""
         matches, size = np.asarray(self.last), len(self.last)
         state = {
             name: value[kept] if isinstance(value, np.ndarray) and len(value) == size else value
@@ -75,25 +76,25 @@ class Record:
         return replace(self, state=state, actions=self.actions[:steps, kept], last=matches[kept], lengths=lengths)
 
     def make_env(self) -> FootballVectorEnv:
-        """Return the environment as it was at the start. Raises `RecordError` where that is not possible."""
+        """Return the environment in its initial state. Raises `RecordError` if the program cannot be loaded."""
         try:
             path = Path(self.file)
             source: Path | str = path if path.is_file() and path.read_text() == self.program else self.program
-        except (OSError, ValueError):  # no path, or no text
+        except (OSError, ValueError):  # not a path, or not text
             source = self.program
         try:
             env = FootballVectorEnv(source, len(self.last), config=self.config)
             env.scripted = self.scripted
             env.set_state(self.state)
         except (ScenicError, ValueError) as error:
-            raise RecordError(f"the record's program cannot be set up again: {error}") from error
+            raise RecordError(f"cannot load the record's program: {error}") from error
         return env
 
 
 class Recorder:
-    """Steps an environment and writes down the actions.
+    """Steps an environment and records the actions.
 
-    Raises ValueError for an environment that draws new levels by itself (`next_levels`), and before its reset.
+    Raises ValueError for an environment that draws new levels by itself (`next_levels`), or that is not reset.
     """
 
     def __init__(self, env: FootballVectorEnv) -> None:
@@ -105,15 +106,15 @@ class Recorder:
         self._lengths, self._over = np.zeros(env.num_envs, np.int64), np.zeros(env.num_envs, bool)
 
     def step(self, actions: Any) -> Any:
-        """Step the environment; gives what `env.step` does."""
+        """Step the environment; return the result of `env.step`."""
         result = self.env.step(actions)
         self._actions.append(np.array(actions, np.int64))
         return result
 
     def advance(self, actions: Any) -> Any:
-        """Step the environment and start no match again; gives what `env.advance` does.
+        """Step the environment without restarting ended matches; return the result of `env.advance`.
 
-        The record is one of single episodes from then on: a match that has ended stands still when it is replayed.
+        From then on the record has one episode per match: an ended match is idle in the replay.
         """
         self.env.idle[:] = self._over
         result = self.env.advance(actions)
@@ -125,12 +126,12 @@ class Recorder:
         return result
 
     def record(self) -> Record:
-        """Return the record up to now."""
+        """Return the record so far."""
         shape = self.env.action_space.shape
         assert shape is not None
         actions = np.array(self._actions, np.int64).reshape(len(self._actions), *shape)
         program = self.env.program
-        folder = program.mode.state.root  # of a program that was read from a file: its modules lie there
+        folder = program.mode.state.root  # of a program loaded from a file, whose modules are there
         file = "" if folder is None else str((folder / program.file).resolve())
         lengths = self._lengths if self._single else None
         last = np.asarray(self.env.matches)
@@ -142,9 +143,9 @@ class Recorder:
 
 
 def save_record(record: Record, path: str | Path | BinaryIO) -> None:
-    """Write a record, to an open file or by name. Raises ValueError for a file name that does not end in .npz."""
+    """Write a record to an open file or by name. Raises ValueError for a file name that does not end in .npz."""
     if isinstance(path, str | Path) and Path(path).suffix != ".npz":
-        raise ValueError(f"{path}: a record ends in .npz")
+        raise ValueError(f"{path}: the name of a record must end in .npz")
     texts: dict[str, Any] = {
         "format": FORMAT,
         "program": record.program,
@@ -163,21 +164,21 @@ def save_record(record: Record, path: str | Path | BinaryIO) -> None:
 
 
 def load_record(path: str | Path) -> Record:
-    """Read a record. Raises `RecordError` for a file that is none, that is damaged, or of another version."""
+    """Read a record. Raises `RecordError` for a file that is not a record, is damaged, or is of another version."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             if sum(member.file_size for member in archive.zip.infolist()) > LARGEST:
-                raise RecordError(f"{path} is larger than any record: it would be more than {LARGEST:,} bytes")
+                raise RecordError(f"{path} is too large for a record: its uncompressed size is above {LARGEST:,} bytes")
             arrays = {name: archive[name] for name in archive.files}
     except (FileNotFoundError, PermissionError, IsADirectoryError, RecordError):
         raise
-    except Exception as error:  # whatever a damaged archive makes NumPy stumble over
-        raise RecordError(f"{path} is no record of a match, or it is damaged") from error
+    except Exception as error:  # any exception that a damaged archive causes in NumPy
+        raise RecordError(f"{path} is not a record of a match, or it is damaged") from error
     stated = str(arrays.get("format"))
     if not stated.startswith(KIND):
-        raise RecordError(f"{path} is no record of a match: it does not say {KIND!r}")
+        raise RecordError(f"{path} is not a record of a match: its format is not {KIND!r}")
     if stated != FORMAT:
-        raise RecordError(f"{path} has another format: it is a {stated}, not {FORMAT[-1]}")
+        raise RecordError(f"{path} has another format: {stated}, expected {FORMAT[-1]}")
     missing = [name for name in (*_TEXTS, *_ARRAYS) if name not in arrays]
     if missing:
         raise RecordError(f"{path} is damaged: {', '.join(missing)} missing")
@@ -187,7 +188,7 @@ def load_record(path: str | Path) -> Record:
             found = simulator_name(version)
             raise RecordError(f"{path} was recorded on {found}; version {SIMULATOR_VERSION} cannot replay it")
         if arrays["last"].dtype != MATCH or arrays["matches"].dtype != MATCH:
-            raise RecordError(f"{path} was recorded by other code: its matches have other fields")
+            raise RecordError(f"{path} was recorded by another version of the code: its matches have other fields")
         return _decoded(arrays)
     except RecordError:
         raise
@@ -196,17 +197,17 @@ def load_record(path: str | Path) -> Record:
 
 
 def _version(arrays: dict[str, np.ndarray]) -> int | None:
-    """Return the version of the simulator that a record is of, None of one of the real engine."""
+    """Return the simulator version of a record, None for one of GRF."""
     ours = version_on(json.loads(str(arrays["config"]))["engine"]) is not None
     return int(arrays.get("simulator", UNNUMBERED)) if ours else None
 
 
 def _decoded(arrays: dict[str, Any]) -> Record:
-    """Return the record that these arrays are. Raises ValueError or TypeError where they do not fit together."""
+    """Return the record in these arrays. Raises ValueError or TypeError if they are inconsistent."""
     program, file, config, random = (str(arrays[name]) for name in ("program", "program_file", "config", "np_random"))
     actions, lengths, count = arrays["actions"], arrays.get("lengths"), len(np.atleast_1d(arrays["last"]))
     if arrays["last"].shape != (count,) or not count:
-        raise ValueError("it has no matches")
+        raise ValueError("the record has no matches")
     if actions.dtype.kind not in "iu" or actions.shape[1:2] != (count,):
         raise ValueError(f"actions must be whole numbers for each of {count} matches")
     if lengths is not None and (
@@ -215,17 +216,17 @@ def _decoded(arrays: dict[str, Any]) -> Record:
         raise ValueError(f"lengths must be 0 to {len(actions)} steps for each of {count} matches")
     state = {name: array for name, array in arrays.items() if name not in (*_TEXTS, *_OPTIONAL, "actions", "last")}
     state["np_random"] = json.loads(random)
-    # Which program on this machine plays is no business of whoever recorded the matches.
-    settings = FootballConfig(**json.loads(config) | {"grf_python": None, "grf_workers": 0})  # of this machine
+    # The sender of a record must not choose which Python runs on this machine.
+    settings = FootballConfig(**json.loads(config) | {"grf_python": None, "grf_workers": 0})  # the local ones
     scripted = bool(np.all(arrays.get("scripted", False)))
     return Record(program, file, settings, state, actions, arrays["last"], scripted, lengths)
 
 
 def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np.ndarray]:
-    """Play a record again: gives MATCH `[N]` at the start and after each of the T steps.
+    """Replay a record: yield MATCH `[N]` at the start and after each of the T steps.
 
-    With `endings` those that ended in a step are given as they ended, otherwise as they have started again. Raises
-    `RecordError` as `load_record`, and at the end if the matches came out differently than when recorded.
+    With `endings` matches that ended in a step are yielded in their final state, else after their restart. Raises
+    `RecordError` as `load_record`, and at the end if the final matches differ from the recorded ones.
     """
     record = record if isinstance(record, Record) else load_record(record)
     env = record.make_env()
@@ -244,10 +245,10 @@ def replay(record: Record | str | Path, *, endings: bool = False) -> Iterator[np
             env.play_again(ended)
         if not endings:
             yield env.matches
-    if not same(env.matches, record.last):  # where an episode has ended, the next one's start
+    if not same(env.matches, record.last):  # after the end of an episode, the start of the next one
         raise RecordError(
-            "the matches came out differently than when they were recorded: the mathematical functions of another "
-            "machine can round otherwise"
+            "the replayed matches differ from the recorded ones: the mathematical functions of another "
+            "machine can round differently"
         )
 
 

@@ -1,7 +1,7 @@
-"""One step of a match as a recipe: ten stages of a game of football, and around them who decides for its players.
+"""One step of a match as a recipe: the decisions for all players, then ten stages of football.
 
-A step is a decision of 0.1 s. Each stage stands in the file that it is imported from, and everything that it changes
-stands in the record MATCH. Read next: `state` for the record, then the stages in their order.
+A step is a decision of 0.1 s. Each stage is in the module that it is imported from, and changes only the record MATCH.
+Read next: `state` for the record, then the stages in their order.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from regista.envs.football.ai.decide import choose_command, read_game
 from regista.envs.football.ai.keeper import kick_out_if_overdue
 from regista.envs.football.ai.set_pieces import wait_for_restart
 from regista.envs.football.constants import BUILTIN_AI, RUNNING, STAND
+from regista.envs.football.control.actions import apply_action, release_sticky_actions
 from regista.envs.football.control.active_player import settle_first_step
 from regista.envs.football.control.agents import (
+    apply_commanded_actions,
     assign_actions,
     choose_controlled,
-    note_wishes,
-    press_commanded_keys,
+    record_desired_actions,
     set_actions,
 )
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.keys import apply_action, release_keys
 from regista.envs.football.control.reward import clear_rewards, pay_checkpoints
 from regista.envs.football.frames import play_frames
 from regista.envs.football.physics.dribble import dribble
@@ -34,10 +34,10 @@ from regista.kernels.jit import kernel
 
 @kernel
 def step_match(match, actions, code, cast, registers, commands):
-    """Move a match on by one step of 0.1 s in which the agents' players take `actions` [A] (0..18).
+    """Step a match by 0.1 s with the agents' `actions` [A] (0..18).
 
-    The other four are its program's (see `scenic.scripted_step`), None without one. A match that has ended stays as it
-    is.
+    The other four arguments belong to the program (see `scenic.scripted_step`); None without one. An ended match stays
+    unchanged.
     """
     if choose_actions(match, actions, code, cast, registers, commands):
         play(match)
@@ -46,7 +46,7 @@ def step_match(match, actions, code, cast, registers, commands):
 
 @kernel
 def choose_actions(match, actions, code, cast, registers, commands):
-    """Begin a step and give every player his action; return whether the match is to be played on."""
+    """Begin a step and give every player an action; return whether the match goes on."""
     if not begin_step(match):
         return False
     if not run_program_behaviors(match, code, cast, registers, commands):
@@ -54,18 +54,18 @@ def choose_actions(match, actions, code, cast, registers, commands):
     assign_actions(match, actions)
     if cast is not None:
         command_players(match, cast.players, commands)
-    press_commanded_keys(match)
+    apply_commanded_actions(match)
     return True
 
 
 @kernel
 def play(match):
-    """Move a match on in which every player has his action."""
+    """Play a step in which every player has an action."""
     if match.step == 0:
         settle_first_step(match)
     if not wait_for_restart(match):
         play_on(match)
-    note_wishes(match)
+    record_desired_actions(match)
     play_frames(match)
     advance_timers(match)
     apply_rules(match)
@@ -76,7 +76,7 @@ def play(match):
 
 @kernel
 def play_on(match):
-    """Let everybody see, decide, and answer with body and ball."""
+    """Let all players perceive, decide, and respond with body and ball."""
     find_chasers(match)
     read_game(match)
     decide(match)
@@ -92,10 +92,10 @@ def decide(match):
     for i in range(match.num_players):
         player = match.players[i]
         if player.action == BUILTIN_AI:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
             choose_command(match, i)
         elif player.action == STAND:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
             player.desired_vx, player.desired_vy = 0.0, 0.0
         else:
             apply_action(match, i, player.action)
@@ -104,14 +104,14 @@ def decide(match):
 
 @kernel
 def plan_motions(match):
-    """Let every body answer what its player wants."""
+    """Let every body respond to its desired velocity."""
     for i in range(match.num_players):
         plan_motion(match, i)
 
 
 @kernel
 def begin_step(match):
-    """Forget what the step before brought; return whether the match goes on."""
+    """Clear the results of the last step; return whether the match goes on."""
     forget_events(match)
     clear_rewards(match)
     return match.ended == RUNNING
@@ -119,21 +119,21 @@ def begin_step(match):
 
 @kernel
 def step_matches(matches, actions):
-    """Move matches MATCH [N] without programs on by one step each, with actions [N, A], one after the other."""
+    """Step matches MATCH [N] without programs, with actions [N, A], one after the other."""
     for e in range(len(matches)):
         step_match(matches[e], actions[e], None, None, None, None)
 
 
 @kernel
 def step_everybody(matches, actions):
-    """Move matches MATCH [N] on by one step each, with an action for every player: `actions` [N, P]."""
+    """Step matches MATCH [N] with an action for every player: `actions` [N, P]."""
     for e in range(len(matches)):
         step_players(matches[e], actions[e])
 
 
 @kernel
 def step_players(match, actions):
-    """Move a match on by one step in which every player has his own action [P]: 0..18, BUILTIN_AI or STAND."""
+    """Step a match in which every player has an action, `actions` [P]: 0..18, BUILTIN_AI or STAND."""
     if begin_step(match):
         set_actions(match, actions)
         play(match)

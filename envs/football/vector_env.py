@@ -20,8 +20,8 @@ from regista.envs.football.limits import Limits, StateError
 from regista.envs.football.observation.observer import Observer
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.domain import FOOTBALL
+from regista.envs.football.scenic.initial_states import INVALID, InitialStates
 from regista.envs.football.scenic.lineup import Lineup
-from regista.envs.football.scenic.starts import INVALID, Starts
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from regista.kernels.rng import stream
@@ -31,9 +31,10 @@ from ued.core.upomdp import UPOMDP, check_count
 
 
 class FootballVectorEnv(UPOMDP):
-    """N football matches in which A agents move players: one the left player closest to the ball, unless said.
+    """N football matches in which A agents move players; by default one agent moves the left player closest to the
+    ball.
 
-    The program's behaviors move theirs, except whom an agent moves in that step; the built-in AI moves the rest. One
+    The program's behaviors move their players, except those that an agent moves; the built-in AI moves the rest. One
     agent has actions `[N]` and observations without an axis for agents, several have actions `[N, A]`.
 
     Args:
@@ -41,24 +42,27 @@ class FootballVectorEnv(UPOMDP):
         num_envs: N.
         config: observation, reward, and whom the agents move (see `control_modes`).
 
-    Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a lost
-    ball or out of play is terminated; one that reaches `game_duration` is truncated. A `terminate` of the program
-    terminates a match; one that breaks a requirement of the program is truncated. `info["ended"]` `[N]` gives the
-    reason, `constants.RUNNING` to `REJECTED`. `info["success"]` `[N]`: the agents' team has scored more goals than
-    the other, or with `param defending = True` it has conceded none; NaN, a return above 0 counts, where the program
-    itself pays. What monitors set `scenic_reward` to is part of the reward:
-    `info["agent_rewards"]` `[N, A]` is each agent's own, `rewards` `[N]` their mean over the left team's agents;
-    `info["agent_actions"]` `[N, A]` what was done, -1 where it is none of the 19 (`with_scripted_policy`). What
-    the program has recorded in the step is in `info["records"]` by name: `[N]`, vectors `[N, 2]`, NaN (None, of what is
-    no number) where nothing was.
+    Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a
+    possession change or out of play is terminated, as by the program's `terminate`; one that reaches `game_duration` or
+    violates a requirement of the program is truncated. Infos:
 
-    Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that is no match; `step`
-    raises ScenicError where the program fails at run time: that match begins its next episode, and the others have
-    played their step. A UserWarning names each line that looks like a slip (`Program.warnings`), or that would fail so
-    whenever a match came to it.
+    - `info["ended"]` `[N]`: the reason of the end, `constants.RUNNING` to `REJECTED`.
+    - `info["success"]` `[N]`: the agents' team has scored more goals than the other, or with `param defending = True`
+      has conceded none; NaN if the program defines rewards: then a return above 0 is a success.
+    - `info["agent_rewards"]` `[N, A]`: each agent's reward, including the `scenic_reward` of monitors; `rewards` `[N]`
+      is the mean over the left team's agents.
+    - `info["agent_actions"]` `[N, A]`: the agents' actions, -1 if none of the 19 describes the step
+      (`with_scripted_policy`).
+    - `info["records"]`: the values recorded in the step, by name: `[N]`, vectors `[N, 2]`, NaN where none was recorded
+      (None for values that are not numbers).
+
+    Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that does not describe a
+    match; `step` raises ScenicError if the program fails at run time: that match begins its next episode, and the
+    others have completed the step. A UserWarning names each line that is probably a mistake (`Program.warnings`) or
+    that would fail in any match that reaches it.
     """
 
-    seed_is_luck = True  # θ fixes the scene; what is drawn in a match, by the program too, is luck
+    seed_is_luck = True  # θ fixes the scene; all draws during a match, also by the program, are luck
 
     def __init__(
         self,
@@ -76,7 +80,7 @@ class FootballVectorEnv(UPOMDP):
         self._set_up(num_envs)
 
     def _set_up(self, num_envs: int) -> None:
-        """Make spaces and room for so many matches of the program."""
+        """Create spaces and arrays for so many matches of the program."""
         config, num_envs, self.theta_map = self.config, check_count(num_envs), self.program
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
@@ -86,14 +90,14 @@ class FootballVectorEnv(UPOMDP):
         actions = Discrete(NUM_ACTIONS) if self.num_agents == 1 else several
         super().__init__(num_envs, self._observer.space, actions, self.program.draws)
         self._settings = BatchSettings(
-            config.rewards == "scoring,checkpoints",
-            self.defending,
-            self._observer.kind,
-            self.behaviors.is_live,
-            self.lineup.object_to_player,
-            self.behaviors.objects_read,
+            checkpoints=config.rewards == "scoring,checkpoints",
+            defending=self.defending,
+            observation=self._observer.kind,
+            scripted=self.behaviors.is_live,
+            object_to_player=self.lineup.object_to_player,
+            objects_read=self.behaviors.objects_read,
         )
-        self._starts = Starts(self.lineup, self.behaviors)
+        self._initial_states = InitialStates(self.lineup, self.behaviors)
         self._outcome = empty_outcome(num_envs, self.num_agents)
         history = self._observer.minimap_history(num_envs)
         self._batch = empty_batch(num_envs, self.behaviors.num_registers, len(self.program.objects), history)
@@ -106,7 +110,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def matches(self) -> np.ndarray:
-        """The matches as they are, MATCH `[N]`; a copy, for looking at."""
+        """The current matches, MATCH `[N]`, as a copy."""
         return self._batch.matches.copy()
 
     @property
@@ -116,7 +120,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The program's `game_duration`; the longest there may be where it is random, None where nobody says."""
+        """The program's `game_duration`; its maximum if it is random, None if it has no bound."""
         if "game_duration" in self.lineup.random_settings:
             named = [draw for draw in self.draws if draw.name == "game_duration"]
             return int(named[0].high) if named and np.isfinite(named[0].high) else None
@@ -124,7 +128,7 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def defending(self) -> bool:
-        """Whether an episode succeeds where no goal is conceded, not by goals."""
+        """Whether success means that no goal is conceded."""
         return bool(self.lineup.config.defending)
 
     @property
@@ -132,27 +136,27 @@ class FootballVectorEnv(UPOMDP):
         return self._observer.unit
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
-        return self._starts.rows(levels, self.upcoming) != INVALID
+        return self._initial_states.rows(levels, self.upcoming) != INVALID
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
+        """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if none is found."""
         return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
-        whole(batch.starts)[where] = whole(self._starts.matches)[rows]
-        batch.start_registers[where] = self._starts.registers[rows]
+        batch, rows = self._batch, self._initial_states.rows(levels, self.upcoming)
+        whole(batch.starts)[where] = whole(self._initial_states.matches)[rows]
+        batch.start_registers[where] = self._initial_states.registers[rows]
         self._begin(where)
         return self.observe()
 
     def play_again(self, where: np.ndarray | None = None) -> Any:
-        chosen = np.flatnonzero(self._mask(where))  # their starts are in the batch
+        chosen = np.flatnonzero(self._mask(where))  # their initial states are in the batch
         self.episodes[chosen] += 1
         self._begin(chosen)
         return self.observe()
 
     def _begin(self, where: np.ndarray) -> None:
-        """Begin episodes in the environments `where` `[k]`, whose starts are in the batch, with the luck of each."""
+        """Begin episodes in the environments `where` `[k]`, whose initial states are in the batch."""
         luck = np.array([stream(seed) for seed in self.luck_seeds(where).tolist()], np.uint64)
         self._engine.begin(self._batch, where, luck, self._settings)
         self._started = True
@@ -161,14 +165,14 @@ class FootballVectorEnv(UPOMDP):
         if not self._started:
             raise RuntimeError("call reset() before step()")
         self._batch.idle[:] = self.idle
-        out, seen = self._outcome, self._observer.room(self.num_envs)
+        out, seen = self._outcome, self._observer.allocate(self.num_envs)
         chosen = np.full_like(out.agent_actions, BY_PROGRAM) if self.scripted else self._checked(actions)
         self._engine.step(self._batch, chosen, out, seen, self._settings)
         if out.faults.any():
             self._report_faults()
         info: dict[str, Any] = {"ended": out.ended.copy(), "success": out.success.astype(float)}
         if self.behaviors.sets_reward and not self.defending:
-            info["success"][:] = np.nan  # what its program pays for is its success
+            info["success"][:] = np.nan  # success is defined by the program's reward
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:
             info["records"] = self.behaviors.recorded(self._batch.registers)
@@ -176,15 +180,15 @@ class FootballVectorEnv(UPOMDP):
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
 
     def observe(self) -> Any:
-        """Return the present observations, in arrays of their own."""
-        seen = self._observer.room(self.num_envs)
+        """Return the present observations, in new arrays."""
+        seen = self._observer.allocate(self.num_envs)
         observe_batch(self._batch, seen, self._settings)
         return self._observer.read(seen, self._batch.matches)
 
     def program_actions(self) -> np.ndarray:
-        """Return what the program's behaviors would have the agents' players do in the next step: `[N]` or `[N, A]`.
+        """Return the actions that the program's behaviors would choose for the agents' players next: `[N]` or `[N, A]`.
 
-        Nothing changes. Where a player has no behavior, or leaves the step to the built-in AI, the action is 0.
+        The environment does not change. The action is 0 for a player without a behavior, or left to the built-in AI.
         """
         actions = np.zeros((self.num_envs, self.num_agents), np.int64)
         if self.behaviors.is_live:
@@ -195,7 +199,7 @@ class FootballVectorEnv(UPOMDP):
         return actions.reshape(self.action_space.shape)
 
     def _checked(self, actions: Any) -> np.ndarray:
-        """Return the actions as int64 `[N, A]`. Raises ValueError for another shape, another type, or no action."""
+        """Return the actions as int64 `[N, A]`. Raises ValueError for a wrong shape or type, or an unknown action."""
         array, shape = np.asarray(actions), self.action_space.shape
         assert shape is not None
         if array.shape != shape or array.dtype.kind not in "iu":
@@ -204,11 +208,11 @@ class FootballVectorEnv(UPOMDP):
         if array.min() < 0 or array.max() >= NUM_ACTIONS:
             wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
             raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
-        # Kernels are compiled anew for arrays that lie in memory in another way, or that may not be written to.
+        # Kernels would be compiled again for arrays with another memory layout or without write access.
         return np.require(array.reshape(self.num_envs, self.num_agents), np.int64, ("C", "W"))
 
     def _report_faults(self) -> None:
-        """Begin the next episode of the matches that cannot go on, and raise the error of the first of them."""
+        """Begin the next episode of the matches that have failed, and raise the error of the first of them."""
         faulted = self._outcome.faults != NO_FAULT
         index, batch = int(np.flatnonzero(faulted)[0]), self._batch
         match, level = batch.matches[index], self.levels[index]
@@ -218,7 +222,7 @@ class FootballVectorEnv(UPOMDP):
         raise error
 
     def get_state(self) -> dict[str, Any]:
-        """Return everything that changes, as arrays and plain values; `set_state` resumes from there bit for bit."""
+        """Return the full state, as arrays and plain values; `set_state` resumes from it bit for bit."""
         batch = self._batch
         return {
             "matches": np.asarray(batch.matches).copy(),
@@ -232,10 +236,10 @@ class FootballVectorEnv(UPOMDP):
         }
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Take back what `get_state` gave; return the observations of that moment.
+        """Restore what `get_state` returned; return the observations of that state.
 
-        Raises `StateError` for a state of other matches: another number, another program or representation, or with
-        values that no match has (see `state`); nothing is taken then.
+        Raises `StateError` for a state that does not fit (another number of matches, program or representation, or
+        invalid values: see `state`); the environment is then unchanged.
         """
         batch = self._batch
         pairs = {
@@ -257,12 +261,11 @@ class FootballVectorEnv(UPOMDP):
         return self.observe()
 
     def with_scripted_policy(self) -> FootballVectorEnv:
-        """Return a copy in which the program's behaviors play the agents' players, or the built-in AI where it has
-        none.
+        """Return a copy in which the program's behaviors, or the built-in AI, play the agents' players.
 
-        It begins the same levels anew; its actions are ignored. Agents keep their players and see what they see; what
-        is done for them comes as `info["agent_actions"]`. As agents they press one key a step, of a command of several
-        the one that says most; of what the built-in AI does, the nearest key is told.
+        It begins new episodes of the same levels and ignores actions. Agents keep their players and observations;
+        `info["agent_actions"]` holds what was done for them: one action a step, the main one of a command of several
+        actions, and the nearest one to what the built-in AI does.
         """
         twin = self.copy()
         twin.scripted = True
@@ -272,7 +275,7 @@ class FootballVectorEnv(UPOMDP):
     def resized(self, num_envs: int) -> FootballVectorEnv:
         """Return an environment of the same program and settings, not yet reset, with so many matches.
 
-        It shares the line-up and the compiled behaviors, which take longest to make.
+        It shares the line-up and the compiled behaviors, which take longest to create.
         """
         twin = FootballVectorEnv.__new__(FootballVectorEnv)
         twin.program, twin.config = self.program, self.config
@@ -281,19 +284,19 @@ class FootballVectorEnv(UPOMDP):
         return twin
 
     def copy(self) -> FootballVectorEnv:
-        """Return an environment that goes on from here on its own."""
+        """Return an independent environment in the same state."""
         twin = self.resized(self.num_envs)
         twin.scripted = self.scripted
         twin.set_state(self.get_state())
         return twin
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Let go of what the engine holds for these matches."""
+        """Free the engine's resources."""
         self._engine.close()
 
 
 def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehaviors, num_envs: int) -> Engine:
-    """Make what plays so many matches. Raises `envs.grf.workers.GrfError` for the real engine where it is not."""
+    """Make the engine for so many matches. Raises `envs.grf.workers.GrfError` if GRF is not installed."""
     if config.engine == "grf":
         from regista.envs.grf.engine import GrfEngine
 
@@ -302,12 +305,12 @@ def make_engine(config: FootballConfig, lineup: Lineup, behaviors: CompiledBehav
 
 
 def bytes_of(array: np.ndarray) -> np.ndarray:
-    """Return what an array holds, as bytes: a view, where it lies in one piece."""
+    """Return the content of an array as bytes: a view if it is contiguous."""
     return np.ascontiguousarray(np.asarray(array)).reshape(-1).view(np.uint8)
 
 
 def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
-    """Raise `StateError` unless the arrays of a state have the shapes and fields that are wanted."""
+    """Raise `StateError` unless the arrays of a state have the expected shapes and fields."""
     for name, array in expected.items():
         value = state.get(name) if isinstance(state, dict) else None
         kind = array.dtype.fields or array.dtype  # a record array and a plain one have the same fields
@@ -318,7 +321,7 @@ def check_state(state: dict[str, Any], expected: dict[str, np.ndarray]) -> None:
         else:
             what = "none" if value is None else f"a {type(value).__name__}"
         raise StateError(
-            f"this state is not one of these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
+            f"this state does not fit these matches: {name!r} must have shape {list(array.shape)}, got {what}; "
             "program, number of matches, control and representation must be those of the environment that gave it"
         )
 

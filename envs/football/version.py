@@ -1,27 +1,27 @@
 """The version of the simulator. Equal numbers mean equal play: results of one version can be compared.
 
-Raise the number when a program, with the same seeds and actions, is played, observed or rewarded otherwise than before.
-`tests/envs/test_simulator_version.py` fails until then. Refactoring and speed work leave the number as it is. No kernel
-imports this file, so that another number compiles nothing anew.
+Raise the number when play, observations or rewards of a program change for the same seeds and actions.
+`tests/envs/test_simulator_version.py` fails until then. Refactoring and speed work leave the number unchanged. No
+kernel imports this file, so that a new number recompiles nothing.
 
-What raising it costs: Gymnasium ids end in the new number, and the old ones stop working. Runs, demonstrations and
-records of the old version cannot be resumed, cloned or replayed. Published tables must be measured again, whole. Old
+Costs of raising it: Gymnasium ids end in the new number, and the old ids stop working. Runs, demonstrations and
+records of the old version cannot be resumed, cloned or replayed. All published tables must be measured again. Old
 policies can still be evaluated, with a warning.
 
-What plays on Google Research Football (`engine = "grf"`) is not of this simulator and carries no number.
+Matches of Google Research Football (`engine = "grf"`) carry no number.
 """
 
 from __future__ import annotations
 
 SIMULATOR_VERSION = 1
-UNNUMBERED = 0  # of what was played before the simulator had a version, and so carries no number
+UNNUMBERED = 0  # of files written before the simulator had a version
 
 
 def simulator_name(version: int) -> str:
-    """Return what a version is called in a sentence."""
+    """Return the name of a version in a sentence."""
     return f"simulator version {version}" if version else "an unnumbered simulator, from before version 1"
 
 
 def version_on(engine: str) -> int | None:
-    """Return the version of what plays where `FootballConfig.engine` is this; None for the real engine."""
+    """Return the simulator version for `FootballConfig.engine`; None for GRF."""
     return SIMULATOR_VERSION if engine == "regista" else None

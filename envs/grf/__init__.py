@@ -1,4 +1,4 @@
-"""Google Research Football itself, in processes of its own, as a second engine under `football.vector_env`.
+"""Google Research Football (GRF) itself, in separate processes, as a second engine of `football.vector_env`.
 
-Read next: `grf.engine`, how a batch of matches is played there; `grf.worker`, the process that holds the engine.
+Read next: `grf.engine`, how GRF plays a batch of matches; `grf.worker`, the process that runs GRF.
 """

@@ -1,13 +1,13 @@
-"""The real engine behind a batch of matches: the program's part of a step is ours, the football between is its.
+"""Google Research Football (GRF) as the engine of a batch: we run the program and the agents, GRF plays the football.
 
-    open_row     behaviors and agents choose the players' actions                              in our kernels
-    Workers      Google Research Football plays them                                           in its processes
-    close_row    what it shows becomes our record; endings, rewards, monitors, observations    in our kernels
+    begin_row     behaviors and agents choose the players' actions                                  in our kernels
+    Workers       Google Research Football plays them                                               in its processes
+    finish_row    GRF's observations become our record; endings, rewards, monitors, observations    in our kernels
 
-A team needs no agent of the engine's where its built-in AI moves everybody, one where our only agent is `active` and
-no behavior moves anybody else, else one for every player; whoever has no command there takes the action that hands him
-back to the AI (19), which then kicks for him: in a team with one agent it leaves the ball to that one. Read next:
-`grf.workers`.
+A team that only the built-in AI moves needs no agent in GRF. A team with one `active` agent, in which no behavior moves
+a player, needs one. Any other team needs one agent for each player; a player without a command takes action 19, which
+returns it to the AI. The AI then kicks for the player: in a team with one agent it leaves the ball to that agent.
+Read next: `grf.workers`.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.lineup import Lineup, NotAMatchError, refusal
 from regista.envs.football.state import MATCH
-from regista.envs.grf.observed_batch import close_rows, open_rows, read_starts, read_steps, write_seeds
+from regista.envs.grf.observed_batch import begin_rows, finish_rows, read_starts, read_steps, write_seeds
 from regista.envs.grf.worker import ROWS, TEAM
 from regista.envs.grf.workers import Episode, Workers, grf_python, shared_workers
 
-# Metres that a scenario's units mean for players, whom the engine spreads a little; the ball has those of observations.
+# Meters per scenario unit for players, whom GRF spreads a little; the ball uses the units of observations.
 PLAYER_X, PLAYER_Y = 55.0, -36.0 * 2.36
 SETTINGS = (
     *("game_duration", "second_half", "deterministic", "offsides", "use_magnet"),
@@ -41,7 +41,7 @@ SETTINGS = (
 
 
 class GrfEngine:
-    """N matches in Google Research Football. Raises GrfError where it is not installed."""
+    """N matches in Google Research Football. Raises GrfError if it is not installed."""
 
     def __init__(self, lineup: Lineup, behaviors: CompiledBehaviors, config: FootballConfig, count: int) -> None:
         self.lineup = lineup
@@ -53,7 +53,7 @@ class GrfEngine:
         check_keepers(lineup)
         check_settings(lineup)
         self._commanded = commanded_teams(lineup, behaviors)
-        self._controllers = np.zeros((count, 2), np.int64)  # agents of the engine's per team, of each match
+        self._controllers = np.zeros((count, 2), np.int64)  # number of GRF agents per team, for each match
         python = grf_python(config.grf_python)
         self._workers = shared_workers(python, config.grf_workers or len(os.sched_getaffinity(0)))
         self._played: dict[int, Episode] = {}  # by match
@@ -61,23 +61,23 @@ class GrfEngine:
         self.close = weakref.finalize(self, _let_go, self._workers, self._played)
 
     def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
-        """Put the matches `where` at their start."""
+        """Reset the matches `where` to their initial states."""
         begin(batch, where, luck, settings)
         self._kick_off(batch, where, settings)
 
     def step(self, batch: Batch, actions: np.ndarray, outcome: Outcome, seen: View, settings: BatchSettings) -> None:
-        """Move all matches on."""
+        """Step all matches."""
         playing = np.zeros(len(batch.matches), np.bool_)
-        open_rows(batch, actions, settings, self._code, playing)
+        begin_rows(batch, actions, settings, self._code, playing)
         where = np.flatnonzero(playing)
         orders = np.zeros((len(where), ROWS), np.int64)
         orders[:, self._rows] = batch.matches["players"]["action"][where, : len(self._rows)]
         observed = self._workers.play([self._played[int(index)] for index in where], orders)
         read_steps(batch, where, observed, self._controllers, settings, self._code)
-        close_rows(batch, outcome, seen, settings)
+        finish_rows(batch, outcome, seen, settings)
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """Return the episodes as they have been played; the scenes are in `batch.starts`."""
+        """Return the episodes with their actions so far; the initial states are in `batch.starts`."""
         matches = sorted(self._played)
         episodes = [self._played[index] for index in matches]
         actions = [row for episode in episodes for row in episode.actions]
@@ -90,9 +90,9 @@ class GrfEngine:
         }
 
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Take episodes back; they are repeated when they are next played. Raises ValueError for a state without."""
+        """Restore episodes; each is replayed when next stepped. Raises ValueError for a state of our simulator."""
         if "grf_matches" not in state:
-            raise ValueError("this state is one of the simulator's, not of Google Research Football's")
+            raise ValueError("this state was saved by our simulator, not by Google Research Football")
         self._forget(range(len(batch.matches)))
         lengths = np.asarray(state["grf_lengths"])
         parts = np.split(np.asarray(state["grf_actions"]), np.cumsum(lengths)[:-1]) if len(lengths) else []
@@ -102,7 +102,7 @@ class GrfEngine:
             self._played[int(index)] = Episode(scene, int(seed), list(actions), int(check))
 
     def _kick_off(self, batch: Batch, where: np.ndarray, settings: BatchSettings) -> None:
-        """Begin episodes of the engine's for the matches `where`, which are at their start."""
+        """Begin GRF episodes for the matches `where`, which are in their initial states."""
         self._forget(where)
         episodes = []
         for index, seed in zip(where, draw_seeds(batch.matches, where), strict=True):
@@ -116,29 +116,29 @@ class GrfEngine:
         self._workers.forget(gone)
 
     def _scene(self, start: np.ndarray, index: int) -> dict[str, Any]:
-        """Return what the worker needs to set up the match number `index`, which begins as this record MATCH."""
+        """Return what the worker needs to set up match number `index` from its initial record MATCH."""
         agents = [self._agents_of(team, int(start["control"][team])) for team in (LEFT, RIGHT)]
         self._controllers[index] = agents
         ball = [float(start["ball"]["x"]) / UNIT_X, float(start["ball"]["y"]) / UNIT_Y]
         teams: list[list[Any]] = [[], []]
         for player in start["players"][: len(self._rows)]:
-            side = 1.0 if player["team"] == LEFT else -1.0  # a scenario has the right team in its own frame
+            side = 1.0 if player["team"] == LEFT else -1.0  # a scenario gives the right team in that team's own frame
             place = [side * float(player["x"]) / PLAYER_X, side * float(player["y"]) / PLAYER_Y]
             teams[player["team"]].append([*place, int(player["role"]), False, True])
         settings = scenario_settings(self.lineup, start)
         return {"settings": settings, "ball": ball, "left": teams[0], "right": teams[1], "agents": agents}
 
     def _agents_of(self, team: int, control: int) -> int:
-        """Return how many agents of the engine's a team needs under a control mode of ours."""
+        """Return how many GRF agents a team needs under one of our control modes."""
         if self._commanded[team] or control not in (NO_AGENTS, ACTIVE):
             return self._sizes[team]
         return int(control == ACTIVE)
 
 
 def scenario_settings(lineup: Lineup, start: np.ndarray) -> dict[str, Any]:
-    """Return the settings of an episode that begins as this record MATCH, as a scenario's.
+    """Return the scenario settings of an episode that begins as this record MATCH.
 
-    The engine plays one step more than it is told (its first action is lost), and ours as many as the program says.
+    GRF plays one step more than its duration (it loses the first action); ours plays as many as the program specifies.
     """
     settings = {name: np.asarray(getattr(lineup.config, name)).item() for name in SETTINGS}
     for name in set(SETTINGS).intersection(lineup.random_settings):
@@ -150,14 +150,14 @@ def scenario_settings(lineup: Lineup, start: np.ndarray) -> dict[str, Any]:
 
 
 def difficulty_of(name: str, start: np.ndarray) -> float:
-    """Return the difficulty of the left or of the right team, whose players have their skill by it."""
+    """Return the difficulty of the left or right team, from which its players' skill derives."""
     players = start["players"][: int(start["num_players"])]
     skills = players["skill"][players["team"] == (LEFT if name.startswith("left") else RIGHT)]
     return round((float(skills[0]) - 0.3) / 0.7, 12) if len(skills) else float(getattr(MatchConfig(), name))
 
 
 def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
-    """Return for both teams whether behaviors of the program move players of theirs that no agent has."""
+    """Return for both teams whether behaviors of the program move players that no agent controls."""
     compiled = behaviors.compiled
     objects = {number for number in compiled.threads if number >= 0} | {number for number, _, _ in compiled.overridden}
     players = {int(lineup.object_to_player[number]) for number in objects}
@@ -168,14 +168,14 @@ def commanded_teams(lineup: Lineup, behaviors: CompiledBehaviors) -> list[bool]:
 
 
 def check_settings(lineup: Lineup) -> None:
-    """Raise NotAMatchError for a random setting that decides who gets an agent of the engine's."""
+    """Raise NotAMatchError for a random setting that decides which players need a GRF agent."""
     if "agents_only" in lineup.random_settings:
         message = "param agents_only must be fixed for Google Research Football, not a random value"
         raise refusal(lineup.program, message, lineup.program.param_places["agents_only"])
 
 
 def check_keepers(lineup: Lineup) -> None:
-    """Raise NotAMatchError for a team without a keeper in which there is no room for one."""
+    """Raise NotAMatchError for a team without a keeper that has no free place for one."""
     teams, roles = np.asarray(lineup.roster.teams), np.asarray(lineup.roster.roles)
     for team, name in ((LEFT, "left"), (RIGHT, "right")):
         if np.count_nonzero(teams == team) == MAX_PLAYERS // 2 and not (roles[teams == team] == GK).any():
@@ -186,7 +186,7 @@ def check_keepers(lineup: Lineup) -> None:
 
 
 def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
-    """Tell the workers that an environment is gone."""
+    """Tell the workers that an environment has been closed."""
     workers.forget(list(played.values()))
     played.clear()
     workers.leave()

@@ -1,17 +1,17 @@
-"""The kernels of a batch whose matches the real engine plays: each does to all rows what is done to one.
+"""The kernels of a batch that GRF plays: each loops over rows of the batch.
 
-Read next: `grf.observed_match`, what is done to one.
+Read next: `grf.observed_match`, the same for one match.
 """
 
 from __future__ import annotations
 
-from regista.envs.football.batch import close_row, open_row, watch_row
+from regista.envs.football.batch import begin_row, finish_row, run_monitors
 from regista.envs.football.observation.observe import remember_minimap
 from regista.envs.grf.observed_match import read_start, read_step
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-SEEDS = 2_000_000_000  # that the engine's own environment draws from
+SEEDS = 2_000_000_000  # range of seeds from which GRF's own environment draws
 
 
 @kernel
@@ -22,15 +22,15 @@ def write_seeds(matches, where, seeds):
 
 
 @kernel
-def open_rows(batch, actions, settings, code, playing):
-    """Give all players their actions; write which matches are to be played into `playing` [N]."""
+def begin_rows(batch, actions, settings, code, playing):
+    """Give all players their actions; write which matches will be stepped into `playing` [N]."""
     for index in range(len(batch.matches)):
-        playing[index] = open_row(batch, actions, settings, code, index)
+        playing[index] = begin_row(batch, actions, settings, code, index)
 
 
 @kernel
 def read_starts(batch, where, observed, controllers, settings):
-    """Write matches that the engine has begun, OBSERVED [k], into the records `where` [k]."""
+    """Write matches that GRF has begun, OBSERVED [k], into the records `where` [k]."""
     for at in range(len(where)):
         index = where[at]
         read_start(batch.matches[index], observed[at], controllers[index])
@@ -39,15 +39,15 @@ def read_starts(batch, where, observed, controllers, settings):
 
 @kernel
 def read_steps(batch, where, observed, controllers, settings, code):
-    """Write what the engine has played, OBSERVED [k], into the records `where` [k], and let the monitors see it."""
+    """Write what GRF has played, OBSERVED [k], into the records `where` [k], and run the monitors on it."""
     for at in range(len(where)):
         index = where[at]
         read_step(batch.matches[index], observed[at], controllers[index])
-        watch_row(batch, settings, code, index)
+        run_monitors(batch, settings, code, index)
 
 
 @kernel
-def close_rows(batch, outcome, seen, settings):
+def finish_rows(batch, outcome, seen, settings):
     """Reward and observe all matches."""
     for index in range(len(batch.matches)):
-        close_row(batch, outcome, seen, settings, index)
+        finish_row(batch, outcome, seen, settings, index)

@@ -1,8 +1,8 @@
-"""From what the real engine shows to our record of a match: everything that stands on MATCH then works on both engines.
+"""From GRF's observations to our record of a match, so that all code based on MATCH works on both engines.
 
-What the engine does not tell stays as it was at the start: where bodies look while they stand, who lies on the ground.
-That a kick is asked for follows from the keys, as in our own simulator, and its end from the ball. Read next:
-`regista.envs.football.state`, the record; `grf.worker`, the other one.
+Fields that GRF does not report keep their initial values: the facing of players who stand, and who lies on the ground.
+A requested kick follows from the actions, as in our simulator, and its end from the ball.
+Read next: `regista.envs.football.state`, the record; `grf.worker`, GRF's record.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from regista.envs.football.constants import (
     RUNNING,
     STEP,
 )
+from regista.envs.football.control.actions import hold_kick
 from regista.envs.football.control.agents import choose_closest
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.keys import hold_kick
 from regista.envs.football.control.reward import pay_checkpoints
 from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 from regista.envs.football.physics.possession import forget_kick
@@ -32,23 +32,23 @@ from regista.envs.football.physics.vectors import length
 from regista.envs.grf.worker import TEAM
 from regista.kernels.jit import kernel
 
-STANDING = 0.3  # m/s below which a body's velocity does not tell where it looks
+STANDING = 0.3  # m/s below which a body's velocity does not give its facing
 
 
 class Kicked(NamedTuple):
-    """By what a kick is recognised, after the step in which it was: not a touch of a run, at most 5 m/s from him."""
+    """How a kick is recognized one step later; unlike a carrier's touch, at most 5 m/s off the player."""
 
-    faster: float = 7.0  # m/s, ball against player
+    faster: float = 7.0  # m/s, ball relative to player
     within: float = 5.0  # m between them
 
 
 KICKED = Kicked()
-IN_HANDS = 0.5  # m, height of the ball from which a keeper who has it holds it
+IN_HANDS = 0.5  # m, height of the ball from which a keeper who owns it holds it
 
 
 @kernel
 def read_start(match, seen, controllers):
-    """Write a match that the engine has just begun into its record, which `kick_off` has filled."""
+    """Write a match that GRF has just begun into its record, which `kick_off` has filled."""
     _read_bodies(match, seen)
     _read_owner(match, seen)
     read_agents(match, seen, controllers)
@@ -56,7 +56,7 @@ def read_start(match, seen, controllers):
 
 @kernel
 def read_step(match, seen, controllers):
-    """Write what a step has brought into the record of its match: all that our own step writes, up to the monitors."""
+    """Write the result of a step into the record: everything that our own step writes before the monitors run."""
     match.step += 1
     _read_bodies(match, seen)
     match.goal = 0
@@ -73,7 +73,7 @@ def read_step(match, seen, controllers):
         match.half = 1
     end_episode(match)
     if seen.done != 0 and match.ended == RUNNING and match.fault == NO_FAULT:
-        match.ended, match.truncated = DURATION, True  # the engine plays it no further
+        match.ended, match.truncated = DURATION, True  # GRF plays no further step
     read_agents(match, seen, controllers)
     pay_checkpoints(match)
 
@@ -88,23 +88,23 @@ def _read_bodies(match, seen):
     ball.spin_x, ball.spin_y = seen.ball_rotation[1] * spin, -seen.ball_rotation[0] * spin
     for i in range(match.num_players):
         player = match.players[i]
-        there = seen.players[TEAM * player.team + player.shirt]
-        player.x, player.y = there.x * UNIT_X, there.y * UNIT_Y
-        player.vx, player.vy = there.dx * UNIT_X / STEP, there.dy * UNIT_Y / STEP
+        reported = seen.players[TEAM * player.team + player.shirt]
+        player.x, player.y = reported.x * UNIT_X, reported.y * UNIT_Y
+        player.vx, player.vy = reported.dx * UNIT_X / STEP, reported.dy * UNIT_Y / STEP
         speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
         if speed > STANDING:
             player.facing_x, player.facing_y = player.vx / speed, player.vy / speed
-        player.tiredness = there.tired
-        player.has_left = there.is_active == 0
-        player.cards = 2 if player.has_left else 1 if there.has_card != 0 else 0
-        player.direction = there.direction if there.controller != NOBODY else 0
-        player.sprint = there.controller != NOBODY and there.sprint != 0
-        player.dribble = there.controller != NOBODY and there.dribble != 0
+        player.tiredness = reported.tired
+        player.has_left = reported.is_active == 0
+        player.cards = 2 if player.has_left else 1 if reported.has_card != 0 else 0
+        player.direction = reported.direction if reported.controller != NOBODY else 0
+        player.sprint = reported.controller != NOBODY and reported.sprint != 0
+        player.dribble = reported.controller != NOBODY and reported.dribble != 0
 
 
 @kernel
 def _read_owner(match, seen):
-    """Write who has the ball, and whom each team has designated to win it."""
+    """Write the owner of the ball, and each team's designated player."""
     match.reported_owner = NOBODY
     if seen.owned_team != NOBODY:
         match.reported_owner = player_at(match, TEAM * seen.owned_team + seen.owned_player)
@@ -122,7 +122,7 @@ def _read_owner(match, seen):
 
 @kernel
 def follow_kicks(match):
-    """Remember the kicks that agents have asked for until the ball has left the foot, or they are forgotten."""
+    """Remember the kicks that agents have requested until the ball leaves the foot or the request expires."""
     for i in range(match.num_players):
         player = match.players[i]
         if player.kick != 0 and (player.agent == NOBODY or kicked(match, player)):
@@ -133,7 +133,7 @@ def follow_kicks(match):
 
 @kernel
 def kicked(match, player):
-    """Return whether the ball has just left a player's foot: it is faster than he would knock it on."""
+    """Return whether the ball has just left a player's foot: it is faster than a carrier's touch would make it."""
     ball = match.ball
     away = length(ball.x - player.x, ball.y - player.y)
     return away < KICKED.within and length(ball.vx - player.vx, ball.vy - player.vy) > KICKED.faster
@@ -141,7 +141,7 @@ def kicked(match, player):
 
 @kernel
 def player_at(match, row):
-    """Return the player of a row of the engine's, -1 for none."""
+    """Return the player in a row of GRF's observation, -1 for none."""
     for i in range(match.num_players):
         if TEAM * match.players[i].team + match.players[i].shirt == row:
             return i
@@ -150,10 +150,10 @@ def player_at(match, row):
 
 @kernel
 def read_agents(match, seen, controllers):
-    """Give each agent the player whom its next action moves; `controllers` [2] are the engine's agents of each team.
+    """Give each agent the player that its next action moves; `controllers` [2] counts GRF's agents of each team.
 
-    An agent who is `active` has the player whom the engine has given to its own only agent, or, where the engine has
-    one for every player, whom it has designated to win the ball; the other modes are those of our own simulator.
+    An `active` agent has the player that GRF has given to its only agent, or GRF's designated player if GRF has an
+    agent for every player; the other modes work as in our simulator.
     """
     first, number = 0, 0
     for team in range(2):
@@ -170,7 +170,7 @@ def read_agents(match, seen, controllers):
 
 @kernel
 def _give(match, agent, player):
-    """Let an agent have a player, or nobody."""
+    """Let an agent control a player, or nobody."""
     if match.agents[agent] != NOBODY:
         match.players[match.agents[agent]].agent = NOBODY
     match.agents[agent] = player

@@ -1,21 +1,21 @@
-"""The process that holds Google Research Football: it reads requests from stdin, plays, and answers on stdout.
+"""The process that runs Google Research Football (GRF): it reads requests from stdin, plays, and answers on stdout.
 
-This file alone runs under the Python that has gfootball, and needs nothing but that, NumPy and the standard library.
-Regista imports it for the messages, which both sides must write alike:
+Only this file runs under the Python that has gfootball. It needs gfootball, NumPy and the standard library.
+Regista imports it for the message format, which both sides share:
 
     b"RGRF"  size of the header  size of the body     HEAD, 12 bytes
-    header                                            JSON; "arrays" lists [name, dtype, shape] of what the body holds
+    header                                            JSON; "arrays" lists [name, dtype, shape] of the arrays in the
+    body
     body                                              the arrays, one after the other
 
     hello                     -> protocol, versions
     begin slots scenes seeds, lengths [K], actions [sum of lengths, 22]     -> observed [K]
     step slots, actions [K, 22]                                             -> observed [K]
 
-Every request says in how many `seconds` it must be done: the system ends a process that takes longer, even one whose
-engine hangs. When whoever asked is gone, the process ends within a second, also where another one still holds a copy of
-its stdin. It may name slots to `forget`. `begin` resets each slot's engine to its scene
-and plays the actions that it is sent, by which an interrupted episode is repeated. What goes wrong in a request is
-answered by an "error".
+Every request gives a time limit in `seconds`: the system ends a process that takes longer, even if GRF hangs. When the
+parent process is gone, this process ends within a second, even if another process still holds a copy of its stdin.
+A request may list slots to `forget`. `begin` resets each slot's engine to its scene and replays the actions it
+receives, which restores an interrupted episode. A failed request is answered by an "error".
 Read next: `grf.workers`, the other end.
 """
 
@@ -39,23 +39,23 @@ import numpy as np
 PROTOCOL = 1
 MAGIC = b"RGRF"
 HEAD = struct.Struct("<4sII")
-LARGEST = 1 << 28  # bytes of a header or a body; more is no message of ours
+LARGEST = 1 << 28  # bytes of a header or a body; a larger message is invalid
 
-GRACE = 2  # s after which a process ends itself that should have been ended by then
+GRACE = 2  # s after its time limit at which a process ends itself
 
-TEAM = 11  # rows of a team: left players 0 to 10, right players 11 to 21, whether they are there or not
+TEAM = 11  # rows of a team: left players 0 to 10, right players 11 to 21, whether present or not
 ROWS = 2 * TEAM
 ROLES = ("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF")
-LEVEL = "regista_scene"  # of gfootball.scenarios; lives in memory alone
-BASE = 20  # several actions of one player are digits of this base, the first highest
+LEVEL = "regista_scene"  # of gfootball.scenarios; exists in memory only
+BASE = 20  # several actions of one player are digits in this base, the first is the highest
 
-# The engine cannot do without a keeper, first in his team: one that has none gets one that nobody is told of, who
-# stands still in the corner into which the engine puts that of an empty team.
+# GRF needs a keeper as the first player of each team. A team without one gets a hidden keeper, who stands still in the
+# corner where GRF puts the keeper of an empty team.
 ABSENT_KEEPER = (-1.0, 0.42, 0, True, False)
 
-# One player, one match, as the engine reports them: its units and its frame, y pointing down, the left team attacking
-# +x. Every field has eight bytes, so that equal records are equal bytes. `controller`: the number of the agent of his
-# team who has him, or -1; his sticky keys are that agent's.
+# One player and one match as GRF reports them, in its units and frame: y points down, the left team attacks +x. Every
+# field has eight bytes, so that equal records are equal bytes. `controller`: the number of the agent, within its team,
+# that controls the player, or -1; the sticky actions are that agent's.
 PLAYER_SEEN = np.dtype(
     [
         *((name, "f8") for name in ("x", "y", "dx", "dy", "tired")),
@@ -68,7 +68,7 @@ OBSERVED = np.dtype(
         *((name, "i8") for name in ("owned_team", "owned_player", "game_mode", "steps_left")),
         ("score", "i8", (2,)),
         ("designated", "i8", (2,)),
-        ("agents", "i8", (ROWS,)),  # rows of the players whom the agents have, left agents first, -1: none
+        ("agents", "i8", (ROWS,)),  # rows of the agents' players, left agents first, -1: none
         ("reward", "f8"),
         ("done", "i8"),
         ("players", PLAYER_SEEN, (ROWS,)),
@@ -77,7 +77,7 @@ OBSERVED = np.dtype(
 
 
 class ProtocolError(Exception):
-    """Bytes that are no message."""
+    """Bytes that are not a valid message."""
 
 
 # ---------------------------------------------------------------- messages
@@ -92,7 +92,7 @@ def pack(message: dict[str, Any], **arrays: np.ndarray) -> bytes:
 
 
 def unpack(read: Callable[[int], bytes]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Read one message; `read(n)` gives exactly n bytes. Raises ProtocolError for what is none."""
+    """Read one message; `read(n)` returns exactly n bytes. Raises ProtocolError for an invalid one."""
     magic, size, rest = HEAD.unpack(read(HEAD.size))
     if magic != MAGIC or size > LARGEST or rest > LARGEST:
         raise ProtocolError(f"expected a message, got bytes that begin with {magic!r}")
@@ -107,9 +107,9 @@ def unpack(read: Callable[[int], bytes]) -> tuple[dict[str, Any], dict[str, np.n
             arrays[name] = np.frombuffer(body, dtype, count, at).reshape(shape).copy()
             at += count * dtype.itemsize
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise ProtocolError(f"a message that cannot be read: {error}") from error
+        raise ProtocolError(f"cannot decode a message: {error}") from error
     if at != len(body):
-        raise ProtocolError(f"a message with {len(body)} bytes of arrays that should have {at}")
+        raise ProtocolError(f"a message has {len(body)} bytes of arrays; its header gives {at}")
     return message, arrays
 
 
@@ -122,7 +122,7 @@ def describe(dtype: np.dtype) -> str:
 
 
 class Match:
-    """One match on an engine of its own, driven through the class on which gfootball's environment rests."""
+    """One match in its own engine, played through the core class of gfootball's environment."""
 
     def __init__(self, scene: dict[str, Any], seed: int) -> None:
         from gfootball.env import config, football_action_set, football_env_core
@@ -139,23 +139,23 @@ class Match:
         }
         self.config = config.Config(values)
         self.core = football_env_core.FootballEnvCore(self.config)
-        self.keys = football_action_set.get_action_set(self.config)
+        self.actions = football_action_set.get_action_set(self.config)
         self.reward, self.done = 0.0, False
 
     def step(self, actions: np.ndarray) -> None:
-        """Play a step with an action for every row `[22]`; rows that no agent has are not looked at."""
+        """Play a step with an action for every row `[22]`; rows without an agent are ignored."""
         observed, first = self.core._observation, []
         for team, side in enumerate(("left", "right")):
             for agent, player in enumerate(observed[f"{side}_agent_controlled_player"]):
                 row = player - self.hidden[team]
                 several = digits(int(actions[TEAM * team + row])) if row >= 0 else [0]
                 for action in reversed(several[1:]):
-                    self.core._env.perform_action(self.keys[action]._backend_action, team == 0, agent)
+                    self.core._env.perform_action(self.actions[action]._backend_action, team == 0, agent)
                 first.append(several[0])
         _, self.reward, self.done, _ = self.core.step(first)
 
     def observe(self, seen: np.ndarray) -> None:
-        """Write the match as it is into `seen`, OBSERVED `[1]`."""
+        """Write the present match into `seen`, OBSERVED `[1]`."""
         observed = self.core._observation
         for name in ("ball", "ball_direction", "ball_rotation", "game_mode", "steps_left", "score"):
             seen[name] = observed[name]
@@ -170,7 +170,7 @@ class Match:
             first = self.observe_team(seen, observed, team, side, first)
 
     def observe_team(self, seen: np.ndarray, observed: dict[str, Any], team: int, side: str, first: int) -> int:
-        """Write the players of a team, and who of them the agents from number `first` on have; return what is next."""
+        """Write the players of a team and of its agents, numbered from `first`; return the next team's first agent."""
         hidden = self.hidden[team]
         players = seen["players"][0, TEAM * team : TEAM * team + len(observed[f"{side}_team"]) - hidden]
         players["x"], players["y"] = observed[f"{side}_team"][hidden:].T
@@ -193,7 +193,7 @@ class Match:
         return first + len(chosen)
 
     def close(self) -> None:
-        """Leave the engine to the next match."""
+        """Close the engine, so that the next match can use it."""
         self.core.close()
 
 
@@ -207,9 +207,9 @@ def digits(actions: int) -> list[int]:
 
 
 def install(scene: dict[str, Any], hidden: list[int]) -> None:
-    """Make a scene the scenario module that gfootball imports next: no file in its folder.
+    """Install a scene as the scenario module that gfootball imports next, without a file in its folder.
 
-    `hidden` says which teams get an ABSENT_KEEPER.
+    `hidden` flags the teams that get an ABSENT_KEEPER.
     """
     import gfootball_engine as engine
 
@@ -238,7 +238,7 @@ class Server:
         self.matches: dict[int, Match] = {}
 
     def answer(self, request: dict[str, Any], arrays: dict[str, np.ndarray]) -> bytes:
-        """Do what a request asks; return the answer."""
+        """Execute a request; return the answer."""
         for slot in request.get("forget", ()):
             self.forget(slot)
         if request["do"] == "hello":
@@ -249,14 +249,14 @@ class Server:
             for at, slot in enumerate(request["slots"]):
                 self.matches[slot].step(arrays["actions"][at])
         else:
-            raise ProtocolError(f"there is no request {request['do']!r}")
+            raise ProtocolError(f"unknown request {request['do']!r}; expected hello, begin or step")
         observed = np.zeros(len(request["slots"]), OBSERVED)
         for at, slot in enumerate(request["slots"]):
             self.matches[slot].observe(observed[at : at + 1])
         return pack({}, observed=observed)
 
     def begin(self, request: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
-        """Reset the slots to their scenes, and repeat what has been played of them."""
+        """Reset the slots to their scenes, and replay their episodes so far."""
         played = np.split(arrays["actions"], np.cumsum(arrays["lengths"])[:-1])
         for at, slot in enumerate(request["slots"]):
             self.forget(slot)
@@ -265,7 +265,7 @@ class Server:
                 match.step(actions)
 
     def forget(self, slot: int) -> None:
-        """End the match of a slot, if there is one."""
+        """End the match in a slot, if there is one."""
         if slot in self.matches:
             self.matches.pop(slot).close()
 
@@ -280,7 +280,7 @@ def engine_version() -> str:
 
 
 def read_exactly(stream: Any, count: int) -> bytes:
-    """Read so many bytes; at the end of the stream the process is over, for whoever asked is gone."""
+    """Read so many bytes; exit at the end of the stream, since the parent process is gone."""
     data = stream.read(count)
     if len(data) < count:
         raise SystemExit(0)
@@ -288,14 +288,14 @@ def read_exactly(stream: Any, count: int) -> bytes:
 
 
 def end_with(parent: int) -> None:
-    """End this process as soon as its parent is another one: the one that started it is gone."""
+    """Exit as soon as the parent process has ended."""
     while os.getppid() == parent:
         time.sleep(1.0)
     os._exit(0)
 
 
 def main() -> None:
-    """Serve until stdin ends. All that gfootball prints goes to stderr: stdout belongs to the answers."""
+    """Serve until stdin ends. Everything that gfootball prints goes to stderr: stdout is reserved for answers."""
     threading.Thread(target=end_with, args=(os.getppid(),), daemon=True).start()
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -313,5 +313,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.path.pop(0)  # this file's folder, whose modules are not for gfootball
+    sys.path.pop(0)  # this file's folder, whose modules gfootball must not import
     main()

@@ -1,11 +1,11 @@
-"""Workers that hold the real engine: several processes, each playing some of the episodes that are asked for.
+"""Worker processes that run GRF: each plays some of the episodes of a batch.
 
-An episode is its scene, its seed and its actions: the engine repeats it from them bit for bit. So wherever the process
-that held an episode is gone, because it died, hung, answered nonsense, or was made by an environment that has been
-copied or resumed, another one repeats it before it plays on.
+An episode is its scene, its seed and its actions: GRF repeats it from them bit for bit. So if the process that played
+an episode is gone (it died, hung, or sent an invalid answer, or the environment was copied or resumed), another
+process replays the episode and plays on.
 
-Environments share the processes, which end with the last environment that has them. Read next: `grf.worker`, the
-process.
+Environments share the processes, which end with the last environment that uses them.
+Read next: `grf.worker`, the process.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ import numpy as np
 from regista.envs.grf import worker
 from regista.envs.grf.worker import OBSERVED, PROTOCOL, ROWS, pack, unpack
 
-START_SECONDS = 120.0  # until a new worker has loaded the engine
-ANSWER_SECONDS = 60.0  # for an answer, and besides
-STEP_SECONDS = 0.5  # for each step that it takes, on a machine that is busy
-MOST_DEATHS = 3  # of one worker over one request
-MOST_ENGINES = 32  # that a worker keeps, of some 55 MB each, unless one request needs more
+START_SECONDS = 120.0  # for a new worker to load GRF
+ANSWER_SECONDS = 60.0  # for an answer, plus
+STEP_SECONDS = 0.5  # for each step of the request, on a busy machine
+MOST_DEATHS = 3  # of one worker during one request
+MOST_ENGINES = 32  # per worker, about 55 MB each, unless one request needs more
 LAST_WORDS = 1500  # characters of stderr that an error quotes
 
 HELP = "`make grf` installs it on Debian (docs/howto/real-engine.md); or name its Python by --grf-python or {variable}"
@@ -43,17 +43,17 @@ DEFAULT_HOME = Path("~/.local/share/regista/grf")
 
 
 class GrfError(RuntimeError):
-    """Google Research Football is not there, or cannot play what it is asked to; the message says what to do."""
+    """Google Research Football is not installed, or refuses a request; the message says what to do."""
 
 
 class WorkerGoneError(Exception):
-    """A worker that died, hung or answered nonsense."""
+    """A worker died, hung, or sent an invalid answer."""
 
 
 def grf_python(chosen: str | None = None) -> Path:
-    """Return the Python that has gfootball: the chosen one, that of the environment, or where `make grf` puts it.
+    """Return the Python that has gfootball: the configured one, that of the environment, or where `make grf` puts it.
 
-    Raises GrfError where there is none.
+    Raises GrfError if there is none.
     """
     home = Path(os.environ.get(HOME) or DEFAULT_HOME).expanduser()
     path = Path(chosen or os.environ.get(VARIABLE) or home / "bin" / "python").expanduser()
@@ -64,10 +64,10 @@ def grf_python(chosen: str | None = None) -> Path:
 
 @dataclass(eq=False)
 class Episode:
-    """One match from its start: by these three it can be repeated.
+    """One match from its start, with all that is needed to replay it.
 
-    `actions` are those of each step played, int64 `[22]` each; `check` is that of what was seen last, which a
-    repetition must show again.
+    `actions` holds those of each step played, int64 `[22]` each; `check` is the checksum of the last observation, which
+    a replay must reproduce.
     """
 
     scene: dict[str, Any]
@@ -75,29 +75,29 @@ class Episode:
     actions: list[np.ndarray] = field(default_factory=list)
     check: int | None = None
     slot: int = field(default_factory=itertools.count().__next__)
-    life: object = None  # of the worker that has it in its memory
+    life: object = None  # of the worker that has it in memory
 
 
 class WorkerProcess:
-    """One process, started when it is first asked. `life` is another object after each start."""
+    """One process, started by the first request. `life` is a new object after each start."""
 
     def __init__(self, python: Path) -> None:
         self.python = python
         self.process: subprocess.Popen | None = None
         self.life: object = None
-        self.held: dict[int, Episode] = {}  # by slot, the one played last at the end
-        self.forgotten: list[int] = []  # slots that are to be given up with the next request
+        self.held: dict[int, Episode] = {}  # by slot, the most recently played one last
+        self.forgotten: list[int] = []  # slots to give up with the next request
         self._log: Any = None
 
     def ask(self, message: dict[str, Any], seconds: float, **arrays: np.ndarray) -> None:
-        """Send a request, to be answered within so many seconds. Raises WorkerGoneError."""
+        """Send a request that must be answered within so many seconds. Raises WorkerGoneError."""
         if self.process is None:
             self._start()
         forgotten, self.forgotten = self.forgotten, []
         self._send(message | {"forget": forgotten}, seconds, **arrays)
 
     def answer(self) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-        """Return the answer and its arrays. Raises WorkerGoneError, and GrfError for what the engine refuses."""
+        """Return the answer and its arrays. Raises WorkerGoneError, or GrfError if GRF reports an error."""
         try:
             message, arrays = unpack(self._read)
         except worker.ProtocolError as error:
@@ -107,7 +107,7 @@ class WorkerProcess:
         return message, arrays
 
     def hold(self, episodes: Sequence[Episode]) -> None:
-        """Note that these episodes are played now; where it gets crowded give up those that were not for longest."""
+        """Mark these episodes as played now; if there are too many engines, give up the least recently played ones."""
         for episode in episodes:
             self.held.pop(episode.slot, None)
             self.held[episode.slot] = episode
@@ -115,7 +115,7 @@ class WorkerProcess:
             self.give_up(next(iter(self.held.values())))
 
     def give_up(self, episode: Episode) -> None:
-        """Leave the engine of an episode to others; if it is played again it is repeated first."""
+        """Free the engine of an episode; if the episode is played again, it is replayed first."""
         if self.held.pop(episode.slot, None) is not None:
             self.forgotten.append(episode.slot)
             episode.life = None
@@ -126,7 +126,7 @@ class WorkerProcess:
         self.held.clear()
         self.forgotten.clear()
         if process is not None:
-            with suppress(OSError):  # all of its session: a script may have started the Python that plays
+            with suppress(OSError):  # the whole session: a script may have started Python
                 os.killpg(process.pid, signal.SIGKILL)
             process.kill()
             process.wait()
@@ -135,7 +135,7 @@ class WorkerProcess:
                 pipe.close()
 
     def last_words(self) -> str:
-        """Return the end of what the process has written on stderr."""
+        """Return the last characters that the process has written to stderr."""
         if self._log is None:
             return ""
         self._log.seek(max(self._log.seek(0, os.SEEK_END) - LAST_WORDS, 0))
@@ -153,19 +153,19 @@ class WorkerProcess:
                 stdout=subprocess.PIPE,
                 stderr=self._log,
                 env=settings,
-                start_new_session=True,  # a Ctrl-C is for us alone: we close it
+                start_new_session=True,  # a Ctrl-C is for the parent alone, which closes the worker
             )
         except OSError as error:
-            raise GrfError(f"{self.python} cannot be run: {error}") from error
+            raise GrfError(f"{self.python} cannot be started: {error}") from error
         assert self.process.stdin is not None
-        os.set_blocking(self.process.stdin.fileno(), False)  # a hung worker leaves the pipe full
+        os.set_blocking(self.process.stdin.fileno(), False)  # the pipe to a hung worker stays full
         self.life = object()
         try:
             self._send({"do": "hello"}, START_SECONDS)
             message, _ = self.answer()
             if message.get("protocol") != PROTOCOL:
-                raise GrfError(f"the worker speaks version {message.get('protocol')}, not {PROTOCOL}")
-        except BaseException:  # it is no worker of ours, or nobody waits for it any more
+                raise GrfError(f"the GRF worker uses protocol version {message.get('protocol')}, expected {PROTOCOL}")
+        except BaseException:  # it is not one of our workers, or the wait was interrupted
             self.kill()
             raise
 
@@ -176,10 +176,10 @@ class WorkerProcess:
         try:
             while data:
                 if not select.select([], [self.process.stdin], [], max(self._until - time.monotonic(), 0))[1]:
-                    raise WorkerGoneError("it does not listen")
+                    raise WorkerGoneError(f"the GRF worker did not accept a request within {seconds:g} s")
                 data = data[os.write(self.process.stdin.fileno(), data) :]
         except OSError as error:
-            raise WorkerGoneError(f"it does not listen: {error}") from error
+            raise WorkerGoneError(f"the GRF worker accepts no requests: {error}") from error
 
     def _read(self, count: int) -> bytes:
         assert self.process is not None and self.process.stdout is not None
@@ -187,38 +187,37 @@ class WorkerProcess:
         while len(parts) < count:
             left = self._until - time.monotonic()
             if left <= 0 or not select.select([self.process.stdout], [], [], left)[0]:
-                raise WorkerGoneError("it does not answer")
+                raise WorkerGoneError("the GRF worker did not answer in time")
             more = os.read(self.process.stdout.fileno(), count - len(parts))
             if not more:
-                raise WorkerGoneError("it has died")
+                raise WorkerGoneError("the GRF worker process died")
             parts += more
         return parts
 
 
 class Workers:
-    """So many processes; each episode belongs to one of them by its slot.
+    """A pool of processes; an episode's slot determines its process.
 
-    `begin` and `play` raise GrfError where the engine refuses, or where workers die over the same request again and
-    again.
+    `begin` and `play` raise GrfError if GRF refuses a request, or if workers die repeatedly during the same request.
     """
 
     def __init__(self, python: Path, count: int) -> None:
         self.processes = [WorkerProcess(python) for _ in range(count)]
         self._owner = os.getpid()
-        self._users = 0  # environments that have not been closed
+        self._users = 0  # environments that are not closed
 
     def enter(self) -> None:
-        """Count one more environment that plays with these processes."""
+        """Register one more environment that uses these processes."""
         self._users += 1
 
     def leave(self) -> None:
-        """Count one less; with the last one the processes end."""
+        """Unregister an environment; the processes end with the last one."""
         self._users -= 1
         if self._users <= 0:
             self.close()
 
     def begin(self, episodes: Sequence[Episode]) -> np.ndarray:
-        """Start these episodes, or repeat what has been played of them; return OBSERVED `[K]`."""
+        """Start these episodes, or replay their actions so far; return OBSERVED `[K]`."""
         for episode in episodes:
             episode.life = None
         return self._serve(episodes, None)
@@ -232,12 +231,12 @@ class Workers:
         return observed
 
     def forget(self, episodes: Sequence[Episode]) -> None:
-        """Let go of episodes that nobody plays any more."""
+        """Release episodes that are no longer needed."""
         for episode in episodes:
             self._home(episode).give_up(episode)
 
     def close(self) -> None:
-        """End all processes; a later request starts them again. In a forked process they are not ours to end."""
+        """End all processes; a later request starts them again. A forked process leaves its parent's workers alone."""
         for process in self.processes if os.getpid() == self._owner else ():
             process.kill()
 
@@ -245,7 +244,7 @@ class Workers:
         return self.processes[episode.slot % len(self.processes)]
 
     def _serve(self, episodes: Sequence[Episode], actions: np.ndarray | None) -> np.ndarray:
-        """Do one request on every worker, again where it fails."""
+        """Execute one request on every worker; retry on failure."""
         observed = np.zeros(len(episodes), OBSERVED)
         waiting: dict[WorkerProcess, list[int]] = {}
         for index, episode in enumerate(episodes):
@@ -258,21 +257,21 @@ class Workers:
                 waiting = {process: waiting[process] for process in failed}
                 if not waiting:
                     return observed
-        except BaseException:  # an answer may be under way that nobody will read: the next one would be taken for it
+        except BaseException:  # a pending answer would be taken for that of the next request
             for process in self.processes:
                 process.kill()
             raise
         process, reason = next(iter(failed.items()))
         words = process.last_words()
         raise GrfError(
-            f"a worker of Google Research Football failed {MOST_DEATHS} times over the same step: {reason}"
-            + (f"; its last words: {words}" if words else "")
+            f"a worker of Google Research Football failed {MOST_DEATHS} times during the same step: {reason}"
+            + (f"; its last output: {words}" if words else "")
         )
 
     def _bring_back(
         self, waiting: dict[WorkerProcess, list[int]], episodes: Sequence[Episode], observed: np.ndarray
     ) -> dict[WorkerProcess, str]:
-        """Let the workers begin or repeat the episodes that they do not hold; return whom that killed, and why."""
+        """Let workers begin or replay the episodes that they do not have; return those that died of it, and why."""
         rounds = _Round()
         for process, indices in waiting.items():
             process.hold([episodes[i] for i in indices])
@@ -306,7 +305,7 @@ class Workers:
 
 
 class _Round:
-    """One request to each of some workers, which work at the same time."""
+    """One request to each of several workers, which work in parallel."""
 
     def __init__(self) -> None:
         self.asked: list[tuple[WorkerProcess, list[int]]] = []
@@ -327,12 +326,12 @@ class _Round:
             self._lose(process, error)
 
     def answers(self) -> Any:
-        """Yield process, indices and OBSERVED `[k]` of all that answer."""
+        """Yield process, indices and OBSERVED `[k]` of every worker that answers."""
         for process, indices in self.asked:
             try:
                 observed = process.answer()[1].get("observed")
                 if observed is None or observed.dtype != OBSERVED or observed.shape != (len(indices),):
-                    raise WorkerGoneError("it answered something else")
+                    raise WorkerGoneError("the GRF worker sent an answer to another request")
             except WorkerGoneError as error:
                 self._lose(process, error)
             else:
@@ -344,7 +343,7 @@ class _Round:
 
 
 def _begin_request(episodes: Sequence[Episode]) -> tuple[dict[str, Any], float, dict[str, np.ndarray]]:
-    """Return the request that begins or repeats episodes, the seconds that it may take, and its arrays."""
+    """Return the request that begins or replays episodes, its time limit in seconds, and its arrays."""
     lengths = np.array([len(episode.actions) for episode in episodes], np.int64)
     played = [row for episode in episodes for row in episode.actions]
     actions = np.array(played, np.int64).reshape(len(played), ROWS)
@@ -359,12 +358,12 @@ def _begin_request(episodes: Sequence[Episode]) -> tuple[dict[str, Any], float, 
 
 
 def check_repeated(episode: Episode, seen: np.ndarray) -> None:
-    """Raise GrfError if a repeated episode shows something else than when it was first played."""
+    """Raise GrfError if a replayed episode differs from its first play."""
     check = zlib.crc32(seen.tobytes())
     if episode.check is not None and episode.check != check:
         raise GrfError(
-            f"Google Research Football plays an episode differently the second time (seed {episode.seed}, step "
-            f"{len(episode.actions)}): another version than the one that it was begun with?"
+            f"Google Research Football did not replay an episode identically (seed {episode.seed}, step "
+            f"{len(episode.actions)}): has the installed version changed since it began?"
         )
     episode.check = check
 
@@ -373,8 +372,8 @@ _SHARED: dict[tuple[int, Path, int], Workers] = {}
 
 
 def shared_workers(python: Path, count: int) -> Workers:
-    """Return the workers of this process for one Python and number: all environments share them."""
-    key = os.getpid(), python, count  # a forked process has workers of its own
+    """Return the workers of this process for one Python and number; all environments share them."""
+    key = os.getpid(), python, count  # a forked process has its own workers
     if key not in _SHARED:
         _SHARED[key] = Workers(python, count)
     return _SHARED[key]

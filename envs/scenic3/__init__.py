@@ -1,12 +1,12 @@
-"""Scenic 3 itself: a program that the original interpreter loads, on a simulator of its own, as a UPOMDP.
+"""The original Scenic 3: programs loaded by its interpreter, run in one of its simulators, as a UPOMDP.
 
     from regista.envs.scenic3 import Role, ScenicProgram, ScenicUPOMDP
 
     upomdp = ScenicUPOMDP(ScenicProgram("overtake.scenic", mode_2d=True), Driver(), num_envs=4)
 
-What a program leaves to chance becomes θ: `program`. What it leaves open is a `Role`: what the agent sees, may do and
-is paid for. It needs `pip install 'regista[scenic3]'`.
-Read next: `columns`, what is random; `program`, scenes; `episode`, a simulation turned inside out; `vector_env`.
+A program's random values become θ: `program`. What a task needs besides is a `Role`: observations, actions and
+rewards of the agent. Install it with `pip install 'regista[scenic3]'`.
+Read next: `columns`, random values; `program`, scenes; `episode`, a simulation driven step by step; `vector_env`.
 """
 
 try:
@@ -14,7 +14,7 @@ try:
     import scenic  # noqa: F401
 except ImportError as error:
     raise ImportError(
-        f"programs for Scenic itself need it and greenlet: pip install 'regista[scenic3]' ({error})"
+        f"programs of the original Scenic need scenic and greenlet: pip install 'regista[scenic3]' ({error})"
     ) from error
 
 from regista.envs.scenic3.episode import Episode, Role

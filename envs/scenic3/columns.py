@@ -1,9 +1,9 @@
-"""The random primitives of Scenic as columns of θ: each is a value made of numbers in [0, 1], uniform where θ is.
+"""Scenic's random primitives as columns of θ: each is a function of numbers in [0, 1], uniform if θ is uniform.
 
-Scenic draws a value by `sampleGiven`; here it is the inverse of its cumulative distribution, so that uniform θ gives
-what Scenic's own sampler gives. A point in a region takes two columns (one on a line, three in a volume), and moves
-continuously with them wherever the region is in one piece.
-Read next: `program`, which finds the primitives of a program and samples by them.
+Scenic draws a value by `sampleGiven`; we use the inverse of its cumulative distribution function, so that uniform θ
+gives the distribution of Scenic's sampler. A point in a region takes two columns (one on a line, three in a volume),
+and moves continuously with them if the region is connected.
+Read next: `program`, which finds the primitives of a program and samples with them.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from scenic.core.vectors import OrientedVector, Vector
 from regista.envs.scenic3.names import Place
 from ued.core.parameters import Integer
 
-TAIL = 1e-9  # of a normal distribution, which θ = -1 and 1 do not reach
+TAIL = 1e-9  # probability of each tail of a normal distribution that θ = -1 and 1 cut off
 STANDARD = NormalDist()
-Given = Mapping[Any, Any]  # sampled values by what they are of
+Given = Mapping[Any, Any]  # sampled values by their distributions
 
 
 class ScenicColumn(NamedTuple):
-    """One column of θ: as `scenic_lite.Draw`; of evenly likely values, `kind` is what `ued` calls them."""
+    """One column of θ, as `scenic_lite.Draw`; for equally likely values, `kind` is the name that `ued` uses."""
 
     name: str
     kind: Any
@@ -51,7 +51,7 @@ class ScenicColumn(NamedTuple):
 
 
 class Part(NamedTuple):
-    """A column of a primitive: what is put behind its name, kind, and ends, NaN where they are random or infinite."""
+    """A column of a primitive: the suffix of its name, its kind, and its ends, NaN if random or infinite."""
 
     suffix: str
     kind: Any
@@ -107,7 +107,7 @@ class Slices:
 
     def __init__(self, region: PolygonalRegion) -> None:
         rings = [ring for shape in region.polygons.geoms for ring in (shape.exterior, *shape.interiors)]
-        corners = [np.array(ring.coords)[:, :2] for ring in rings]  # the first corner again at the end
+        corners = [np.array(ring.coords)[:, :2] for ring in rings]  # the first corner is repeated at the end
         self.begins = np.vstack([ring[:-1] for ring in corners])  # [edges, 2]
         self.ends = np.vstack([ring[1:] for ring in corners])
         self.x = np.unique(self.begins[:, 0])  # between two of these, slices grow linearly
@@ -136,7 +136,7 @@ class Slices:
         return x, float(crossed[-1])
 
     def _crossings(self, x: float) -> np.ndarray:
-        """Return where the vertical line at x enters and leaves, from below."""
+        """Return the intervals of the vertical line at x inside the polygon, from below."""
         (x0, y0), (x1, y1) = self.begins.T, self.ends.T
         cut = (x0 <= x) != (x1 <= x)
         share = (x - x0[cut]) / (x1[cut] - x0[cut])
@@ -148,7 +148,7 @@ class Slices:
 
 
 def _inside(low: float, high: float) -> tuple[float, float]:
-    """Return ends a little inside an interval: a slice at its very end may be empty."""
+    """Return ends slightly inside an interval: a slice at its very end may be empty."""
     margin = 1e-9 * (high - low)
     return low + margin, high - margin
 
@@ -165,7 +165,7 @@ def _in_rectangle(region: RectangularRegion, u: float, v: float) -> Vector:
 
 
 def _in_disc(region: CircularRegion, u: float, v: float) -> Vector:
-    """Place squares around the middle as circles: areas stay as they are, and neighbours too (Shirley, Chiu 1997)."""
+    """Map squares around the center to circles, preserving areas and neighborhoods (Shirley and Chiu 1997)."""
     a, b = 2 * u - 1, 2 * v - 1
     if a == b == 0:
         return _polar(region, 0.0, 0.0)
@@ -200,14 +200,14 @@ def _in_volume(region: MeshVolumeRegion, u: float, v: float, w: float) -> Vector
     return Vector(*(low + np.array([u, v, w]) * (high - low)))
 
 
-# In this order, the first that a region is one of: how many columns, and the point of their shares.
+# The first matching class counts: how many columns a region needs, and the function from shares to a point.
 REGIONS: dict[type, tuple[int, Callable[..., Vector]]] = {
     RectangularRegion: (2, _in_rectangle),
     CircularRegion: (2, _in_disc),
     SectorRegion: (2, _in_sector),
     PolygonalRegion: (2, _in_polygon),
     PolylineRegion: (1, _on_line),
-    MeshVolumeRegion: (3, _in_volume),  # its box: points of that outside of it are rejected
+    MeshVolumeRegion: (3, _in_volume),  # its bounding box: points outside the volume are rejected
 }
 
 
@@ -216,7 +216,7 @@ def _row(region: Region) -> tuple[int, Callable[..., Vector]] | None:
 
 
 def _base(region: Region) -> Region:
-    """Return the region in which a point of another is placed; then it is seen whether it is in that one, too."""
+    """Return the region from which a point of an intersection is drawn; the other region is then checked."""
     if isinstance(region, DifferenceRegion):
         return _base(region.regionA)
     if isinstance(region, IntersectionRegion):
@@ -225,10 +225,10 @@ def _base(region: Region) -> Region:
 
 
 def point_in(region: Region, *shares: float) -> Vector:
-    """Return the point of these shares of a region's columns. Raises `RejectionException` where there is none."""
+    """Return the point of these shares of a region's columns. Raises `RejectionException` if there is none."""
     base = _base(region)
     row = _row(base)
-    if row is None:  # drawn among regions, of which some are of other kinds
+    if row is None:  # drawn among regions of different kinds
         return region.uniformPointInner()
     count, place = row
     point = place(base, *(*shares, 0.5, 0.5)[:count])
@@ -240,7 +240,7 @@ def point_in(region: Region, *shares: float) -> Vector:
 
 
 def _point_parts(draw: PointInRegionDistribution) -> list[Part]:
-    if needsSampling(draw.region):  # perhaps of another kind each time
+    if needsSampling(draw.region):  # the kind may differ between samples
         return [Part(".x", "point.x"), Part(".y", "point.y")]
     base = _base(draw.region)
     row = _row(base)
@@ -254,7 +254,7 @@ def _point_parts(draw: PointInRegionDistribution) -> list[Part]:
 
 # ---------------------------------------------------------------- the table
 
-# By exact class: what columns a primitive has, and its value given what it depends on and its shares in [0, 1].
+# By exact class: the columns of a primitive, and its value given its dependencies and its shares in [0, 1].
 PRIMITIVES: dict[type, tuple[Callable[[Any], list[Part]], Callable[..., Any]]] = {
     Range: (lambda draw: _number_part(draw, "range"), _range),
     Normal: (lambda draw: _number_part(draw, "normal"), _normal),

@@ -1,9 +1,9 @@
-"""A simulation turned inside out: Scenic's simulators run to the end by themselves, here one waits for each action.
+"""A simulation driven step by step: Scenic's simulators run to the end by themselves; this one waits for actions.
 
-The simulation runs in a greenlet, a stack of its own. Where it is the agent's turn to act, a behavior that Scenic asks
-for actions goes back to whoever called `step`, and goes on there with what the next `step` brings. Scenic itself, and
-its simulators, need no change. Its state is global: a process plays one episode at a time.
-Read next: `vector_env`, processes that play one each.
+The simulation runs in a greenlet, which has its own stack. When it is the agent's turn, the behavior that Scenic asks
+for actions switches back to the caller of `step`, and continues with the action of the next `step`. Scenic and its
+simulators need no change. Scenic's state is global: a process plays one episode at a time.
+Read next: `vector_env`, a process for each environment.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # as `gymnasium.Env.ste
 
 
 class Role(ABC):
-    """What a program leaves open to make a task of it: what the agent sees, may do, and is paid for. Subclass it.
+    """What turns a program into a task: the agent's observations, actions and rewards. Subclass it.
 
     Attributes:
         observation_space: a vector or an image.
@@ -44,31 +44,31 @@ class Role(ABC):
     timestep: float | None = None
 
     def render(self, simulation: Simulation) -> np.ndarray:
-        """Return a picture of it for recordings: bytes `[height, width, 3]`, always of one size."""
+        """Return a picture for recordings: bytes `[height, width, 3]`, always of the same size."""
         return top_view(simulation, self.agent(simulation.scene))
 
     def agent(self, scene: Scene) -> Any:
-        """Return the object that acts; whatever behavior it has in the program is replaced."""
+        """Return the object that the agent controls; its behavior in the program is replaced."""
         return scene.egoObject
 
     @abstractmethod
     def observe(self, simulation: Simulation) -> Any:
-        """Return what the agent sees now. Objects are in `simulation.objects`, in the order of the program."""
+        """Return the agent's observation. Objects are in `simulation.objects`, in the order of the program."""
 
     @abstractmethod
     def act(self, action: Any, simulation: Simulation) -> Sequence[Any]:
-        """Return the actions, as behaviors `take` them, that an action stands for."""
+        """Return the Scenic actions, as behaviors `take` them, for an action of the agent."""
 
     @abstractmethod
     def judge(self, simulation: Simulation) -> tuple[float, bool, bool | None]:
-        """Return the reward of the step that led here, whether the episode ends, and whether it then is a success.
+        """Return the reward of the last step, whether the episode ends, and whether it is a success then.
 
-        It is asked once at the start, too, where its reward counts for nothing; success None: not known.
+        It is also called once at the start, where its reward is ignored; success None: not known.
         """
 
 
 class _Played(Behavior):
-    """The behavior of the agent: each step, its actions come from outside."""
+    """The agent's behavior: its actions come from outside in each step."""
 
     episode: Episode
 
@@ -76,7 +76,7 @@ class _Played(Behavior):
         yield ()
 
     def checkPreconditions(self, *args: Any) -> None:
-        """Nothing must hold before it."""
+        """Do nothing: the behavior has no preconditions."""
 
     checkInvariants = checkPreconditions
 
@@ -86,10 +86,10 @@ class _Played(Behavior):
 
 
 class Episode:
-    """One simulation of a scene. `begin` it, `step` until it has ended, or `close` it before.
+    """One simulation of a scene. Call `begin`, then `step` until it has ended, or `close` to stop early.
 
-    Chance within it, such as behaviors that draw at random, comes from `seed` alone: whatever is drawn outside between
-    steps changes nothing.
+    Randomness inside it, such as behaviors that draw random values, depends on `seed` alone: random numbers drawn
+    outside between steps change nothing.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, role: Role, seed: int) -> None:
@@ -100,27 +100,29 @@ class Episode:
         self._chance = random_state.getstate(), numpy_state.get_state()
         self._seen: Any = None
         self._simulation: Any = None
-        self._judged: tuple[float, bool, bool | None] | None = None  # None: a step that nobody saw the end of
+        self._judged: tuple[float, bool, bool | None] | None = None  # None: the step was rejected before its end
         agent = role.agent(scene)
         if agent is None:
-            raise ValueError("the program has no ego; name the object that acts by `Role.agent`")
+            raise ValueError(
+                "the program has no ego; override `Role.agent` to return the object that the agent controls"
+            )
         agent.behavior = _Played()
         agent.behavior.episode = self
         agent.sensors = {**agent.sensors, "regista": GroundTruthSensor(self._look)}
 
     def begin(self) -> Any:
-        """Run up to the agent's first turn; return what it sees. Raises `ValueError` where it has none."""
+        """Run to the agent's first turn; return its observation. Raises `ValueError` if it has none."""
         self._go_on()
         if self._inside.dead:
             raise ValueError(f"the simulation of {self.scene.egoObject} ended before its first step")
         return self._seen
 
     def step(self, action: Any) -> Outcome:
-        """Act, and run up to the agent's next turn. `info` has `success`, and `ending` where the program ended it."""
+        """Apply an action and run to the agent's next turn. `info` has `success`, and the program's `ending` if any."""
         self._judged = None
         finished = self._go_on(action)
         info: dict[str, Any] = {}
-        if self._judged is None:  # a requirement was broken: Scenic would not count this simulation at all
+        if self._judged is None:  # a requirement was violated: Scenic would discard this simulation
             return self._seen, 0.0, True, False, {"ending": "rejected", "success": False}
         reward, ended, success = self._judged
         cut = False
@@ -137,25 +139,25 @@ class Episode:
         return self._seen, float(reward), ended, cut, info
 
     def close(self) -> None:
-        """End the simulation, wherever it is."""
+        """End the simulation at any point."""
         if not self._inside.dead:
             self._inside.throw(GreenletExit)
 
     def render(self) -> np.ndarray:
-        """Return a picture of this moment."""
+        """Return a picture of the present state."""
         return self.role.render(self._simulation)
 
     def _simulate(self) -> Simulation | None:
         return self.simulator.simulate(self.scene, maxSteps=self.role.max_steps, timestep=self.role.timestep)
 
     def _look(self) -> None:
-        """See and judge: Scenic asks each object's sensors in each step, in the last one, too."""
+        """Observe and compute the reward: Scenic reads each object's sensors in each step, including the last."""
         self._simulation = veneer.currentSimulation
         self._seen = self.role.observe(self._simulation)
         self._judged = self.role.judge(self._simulation)
 
     def _go_on(self, *action: Any) -> Any:
-        """Run until the agent's next turn, or the end, with the global streams that the simulation had left."""
+        """Run to the agent's next turn or the end, with the simulation's own global random streams."""
         outside = random.getstate(), np.random.get_state()
         _set_streams(self._chance)
         try:

@@ -1,6 +1,6 @@
-"""What the random primitives of a program are called, and in which of its lines they stand.
+"""The names of a program's random primitives, and the lines that contain them.
 
-A primitive that a variable holds has its name, `gap`; another is called by the parameter or the property that it makes:
+A primitive stored in a variable has the variable's name, `gap`; another is named by its parameter or property:
 `param weather`, `lead.position`, `lead.behavior.target_speed`. Read next: `program`.
 """
 
@@ -19,38 +19,38 @@ from scenic.core.lazy_eval import LazilyEvaluable, needsSampling
 from scenic.core.object_types import Object
 from scenic.core.scenarios import Scenario
 
-FIRST = ("position", "yaw", "pitch", "roll")  # of an object's properties: what the others are made of
+FIRST = ("position", "yaw", "pitch", "roll")  # of an object's properties: those from which others are derived
 
 
 class Place(NamedTuple):
-    """Where something stands: the line of a file, from 1; 0 where no line is known."""
+    """Where something stands: the line of a file, from 1; 0 if unknown."""
 
     file: str
     line: int
 
 
 class Places:
-    """The lines in which values of a program were made, and in which order."""
+    """Records on which lines the values of a program are created, and in which order."""
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self._lines: dict[int, int] = {}  # by id, in the order of their making
-        self._kept: list[Any] = []  # or ids would be given away again
+        self._lines: dict[int, int] = {}  # by id, in order of creation
+        self._kept: list[Any] = []  # keeps the values alive, so that ids stay unique
         text = Path(file).read_text().splitlines()
         self._ego = next((line for line, text in enumerate(text, 1) if re.match(r"\s*ego\s*=", text)), 1)
 
     def of(self, value: Any) -> Place:
-        """Return where a value was made."""
+        """Return where a value was created."""
         return Place(self.file, self._lines.get(id(value), 0))
 
     def order(self, values: list[Any]) -> list[Any]:
-        """Return values in the order of their making; those that came later, by pruning, last."""
+        """Return values in order of creation; those added later, by pruning, come last."""
         made = {each: index for index, each in enumerate(self._lines)}
         return sorted(values, key=lambda value: made.get(id(value), len(made)))
 
     @contextmanager
     def noting(self) -> Iterator[None]:
-        """Note where values are made meanwhile."""
+        """Record where values are created inside the context."""
         make = LazilyEvaluable.__init__
 
         def note(value: Any, *args: Any, **kwargs: Any) -> None:
@@ -59,7 +59,7 @@ class Places:
             while frame is not None and frame.f_code.co_filename != self.file:
                 frame = frame.f_back  # type: ignore[assignment]
             if frame is not None:
-                line = frame.f_lineno if frame.f_lineno > 1 else self._ego  # Scenic forgets where `ego = ` stands
+                line = frame.f_lineno if frame.f_lineno > 1 else self._ego  # Scenic loses the position of `ego = `
                 self._lines.setdefault(id(value), line)
                 self._kept.append(value)
 
@@ -78,7 +78,7 @@ def variables(scenario: Scenario) -> dict[str, Any]:
 
 
 def object_names(scenario: Scenario) -> dict[int, str]:
-    """Return a name for each object, by its id: its variable's, `ego`, or its class with a number."""
+    """Return a name for each object, by its id: its variable's, `ego`, or its class and a number."""
     names: dict[int, str] = {}
     named = {id(value): name for name, value in variables(scenario).items() if isinstance(value, Object)}
     for index, thing in enumerate(scenario.objects):
@@ -91,7 +91,7 @@ def primitive_names(scenario: Scenario) -> dict[int, str]:
     """Return a name for everything random, by its id: the first that leads to it."""
     held = {called: value for called, value in variables(scenario).items() if not isinstance(value, Object | Behavior)}
     names: dict[int, str] = {}
-    for called, value in held.items():  # what a variable is, before what others are made of
+    for called, value in held.items():  # names of variables before names of properties
         names.setdefault(id(value.index if isinstance(value, Options) else value), called)
     roots = [*held.items(), *((f"param {called}", value) for called, value in scenario.params.items())]
     for thing in scenario.objects:

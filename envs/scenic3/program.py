@@ -1,7 +1,7 @@
-"""A program of Scenic 3, loaded by Scenic: what of it is random are the columns of θ, and θ and a seed are a scene.
+"""A Scenic 3 program, loaded by Scenic: its random values are the columns of θ; θ and a seed determine a scene.
 
-Whatever θ does not decide is drawn from the level's seed: what was excluded by name (colours, say), what no inverse is
-known of, and what is drawn while a scene is simulated. So θ and seed give the scene again.
+Everything that θ does not determine is drawn from the level's seed: columns excluded by name (such as colors),
+distributions without a known inverse, and draws during the simulation. So θ and seed reproduce the scene.
 Read next: `columns`, the primitives; `episode`, which plays a scene.
 """
 
@@ -29,12 +29,12 @@ from regista.envs.scenic3.names import Place, Places, object_names, primitive_na
 from ued.core.level_space import check_theta
 from ued.core.parameters import Choice, Integer, Range
 
-COLOURS = ("*color*",)  # looks: excluded unless you say otherwise
-MOST_TRIES = 100  # scenes drawn for a θ with other seeds, before the one that made it valid is taken
+COLOURS = ("*color*",)  # appearance: excluded by default
+MOST_TRIES = 100  # seeds tried for a θ before it counts as invalid
 
 
 class Thing(NamedTuple):
-    """An object of a program: its name if it has one, its class, its behavior, and where it was made."""
+    """An object of a program: its name if it has one, its class, its behavior, and its source line."""
 
     name: str
     class_name: str
@@ -51,7 +51,7 @@ class Scenes(NamedTuple):
 
 
 class Report(NamedTuple):
-    """How many of so many θ, drawn uniformly, are scenes."""
+    """How many of some uniform θ give valid scenes."""
 
     tried: int
     valid: int
@@ -63,19 +63,19 @@ class Report(NamedTuple):
 
 
 class ScenicProgram:
-    """A program as Scenic has it, with θ in the place of its sampler.
+    """A program loaded by Scenic, with θ in place of its sampler.
 
     Args:
         path: the `.scenic` file.
-        params: global parameters that take the place of the program's.
+        params: global parameters that replace the program's.
         scenario: which of several modular scenarios; None: `Main`.
-        model: the world model that takes the place of the program's.
-        mode_2d: Scenic's 2D compatibility mode, which the driving domain asks for.
-        nuisance: patterns of names of columns that θ leaves to the seed, as `fnmatch` has them: `"*color*"`.
+        model: the world model that replaces the program's.
+        mode_2d: Scenic's 2D compatibility mode, which the driving domain needs.
+        nuisance: `fnmatch` patterns of names of columns that the seed determines instead of θ: `"*color*"`.
 
     Attributes:
         draws: the D columns of θ.
-        by_seed: what the seed decides: names of excluded columns, and of whatever else draws at random in a scene.
+        by_seed: what the seed determines: names of excluded columns, and of everything else drawn in a scene.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class ScenicProgram:
         self.draws: tuple[ScenicColumn, ...] = ()
         self.by_seed: list[str] = []
         self._columns: dict[int, range] = {}  # of θ, by the id of a primitive
-        self._why = ""  # the last scene was rejected
+        self._why = ""  # why the last scene was rejected
         self._lay_out(nuisance)
 
     def __reduce__(self) -> Any:
@@ -125,26 +125,26 @@ class ScenicProgram:
     # ------------------------------------------------------------ θ
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
-        """Return which rows of θ `[N, D]` are scenes that keep all requirements: bool `[N]`.
+        """Return which rows of θ `[N, D]` give scenes that satisfy all requirements: bool `[N]`.
 
-        What the seed decides is drawn from a seed of θ's own here: then uniform θ that are valid are distributed as the
-        scenes of Scenic.
+        Values that the seed determines are drawn from a seed derived from θ: so valid uniform θ have the distribution
+        of Scenic's scenes.
         """
         return np.array([self._try(row, _seed_of(row)) is not None for row in theta], bool)
 
     def scene(self, theta: np.ndarray, seed: int) -> Scene:
-        """Return the scene of a row of θ `[D]` and a seed. Raises `ValueError` for a θ that is not valid."""
+        """Return the scene of a row of θ `[D]` and a seed. Raises `ValueError` for an invalid θ."""
         for attempt in range(MOST_TRIES if self.by_seed else 1):
             scene = self._try(theta, zlib.crc32(f"{seed} {attempt}".encode()))
             if scene is not None:
                 return scene
         scene = self._try(theta, _seed_of(theta))
         if scene is None:
-            raise ValueError(f"theta {np.asarray(theta).tolist()} is no valid scene of {self.file}: {self._why}")
+            raise ValueError(f"theta {np.asarray(theta).tolist()} is not a valid scene of {self.file}: {self._why}")
         return scene
 
     def sample(self, count: int, rng: np.random.Generator) -> tuple[np.ndarray, int]:
-        """Draw valid θ uniformly: `[count, D]`, and how many were drawn in all."""
+        """Draw valid θ uniformly: `[count, D]`, and the number of draws, including invalid ones."""
         rows: list[np.ndarray] = []
         tries = 0
         while len(rows) < count:
@@ -153,11 +153,13 @@ class ScenicProgram:
             if self.valid(row[None])[0]:
                 rows.append(row)
             elif tries >= MOST_TRIES**2:
-                raise ValueError(f"no valid scene of {self.file} in {tries} draws, the last: {self._why}")
+                raise ValueError(
+                    f"found no valid scene of {self.file} in {tries} draws; the last was rejected: {self._why}"
+                )
         return np.array(rows).reshape(count, self.dim), tries
 
     def instantiate(self, theta: np.ndarray) -> Scenes:
-        """Return where the objects of the scenes of θ `[N, D]` are; of rows that are not valid, NaN."""
+        """Return where the objects of the scenes of θ `[N, D]` are; NaN for invalid rows."""
         scenes = [self._try(row, _seed_of(row)) for row in theta]
         places = np.full((len(theta), len(self.scenario.objects), 3), np.nan)
         for places_of, scene in zip(places, scenes, strict=True):
@@ -166,7 +168,7 @@ class ScenicProgram:
         return Scenes(places[..., :2], places[..., 2], np.array([scene is not None for scene in scenes]))
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
-        """Return a row of θ `[D]` as values by name; NaN where the row allows none."""
+        """Return a row of θ `[D]` as values by name; NaN where a value has no unique θ."""
         values = DefaultIdentityDict()
         with seeded(_seed_of(theta)), suppress(RejectionException):
             self._sample(theta, values)
@@ -177,19 +179,19 @@ class ScenicProgram:
         return told
 
     def theta_of(self, values: Mapping[str, float]) -> np.ndarray:
-        """Return the θ `[D]` of values by name. Raises `ValueError` for other names, and where values have no θ."""
+        """Return the θ `[D]` of values by name. Raises `ValueError` for unknown names and for values without a θ."""
         if set(values) != {draw.name for draw in self.draws}:
             raise ValueError(f"a level needs {', '.join(draw.name for draw in self.draws)}, got {', '.join(values)}")
         theta = np.zeros(self.dim)
         for column, draw in enumerate(self.draws):
             kind = Range(draw.low, draw.high) if draw.kind == "range" and draw.low < draw.high else draw.kind
             if isinstance(kind, str):
-                raise ValueError(f"{draw.name} ({kind}) is no range with fixed ends: give θ instead of values")
+                raise ValueError(f"{draw.name} ({kind}) is not a range with fixed ends: give θ instead of values")
             theta[column] = kind.place(values[draw.name])
         return check_theta(theta, self.dim)[0]
 
     def report(self, count: int, rng: np.random.Generator) -> Report:
-        """Return how many of so many uniform θ are valid, and which requirements the others break."""
+        """Return how many of so many uniform θ are valid, and which requirements the others violate."""
         reasons: Counter[str] = Counter()
         for row in rng.uniform(-1, 1, (count, self.dim)):
             if self._try(row, _seed_of(row)) is None:
@@ -199,7 +201,7 @@ class ScenicProgram:
     # ------------------------------------------------------------ sampling
 
     def _try(self, theta: np.ndarray, seed: int) -> Scene | None:
-        """Return the scene of θ `[D]` where this seed decides the rest; None, and `_why`, where it is rejected."""
+        """Return the scene of θ `[D]` and this seed; None, with the reason in `_why`, if it is rejected."""
         with seeded(seed):
             for requirement in self.scenario.userRequirements:
                 requirement.active = random.random() <= requirement.prob
@@ -227,7 +229,7 @@ class ScenicProgram:
         if not needsSampling(node):
             values[node] = node
             return
-        actual = node._conditioned  # by pruning: an equal one, of which more is valid
+        actual = node._conditioned  # by pruning: equivalent, with more valid samples
         for child in actual._dependencies:
             self._fill(child, shares, values)
         at = self._columns.get(id(node))
@@ -239,7 +241,7 @@ class ScenicProgram:
     # ------------------------------------------------------------ finding the columns
 
     def _nodes(self) -> Iterator[Samplable]:
-        """Yield everything random that a scene is made of, what it depends on first."""
+        """Yield everything random in a scene, dependencies first."""
         known: set[int] = set()
 
         def walk(node: Any) -> Iterator[Samplable]:
@@ -253,7 +255,7 @@ class ScenicProgram:
             yield from walk(root)
 
     def _lay_out(self, nuisance: Sequence[str]) -> None:
-        """Give the random primitives their columns, in the order in which the program makes them."""
+        """Assign columns to the random primitives, in the order in which the program creates them."""
         names, nodes = primitive_names(self.scenario) | object_names(self.scenario), list(self._nodes())
         labels = {id(node.index): node.options for node in nodes if isinstance(node, Options)}
         uses: Counter[str] = Counter()
@@ -275,7 +277,7 @@ class ScenicProgram:
         self.by_seed = list(dict.fromkeys(self.by_seed + self._other_chance(names)))
 
     def _other_chance(self, names: Mapping[int, str]) -> list[str]:
-        """Return what else draws at random when a scene is sampled: mutations, distributions of other packages."""
+        """Return what else is drawn when a scene is sampled: mutations, distributions of other packages."""
         values, found = DefaultIdentityDict(), []
         with seeded(0):
             for node in self._nodes():
@@ -289,7 +291,7 @@ class ScenicProgram:
 
 @contextmanager
 def seeded(seed: int) -> Iterator[None]:
-    """Let Scenic draw from a seed of its own meanwhile; Python's and numpy's global streams stay as they are."""
+    """Let Scenic draw from a given seed inside; Python's and NumPy's global streams are restored afterwards."""
     before = random.getstate(), np.random.get_state()
     random.seed(seed)
     np.random.seed(seed % 2**32)
@@ -301,7 +303,7 @@ def seeded(seed: int) -> Iterator[None]:
 
 
 def _streams() -> tuple[Any, int]:
-    """Return where the global streams are: another place after each draw."""
+    """Return the state of the global streams, which changes with each draw."""
     state: Any = np.random.get_state()
     return random.getstate(), state[2]
 
@@ -315,7 +317,7 @@ def _label(option: Any) -> str:
 
 
 def _component(value: Any, draw: ScenicColumn) -> Any:
-    """Return what a primitive's value is along one of its columns."""
+    """Return how a primitive's value depends on one of its columns."""
     if value is None:
         return math.nan
     if isinstance(draw.kind, Choice):

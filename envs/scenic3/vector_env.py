@@ -1,8 +1,8 @@
-"""N simulations of a Scenic program as a UPOMDP, each in a process of its own: Scenic's state is global.
+"""N simulations of a Scenic program as a UPOMDP, each in its own process, since Scenic's state is global.
 
-An episode is its level and its actions: repeated, it is the same. So a process that died or hangs is started again and
-repeats its episode up to where it was, and a checkpoint goes on where it stopped, to the same numbers.
-Read next: `episode`, what a process plays; `ued.core.upomdp`, the seam.
+An episode is determined by its level and its actions. So a process that dies or hangs is restarted and replays its
+episode, and a checkpoint resumes to the same numbers.
+Read next: `episode`, which a process plays; `ued.core.upomdp`, the interface.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from ued.core.level_space import LevelError, check_theta
 from ued.core.processes import end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
-BEGIN_SECONDS = 120.0  # for an answer, until a process is taken to hang; simulators may take long to start
+BEGIN_SECONDS = 120.0  # until a process counts as hung; simulators may take long to start
 STEP_SECONDS = 30.0  # for each step
-MOST_DEATHS = 3  # of processes over one request
+MOST_DEATHS = 3  # of processes during one request
 
 
 class WorkerGoneError(Exception):
-    """A process that died or hangs."""
+    """A process died or hung."""
 
 
 class Player:
-    """What a process does: it plays the episodes that it is told to, one at a time."""
+    """The work of a process: it plays the requested episodes, one at a time."""
 
     def __init__(self, program: ScenicProgram, role: Role) -> None:
         self.program, self.role = program, role
@@ -41,9 +41,9 @@ class Player:
         self.episode: Episode | None = None
 
     def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> Any:
-        """Play an episode of a level, with this seed of its luck, up to after these actions.
+        """Play an episode of a level, with this seed of its randomness, through these actions.
 
-        Returns what is seen at the start, or the outcome of the last action.
+        Returns the initial observation, or the outcome of the last action.
         """
         if self.episode is not None:
             self.episode.close()
@@ -56,21 +56,21 @@ class Player:
         return answer
 
     def step(self, action: Any) -> Any:
-        """Play on."""
+        """Step the episode."""
         assert self.episode is not None
         return self.episode.step(action)
 
     def render(self) -> np.ndarray:
-        """Show what is played."""
+        """Return a picture of the episode."""
         assert self.episode is not None
         return self.episode.render()
 
     def serve(self, pipe: Connection, other_end: Connection) -> None:
-        """Answer requests until the other end is closed, which a process that was forked has, too."""
+        """Answer requests until the other end is closed; a forked process holds a copy of that end, too."""
         other_end.close()
-        end_with_parent(signal.SIGKILL)  # at once: it holds the lock of a run folder, too
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the one who asks, who closes this
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whatever he does at one himself
+        end_with_parent(signal.SIGKILL)  # at once: it also holds the lock of a run folder
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the parent, which closes this process
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the default, whatever handler the parent has set
         with suppress(EOFError, BrokenPipeError):
             while True:
                 name, *arguments = pipe.recv()
@@ -85,7 +85,7 @@ class Player:
 
 
 class Worker:
-    """One process with a player, and what has been played of its episode."""
+    """One process with a player, and the actions of its episode."""
 
     def __init__(self, player: Player) -> None:
         self.player = player
@@ -96,23 +96,23 @@ class Worker:
 
     @property
     def pid(self) -> int | None:
-        """The number of the process; None: it has not begun."""
+        """The process id; None before the start."""
         return None if self._pipe is None else self._process.pid
 
     def begin(self, theta: np.ndarray, seed: int, luck: int, actions: Sequence[Any] = ()) -> None:
-        """Ask for an episode, up to after these actions."""
+        """Request an episode, through these actions."""
         self.theta, self.seed, self.luck, self.actions = theta, seed, luck, list(actions)
         self._ask("begin", theta, seed, luck, self.actions)
 
     def step(self, action: Any) -> None:
-        """Ask for a step."""
+        """Request a step."""
         self.actions.append(action)
         self._ask("step", action)
 
     def answer(self) -> Any:
-        """Return the answer, if need be from a process that repeats what the one asked has played.
+        """Return the answer; if the process fails, a new one replays the episode and answers.
 
-        Raises `LevelError` for what goes wrong on a level, time and again or in its code.
+        Raises `LevelError` if a level fails repeatedly, or for an exception in its code.
         """
         for _ in range(MOST_DEATHS):
             try:
@@ -126,10 +126,10 @@ class Worker:
                 return answer
             raise self._error(answer)
         self.kill()
-        raise self._error(f"{MOST_DEATHS} processes in a row: {fate}")
+        raise self._error(f"{MOST_DEATHS} processes failed in a row: {fate}")
 
     def render(self) -> np.ndarray:
-        """Ask for a picture, and return it."""
+        """Request a picture and return it."""
         self._ask("render")
         try:
             well, answer = self._receive()
@@ -161,7 +161,7 @@ class Worker:
             self._process = multiprocessing.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
             self._process.start()
             theirs.close()
-        with suppress(OSError):  # it has died: `answer` sees to it
+        with suppress(OSError):  # it has died: `answer` restarts it
             self._pipe.send(request)
 
     def _receive(self) -> Any:
@@ -178,13 +178,13 @@ class ScenicUPOMDP(UPOMDP):
     """N simulations of a program, in which an agent plays a role. A valid Gymnasium vector environment.
 
     Args:
-        program: whose random values are θ.
-        role: what the agent sees, may do, and is paid for.
-        num_envs: N, each a process of some 200 MB, most of which they share.
+        program: its random values are θ.
+        role: the agent's observations, actions and rewards.
+        num_envs: N, each a process of about 200 MB, most of it shared.
 
-    `info["success"]` is what the role says; `info["ending"]` `[N]`, in a step with endings, how the program ended an
-    episode, "rejected" where it broke a requirement meanwhile, "" where it did not.
-    Raises `LevelError` for what goes wrong in a simulation or in the role, with θ and seed.
+    `info["success"]` comes from the role. `info["ending"]` `[N]`, in a step with endings, says how the program ended an
+    episode: "rejected" if it violated a requirement, "" if it did not end.
+    Raises `LevelError` for a failure of a simulation or of the role, with θ and seed.
     """
 
     render_mode = "rgb_array"
@@ -203,7 +203,7 @@ class ScenicUPOMDP(UPOMDP):
         return [self.program.describe(row) for row in check_theta(theta, self.theta_dim)]
 
     def theta_of(self, values: Any) -> np.ndarray:
-        """Return the θ `[D]` of values by name. Raises `ValueError` for other names, and where values have no θ."""
+        """Return the θ `[D]` of values by name. Raises `ValueError` for unknown names and for values without a θ."""
         return self.program.theta_of(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
@@ -230,13 +230,13 @@ class ScenicUPOMDP(UPOMDP):
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...]:
-        """Return what each environment looks like from above, or as the role draws it."""
+        """Return a picture of each environment, from above unless the role draws it."""
         return tuple(worker.render() for worker in self.workers)
 
     # ------------------------------------------------------------ state
 
     def get_state(self) -> dict[str, Any]:
-        """Return the levels and what has been played of them: repeating it is resuming."""
+        """Return the levels and the actions so far: replaying them resumes the episodes."""
         return {**self.level_state(), "actions": [np.array(worker.actions) for worker in self.workers]}
 
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
@@ -251,7 +251,7 @@ class ScenicUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> ScenicUPOMDP:
-        """Return a second one of so many environments; nothing is reset yet."""
+        """Return another environment of the given size, not yet reset."""
         return ScenicUPOMDP(self.program, self.role, num_envs)
 
     def copy(self) -> ScenicUPOMDP:

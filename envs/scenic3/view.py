@@ -1,6 +1,6 @@
-"""A simulation seen from above, for recordings: its objects as rectangles, the agent's red, on a grid of 10 m.
+"""A picture of a simulation from above, for recordings: objects as rectangles, the agent in red, a grid of 10 m.
 
-Read next: `episode`, whose `Role` may draw something better.
+Read next: `episode`, whose `Role` may draw its own picture.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import numpy as np
 from scenic.core.simulators import Simulation
 
 HEIGHT, WIDTH = 160, 320  # pixels
-REACH = 40.0  # metres to the left and to the right
+REACH = 40.0  # meters to the left and to the right
 GROUND, GRID, AGENT, OTHER = (235, 235, 230), (210, 210, 205), (200, 60, 50), (60, 90, 160)
 
 
 def top_view(simulation: Simulation, agent: Any) -> np.ndarray:
-    """Return a picture with the agent in its middle: bytes `[HEIGHT, WIDTH, 3]`."""
+    """Return a picture with the agent in its center: bytes `[HEIGHT, WIDTH, 3]`."""
     x, y = np.meshgrid(np.linspace(-REACH, REACH, WIDTH), np.linspace(REACH, -REACH, WIDTH)[:HEIGHT] - REACH / 2)
     pixel = 2 * REACH / WIDTH
     picture = np.full((HEIGHT, WIDTH, 3), GROUND, np.uint8)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.envs.football.constants import NO_KEY
+from regista.envs.football.constants import NO_ACTION
 
 if TYPE_CHECKING:
     from regista.envs.football.replay import Record
@@ -99,7 +99,7 @@ class _Steps:
     """What was seen and done in all matches, step by step."""
 
     def __init__(self, agents: int, planes: bool) -> None:
-        self.actions: list[np.ndarray] = []  # [N, A], NO_KEY where it is none of the 19
+        self.actions: list[np.ndarray] = []  # [N, A], NO_ACTION where it is none of the 19
         self._planes, self._agents = planes, agents
         self._seen: list[np.ndarray] = []
         self._rewards: list[np.ndarray] = []
@@ -127,7 +127,7 @@ class _Steps:
         seen = np.stack([*(array[index] for array in self._seen[:length]), self._last[index]])
         actions = np.stack([array[index] for array in self.actions[:length]])
         actions = actions if self._agents > 1 else actions[:, 0]
-        told = actions != NO_KEY
+        told = actions != NO_ACTION
         return Episode(
             self._unpacked(seen),
             np.where(told, actions, 0),

@@ -23,7 +23,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "bend": ("chases", ("physics.running.BEND",)),
     "slide": ("motion:slide_rows,tired_rows", ("physics.motion.SLIDE", "physics.motion.TIRING")),
     "dribble": ("motion:steady_rows,curve_rows,carry_rows", tuple(f"physics.dribble.{name}" for name in DRIBBLE)),
-    "turns": ("motion:drawn_turn_rows", ("control.keys.TURNS",)),
+    "turns": ("motion:drawn_turn_rows", ("control.actions.TURNS",)),
     "pass_swing": ("passes", ("skills.kicks.SWING", "skills.kicks.BEHIND")),
     "shot_swing": ("shots", ("skills.kicks.SWING", "skills.kicks.BEHIND")),
     "flight": ("passes", ("skills.passes.FLIGHT",)),

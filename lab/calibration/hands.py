@@ -29,7 +29,7 @@ def meetings(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
 
 
 def hold_chances(law: Hold, met: np.ndarray) -> np.ndarray:
-    """Return the chance `[R]` that shots stick, as `hands.sticks` has it."""
+    """Return the chance `[R]` that shots stick, as `hands.is_caught` has it."""
     age, speed = met[:, 0], met[:, 1]
     fresh = np.maximum(1.0 - age / law.age, 0.0) ** law.surprise
     ease = (1.0 - speed / law.top_speed) * (1.0 - fresh)

@@ -1,1 +1,1 @@
-"""What every chapter of the language stands on: scopes, types, budgets, runtime checks, the domain."""
+"""The basis of the language: scopes, types, budgets, runtime checks, the domain."""

@@ -1,6 +1,6 @@
-"""What a program may spend while it is loaded and sampled, so that a file from a stranger can waste time and no more.
+"""Limits on what a program may use while it is loaded and sampled: an untrusted file can only waste time.
 
-Every limit has one sentence for the user. Read next: `core.scope`, which spends the steps.
+Every limit has its own message. Read next: `core.scope`, which counts the steps.
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ from scenic_lite.errors import ScenicError
 
 @dataclass(frozen=True)
 class Limits:
-    """The most that one program may use."""
+    """The limits of one program."""
 
-    steps: int = 200_000  # nodes of the tree evaluated, loops and calls counted each time
-    calls: int = 40  # functions called inside each other; Python's own stack ends soon after
+    steps: int = 200_000  # evaluated nodes of the tree, loops and calls counted each time
+    calls: int = 40  # nested function calls; Python's own stack ends soon after
     elements: int = 100_000  # of one list, tuple, dict or range
     memory: int = 10_000_000  # elements and characters created in all
     characters: int = 1_000_000  # of one text
     bits: int = 4096  # of one integer
-    objects: int = 400  # every pair of them is tested for overlap
+    objects: int = 400  # each pair of them is tested for overlap
     draws: int = 2000  # random values
     operations: int = 20_000  # on random values; each costs an array operation per batch
-    scene: int = 20_000  # steps of a condition that is decided scene by scene, in one of them
+    scene: int = 20_000  # steps in one scene of a condition that is evaluated scene by scene
     scenes: int = 2_000_000  # and in all scenes of one call of Program: some seconds
 
 
 @dataclass
 class Budget:
-    """Counts what a load has spent; each method raises ScenicError of kind `budget` when a limit is passed."""
+    """Counts what a load has used; each method raises ScenicError of kind `budget` when a limit is exceeded."""
 
     limits: Limits = field(default_factory=Limits)
     steps: int = 0
@@ -45,22 +45,24 @@ class Budget:
             raise exceeded(f"the program takes more than {self.limits.steps:,} steps {self.task}")
 
     def round(self) -> None:
-        """Count a round of a loop that may go on for ever."""
+        """Count a round of a loop that may be infinite."""
         self.step()
 
     def new_call(self, scenes: int = 0) -> None:
-        """Start anew what is counted scene by scene: scenes are asked for, some of them to be found among many."""
+        """Reset the counts of scene-by-scene evaluation for a new request, which may reject many scenes."""
         self.scenes = -scenes * self.limits.scene // 4
 
     def scene(self) -> Budget:
-        """Return the budget of what is decided in one scene."""
+        """Return the budget of evaluation in one scene."""
         return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
 
     def charge(self, scene: Budget) -> None:
-        """Count what one scene has spent."""
+        """Count what one scene has used."""
         self.scenes += scene.steps
         if self.scenes > self.limits.scenes:
-            raise exceeded(f"what is decided scene by scene takes more than {self.limits.scenes:,} steps in all scenes")
+            raise exceeded(
+                f"conditions evaluated scene by scene take more than {self.limits.scenes:,} steps in all scenes"
+            )
 
     def enter(self) -> None:
         self.calls += 1
@@ -71,7 +73,7 @@ class Budget:
         self.calls -= 1
 
     def keep(self, value: object) -> None:
-        """Count a freshly made value against the limits."""
+        """Count a new value against the limits."""
         if isinstance(value, str):
             self.text(len(value))
         elif isinstance(value, int):
@@ -90,7 +92,7 @@ class Budget:
         self.memory -= len(container)
 
     def whole(self, value: object) -> None:
-        """Count what Python visits to compare or to hash a value: a part that is shared is visited each time."""
+        """Count the elements that Python visits to compare or hash a value: a shared part is visited each time."""
         if not isinstance(value, list | tuple | dict):
             return
         count, pending = 0, [value]
@@ -113,7 +115,7 @@ class Budget:
             raise exceeded(f"an integer of more than {self.limits.bits:,} bits")
 
     def repeated(self, value: Sized, count: int) -> None:
-        """Check `value * count` before it is made."""
+        """Check `value * count` before it is computed."""
         length = len(value) * max(0, count)
         if isinstance(value, str):
             self.text(length)
@@ -127,5 +129,5 @@ class Budget:
 
 
 def exceeded(what: str) -> ScenicError:
-    """Return the error for a limit that was passed; whoever knows the place adds it."""
+    """Return the error for an exceeded limit; the caller adds the place."""
     return ScenicError("budget", f"evaluation budget exceeded: {what}")

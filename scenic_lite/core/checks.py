@@ -1,7 +1,7 @@
-"""Faults of arithmetic that arrays pass over in silence: where a program may divide by zero, and in which scenes.
+"""Arithmetic faults that arrays ignore silently: where a program may divide by zero, and in which scenes.
 
-The walk notes every random value whose operation can fail (`note`), with its place and the conditions under which the
-program gets there; `CheckResults` finds the scenes of a batch in which one does. Read next: `scene.program`.
+The walk over the tree registers every random value whose operation can fail (`note`), with its place and the conditions
+under which it is evaluated; `CheckResults` finds the scenes of a batch in which one fails. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values.graph import RandomExpr, Tape, Value
 from scenic_lite.values.operations import Operation, row_of
 
-PARTS = 8  # of a result that are looked at: those of a vector, of divmod()
+PARTS = 8  # of a result that are checked: those of a vector, of divmod()
 
 
-FAULTS = (  # of programs: our own, and those of Python's operators and methods
+FAULTS = (  # our own errors, and those of Python's operators and methods
     ScenicError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError,
 )  # fmt: skip
 
 
 def as_error(fault: BaseException) -> ScenicError:
-    """Return our error for a fault of Python's own operators and methods; one of ours as it is."""
+    """Return our error for a fault of Python's operators and methods; our own errors are returned unchanged."""
     if isinstance(fault, ScenicError):
         return fault
     if isinstance(fault, RecursionError):
         return exceeded("expressions and functions are nested too deeply")
     if isinstance(fault, MemoryError):
-        return exceeded("more memory is asked for than there is")
+        return exceeded("more memory is needed than is available")
     if "not supported between instances" in str(fault):
         return ScenicError("type", "these values have no order", hint="compare numbers: a key is one, or an element")
     message = f"key {fault} is not in the dictionary" if isinstance(fault, KeyError) else str(fault)
@@ -42,14 +42,14 @@ def as_error(fault: BaseException) -> ScenicError:
 
 
 class FallibleOperation:
-    """An operation on arrays [N] that knows itself in which rows it fails."""
+    """An operation on arrays [N] that can report in which rows it fails."""
 
     def fails(self, result: Any, *inputs: Any) -> Any:
         """Return the rows [N] in which it fails."""
         raise NotImplementedError
 
     def error(self, row: int, *inputs: Any) -> ScenicError:
-        """Return what is wrong in a row that fails."""
+        """Return the error of a row that fails."""
         raise NotImplementedError
 
 
@@ -61,7 +61,7 @@ class FallibleRow(FallibleOperation):
         self.fails, self.scalar = operation.fails, operation.scalar  # type: ignore[method-assign]
 
     def error(self, row: int, *inputs: Any) -> ScenicError:
-        """Return what Python says of the operation on these numbers."""
+        """Return Python's error for the operation on these numbers."""
         columns = [np.atleast_1d(column) for column in inputs]
         numbers = [column[min(row, len(column) - 1)].item() for column in columns]
         try:
@@ -77,7 +77,7 @@ class FallibleRow(FallibleOperation):
 
 
 def fallible(operation: Callable[..., Any] | None) -> FallibleOperation | None:
-    """Return what is known of how an operation fails, if it can."""
+    """Return the description of an operation's failures, if it can fail."""
     if isinstance(operation, FallibleOperation):
         return operation
     row = row_of(operation)
@@ -86,10 +86,10 @@ def fallible(operation: Callable[..., Any] | None) -> FallibleOperation | None:
 
 @dataclass(eq=False)
 class Check:
-    """A random value that may fail: where it stands, and when the program gets there.
+    """A random value that may fail: its place, and when the program evaluates it.
 
-    `guards` are conditions and what they must be; `requirement` is the one that evaluates it, by its number, or None
-    for what every scene computes before any rule is tested.
+    `guards` are conditions and their required values; `requirement` is the number of the requirement that evaluates it,
+    or None for a value that every scene computes before any rule is tested.
     """
 
     node: RandomExpr
@@ -101,16 +101,16 @@ class Check:
 
 @dataclass
 class RuntimeChecks:
-    """What a load has noted so far, and where it stands."""
+    """The checks that a load has registered so far, and its current place."""
 
     checks: dict[int, Check] = field(default_factory=dict)
-    unplaced: list[Check] = field(default_factory=list)  # until the expression that made them is left
+    unplaced: list[Check] = field(default_factory=list)  # until the enclosing expression ends
     guards: list[tuple[Value, bool]] = field(default_factory=list)
     requirement: int | None = None
 
     @contextmanager
     def within(self, requirement: int) -> Iterator[None]:
-        """Note what is noted inside as of a requirement."""
+        """Register checks inside the context as those of a requirement."""
         before, self.requirement = self.requirement, requirement
         try:
             yield
@@ -119,7 +119,7 @@ class RuntimeChecks:
 
     @contextmanager
     def under(self, *guards: tuple[Value, bool]) -> Iterator[None]:
-        """Count what is noted inside only where these conditions are as said."""
+        """Restrict checks inside the context to scenes in which these conditions have the given values."""
         self.guards += guards
         try:
             yield
@@ -127,7 +127,7 @@ class RuntimeChecks:
             del self.guards[len(self.guards) - len(guards) :]
 
     def note(self, result: Value, ways: Iterable[tuple[Value, bool]] = ()) -> None:
-        """Watch a result, if its operation, or that of a part or an input of it, can fail."""
+        """Register a result, if its operation, or that of a part or an input, can fail."""
         if isinstance(result, RandomExpr):
             nodes = [result, *result.inputs]
         else:
@@ -140,14 +140,14 @@ class RuntimeChecks:
                 self.unplaced.append(check)
 
     def place(self, place: SourceSpan, line: str) -> None:
-        """Give what was noted since its place."""
+        """Give the checks registered since then a place."""
         for check in self.unplaced:
             check.place, check.line = place, line
         self.unplaced.clear()
 
 
 class TapeCheck(NamedTuple):
-    """A check that the scenes of a program depend on; `rule`: the one that fails with it, None for none."""
+    """A check that the scenes of a program depend on; `rule`: the rule that fails with it, None for none."""
 
     check: Check
     operation: FallibleOperation
@@ -166,7 +166,7 @@ def checks_on(tape: Tape, checks: Iterable[Check], rules: list[int | None]) -> l
 
 
 class CheckResults:
-    """What fails in one batch of scenes; a rule [R, N] whose condition does counts as failed there."""
+    """The failures in one batch of scenes; a rule [R, N] whose condition fails is violated there."""
 
     def __init__(self, checks: list[TapeCheck], tape: Tape, registers: list[Any], failed: np.ndarray) -> None:
         self._tape, self._registers = tape, registers
@@ -193,10 +193,10 @@ class CheckResults:
         return np.logical_or.reduce(own) if own else np.False_
 
     def raise_first(self, broken: np.ndarray, drawn: np.ndarray) -> None:
-        """Raise the ScenicError of a scene that was `drawn` [N] and in which the program fails before it is rejected.
+        """Raise the ScenicError of a scene that was `drawn` [N] and in which the program fails before a rejection.
 
-        `broken` [N, R] are the rules in force that the scenes break. As in Scenic, all values are computed first; a
-        requirement is evaluated where every rule before it holds.
+        `broken` [N, R] are the active rules that the scenes violate. As in Scenic, all values are computed first; a
+        requirement is evaluated if every rule before it holds.
         """
         for (check, operation, rule), mask in self._masks:
             rows = mask & drawn
@@ -210,6 +210,6 @@ class CheckResults:
 
 
 def reaches(tape: Tape, check: Check) -> bool:
-    """Return whether the tape computes the value, and what decides whether the program gets there."""
+    """Return whether the tape computes the value, and what decides whether it is evaluated."""
     needed = [check.node, *(condition for condition, _ in check.guards if isinstance(condition, RandomExpr))]
     return all(tape.find(value) is not None for value in needed)

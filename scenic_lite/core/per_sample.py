@@ -1,6 +1,6 @@
-"""Conditions that arrays cannot decide: requirements whose functions branch or loop on random values, row by row.
+"""Conditions that arrays cannot evaluate: requirements whose functions branch or loop on random values, row by row.
 
-Slow (each sample walks the tree again), and only for those. Read next: `scene.constraints`.
+They are slow, since each sample walks the tree again. Read next: `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value, columns_of
 
 Names = dict[str, Any]
-COST = 4  # elements of memory that one kept name counts for
+COST = 4  # elements of memory charged for one stored name
 
 
 def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
@@ -43,9 +43,9 @@ def per_sample_condition(scope: Scope, node: ast.expr) -> RandomExpr:
 
 
 class PerSampleCondition(FallibleOperation):
-    """A condition decided scene by scene: a tree, and the draws that it depends on; columns [N] -> truth [N].
+    """A condition evaluated scene by scene: a tree, and the draws that it depends on; columns [N] -> truth [N].
 
-    An error in a scene, such as a division by zero there, makes it invalid; `Program.sample` raises it.
+    An error in a scene, such as a division by zero, makes the scene invalid; `Program.sample` raises it.
     """
 
     def __init__(self, scope: Scope, node: ast.expr, columns: tuple[ThetaColumn, ...]) -> None:
@@ -59,7 +59,7 @@ class PerSampleCondition(FallibleOperation):
             return np.array([self._holds(draws) for draws in zip(*arrays, strict=True)], bool)
 
     def _holds(self, draws: Iterable[Value]) -> bool:
-        """Return the truth where the draws have these values; False if it fails there."""
+        """Return the truth for these values of the draws; False if the evaluation fails."""
         budget = self.scope.mode.budget.scene()
         mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
         self._faults.append(None)
@@ -91,9 +91,9 @@ class PerSampleCondition(FallibleOperation):
 
 # ------------------------------------------------------------ names, as they were at a statement
 class Bindings:
-    """All names in sight of `scope`, also for the functions of its module that a condition may call.
+    """All names visible in `scope`, also for the functions of its module that a condition may call.
 
-    A requirement means the values that its names had where it is written, whatever is assigned to them later.
+    A requirement uses the values that its names have where it is written, whatever is assigned to them later.
     """
 
     def __init__(self, scope: Scope) -> None:
@@ -104,7 +104,7 @@ class Bindings:
 
     @contextmanager
     def restored(self, state: LoadState) -> Iterator[None]:
-        """Give every name inside the value that it had when this was made."""
+        """Restore every name inside the context to its value when this object was made."""
         now = [(scope, dict(scope)) for scope, _ in self.kept]
         tracked = state.ego, state.workspace
         state.ego, state.workspace = self.ego, self.workspace
@@ -117,7 +117,7 @@ class Bindings:
 
 
 def scopes_of(scope: Scope) -> list[Names]:
-    """Return the dictionaries that names are looked up in, innermost first."""
+    """Return the dictionaries in which names are looked up, innermost first."""
     scopes = [at.locals for at in scope.outwards()]
     return scopes if scopes[-1] is scope.module_names else [*scopes, scope.module_names]
 
@@ -128,15 +128,15 @@ def put_back(kept: list[tuple[Names, Names]]) -> None:
         scope.update(names)
 
 
-# ------------------------------------------------------------ what a condition depends on
+# ------------------------------------------------------------ dependencies of a condition
 def mentioned(scope: Scope, node: ast.AST) -> list[Value]:
-    """Return the values that an expression may read: of its names, of what its functions name, and of the ego."""
+    """Return the values that an expression may read: those of its names, of its functions' names, and of the ego."""
     values = [scope.state.ego] if scope.state.ego is not None else []
     return values + reached([(scope, node)])
 
 
 def reached(pending: list[tuple[Environment, ast.AST]]) -> list[Value]:
-    """Return the values of all names in some trees, and in the functions and behaviors that they name."""
+    """Return the values of all names in some trees, and in the functions and behaviors that they refer to."""
     values: list[Value] = []
     seen: set[int] = set()
     while pending:
@@ -162,7 +162,7 @@ def names_in(tree: ast.AST) -> frozenset[tuple[str, ...]]:
 
 
 def path_of(node: ast.AST) -> tuple[str, ...]:
-    """Return a name, or the attributes that are read of one; () for any other node."""
+    """Return a name, or an attribute path that starts with one; () for any other node."""
     if isinstance(node, ast.Attribute):
         path = path_of(node.value)
         return (*path, node.attr) if path else ()
@@ -170,7 +170,7 @@ def path_of(node: ast.AST) -> tuple[str, ...]:
 
 
 def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
-    """Return what a path of modules and classes leads to; None if it leaves them, or has no value yet."""
+    """Return the value of a path of modules and classes; None if it leaves them, or has no value yet."""
     value = next((at.locals[path[0]] for at in scope.outwards() if path[0] in at.locals), None)
     value = scope.module_names.get(path[0]) if value is None else value
     for name in path[1:]:
@@ -187,7 +187,7 @@ def members_of(instance: Instance) -> list[Value]:
 
 
 def definitions_in(value: Value) -> Iterator[Definition]:
-    """Return the functions and behaviors that a value is or carries: methods of objects are among them."""
+    """Return the functions and behaviors that a value is or contains, including methods of objects."""
     parts: Iterable[Value] = ()
     if isinstance(value, Definition):
         yield value

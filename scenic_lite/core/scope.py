@@ -1,7 +1,7 @@
-"""Names together with the mode in which they mean something: every value of a program comes out of a Scope.
+"""Names together with a mode of evaluation: a Scope computes every value of a program.
 
-`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of its handlers; every error raised
-below passes through here and is given its place in the program. Read next: `evaluation.expressions`.
+`Scope.value` and `Scope.run` dispatch on the type of a node through the tables of the mode's handlers; every error
+passes through this module and receives its place in the program. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LARGEST_NAMED = 100  # elements of a container
 
 
 class Scope(Environment):
-    """An environment in a mode: the way to evaluate nodes at one point of the program."""
+    """An environment in a mode, which evaluates nodes at one point of the program."""
 
     __slots__ = ("handlers", "mode", "state")
 
@@ -40,12 +40,12 @@ class Scope(Environment):
 
     @staticmethod
     def inside(mode: Mode, around: Environment, names: dict[str, Value]) -> Scope:
-        """Return a scope for the body of what was defined in the environment `around`."""
+        """Return a scope for the body of a definition in the environment `around`."""
         return Scope(mode, around.source, names, around)
 
     @staticmethod
     def at(mode: Mode, environment: Environment) -> Scope:
-        """Return the same names in a mode."""
+        """Return the same names in another mode."""
         scope = Scope(mode, environment.source, environment.locals, environment.outer)
         scope.assigned = environment.assigned
         return scope
@@ -60,10 +60,10 @@ class Scope(Environment):
 
     def owning(self, instance: Instance, name: str) -> Scope:
         """Return the same names; values drawn inside belong to `instance.name`."""
-        return Scope.at(self.mode.owned_by(instance, name), self) if self.mode.phase == LOAD else self
+        return Scope.at(self.mode.with_owner(instance, name), self) if self.mode.phase == LOAD else self
 
     def draw(self, kind: str, place: SourceSpan, offset: float = 0.0, span: float = 1.0) -> ThetaColumn:
-        """Return a new random value. Raises ScenicError inside a requirement, where nothing can be drawn."""
+        """Return a new random value. Raises ScenicError inside a requirement, where draws are not allowed."""
         column = self.mode.draw(kind, place, offset, span)
         if self.mode.owner is not None:
             column.owner = self.mode.owner
@@ -72,7 +72,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ evaluation
 
     def value(self, node: ast.expr) -> Value:
-        """Evaluate an expression; every error leaves with a place."""
+        """Evaluate an expression; every error receives a place."""
         self.mode.budget.step()
         handler = self.handlers.expressions.get(type(node))
         if handler is None:
@@ -86,14 +86,14 @@ class Scope(Environment):
             raise self.placed(as_error(fault), node) from None
 
     def operands(self, nodes: Iterable[ast.expr | None]) -> list[Value]:
-        """Return the values of operands in words, None for one left out."""
+        """Return the values of the operands of an operator in words, None for an omitted one."""
         return [None if node is None else self.value(node) for node in nodes]
 
     @staticmethod
     def refuse_none(nodes: Iterable[ast.expr | None], values: Iterable[Value]) -> None:
-        """Raise ScenicError if an operand that is written is None, which would pass for one left out."""
+        """Raise ScenicError if a written operand is None, which would be taken for an omitted one."""
         if any(value is None and node is not None for node, value in zip(nodes, values, strict=True)):
-            raise ScenicError("type", "None is no object, number or vector")
+            raise ScenicError("type", "None is not an object, a number or a vector")
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Execute statements in order."""
@@ -111,7 +111,7 @@ class Scope(Environment):
                 raise self.placed(as_error(fault), node) from None
 
     def truth(self, node: ast.expr) -> bool:
-        """Return the truth of a condition that decides what is evaluated next; it must not be random."""
+        """Return the truth of a condition of control flow, which must not be random."""
         return self.certain_truth(self.value(node), node)
 
     def certain_truth(self, value: Value, node: ast.AST) -> bool:
@@ -123,7 +123,7 @@ class Scope(Environment):
         return bool(value)
 
     def refuse_random(self, value: Value, node: ast.AST, message: str) -> None:
-        """Raise the error for control flow on a random value, naming the branch and the draw."""
+        """Raise the error for control flow on a random value, with notes on the branch and the draw."""
         value = value.index if isinstance(value, RandomChoice) else value
         if isinstance(value, RandomExpr):
             hint = "write it in `require`, or decide in a behavior"
@@ -178,7 +178,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ places and errors
 
     def watch(self, result: Value) -> None:
-        """Note a result that some scenes may be unable to compute."""
+        """Register a result that may not be computable in some scenes."""
         if self.mode.row is None:
             path = self.mode.path
             self.state.watching.note(result, () if path is None else zip(path.conditions, path.decisions, strict=False))
@@ -211,7 +211,7 @@ class Scope(Environment):
         raise ScenicError("name", f"name '{name}' is not defined", hint=hint)
 
     def _where(self, name: str) -> str:
-        """Return a hint for a name that has no value here: whose it is, or the nearest spelling."""
+        """Return a hint for a name without a value: its owner, or the nearest spelling."""
         if name in ("wait", "terminate", "abort"):
             return f"write `{name}` without brackets"
         owner = next((scenario for scenario in self.state.scenarios if name in scenario.assigned), None)
@@ -231,7 +231,7 @@ class Scope(Environment):
 
 
 def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
-    """Return what a value is in one sample."""
+    """Return a value in one sample."""
     if isinstance(value, Vector) and not value.fixed:
         return Vector(in_row(value.x, row), in_row(value.y, row))
     if isinstance(value, RandomChoice):
@@ -248,14 +248,14 @@ def in_row(value: Value, row: dict[RandomExpr, Value]) -> Value:
 
 
 def one_row(value: Value) -> Any:
-    """Return a value of one sample as an operation wants it: an array of one, or several where it has parts."""
+    """Return a value of one sample as an operation's argument: an array of one, or several if it has parts."""
     if isinstance(value, tuple):
         return tuple(np.array([part]) for part in value)
     return np.array([value], dtype=object if isinstance(value, str) else None)
 
 
 def name_draws(name: str, value: Value, inside: bool = False) -> None:
-    """Name a draw or object by the first variable that holds it; `inside` a container only draws that no one owns."""
+    """Name a draw or object by the first variable that holds it; `inside` a container only draws without an owner."""
     if isinstance(value, RandomChoice):
         value = value.index
     elif isinstance(value, Vector) and isinstance(value.x, RandomExpr) and is_choice(value.x.inputs[:1]):
@@ -266,7 +266,7 @@ def name_draws(name: str, value: Value, inside: bool = False) -> None:
             column.name = column.name or name
     elif isinstance(value, Instance):
         value.name = value.name or ("" if inside else name)
-    elif not inside or isinstance(value, Vector):  # a container may hold itself
+    elif not inside or isinstance(value, Vector):  # a container may contain itself
         for part, element in parts_by_name(name, value):
             name_draws(part, element, inside=True)
 
@@ -278,7 +278,7 @@ def is_choice(inputs: tuple) -> bool:
 
 
 def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
-    """Return the parts of a vector or container, named as a program would; not all of a large one."""
+    """Return the parts of a vector or container, named as a program would name them; only some of a large one."""
     if isinstance(value, Vector):
         return [(f"{name}.x", value.x), (f"{name}.y", value.y)]
     if isinstance(value, dict):
@@ -291,5 +291,5 @@ def parts_by_name(name: str, value: Value) -> list[tuple[str, Value]]:
 
 
 def no_condition(scope: Scope, node: ast.AST) -> ScenicError:
-    """Return the error for a behavior that is asked whether it is true: somebody forgot to `do` it."""
+    """Return the error for a behavior used as a condition: a missing `do`."""
     return scope.error("type", "a behavior cannot be called in a condition", node)

@@ -1,7 +1,7 @@
-"""What loading a program collects, what nodes mean, and the mode in which they are evaluated.
+"""What loading a program collects, the handlers of nodes, and the mode in which they are evaluated.
 
-Nothing here is exchanged while a program runs: an episode, the compiler and each single scene have a `Mode` of their
-own, which the scopes carry. Read next: `core.scope`.
+Nothing in this module is replaced while a program runs: an episode, the compiler and each single scene have their own
+`Mode`, which the scopes carry. Read next: `core.scope`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn, Value
 from scenic_lite.values.regions import Region
 
 LOAD, SAMPLE, EPISODE, COMPILE = "load", "sample", "episode", "compile"  # phases of a Mode
-MOST_BRANCHES = 8  # on random values, of one function
+MOST_BRANCHES = 8  # on random values, in one function
 
 
 @dataclass
@@ -36,9 +36,9 @@ class Requirement:
 
 
 class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ that it was made of: how to go back is the region's.
+    """A point drawn from one region, and the columns of θ from which it was made; the region knows the inverse.
 
-    `whole` is the region that the program names, where only a part of it is drawn from.
+    `whole` is the region in the program, if only a part of it is used.
     """
 
     region: Region
@@ -47,27 +47,27 @@ class DrawnPoint(NamedTuple):
     whole: Region | None = None
 
 
-class Sight(NamedTuple):
-    """What an object's specifier demands: that `viewer` sees it, or that it does not."""
+class VisibilityDemand(NamedTuple):
+    """The demand of an object's specifier: that `viewer` sees it, or that it does not."""
 
     viewer: Instance
     visible: bool
 
 
-class Watched(NamedTuple):
-    """A statement that is about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
+class EpisodeStatement(NamedTuple):
+    """A statement about the whole episode, with the names it sees: `terminate`, `record`, `require always`."""
 
     tree: Any  # nodes.TerminateWhen, TerminateAfter, Record or Require
     place: SourceSpan
     scope: Environment
     label: str = ""  # its name, or its text
-    bindings: Any = None  # `Bindings` of a requirement, which means its names as they were
+    bindings: Any = None  # `Bindings` of a requirement, which keep the values of its names
     duration: Value = None  # of a `terminate after`; if it is the program's own, draws are columns of θ
 
 
 @dataclass(eq=False)
 class LoadState:
-    """Everything that the statements of one program have made so far."""
+    """Everything that the statements of one program have created so far."""
 
     domain: Domain | None
     dialect: int
@@ -75,17 +75,17 @@ class LoadState:
     objects: list[Instance] = field(default_factory=list)
     params: dict[str, Value] = field(default_factory=dict)
     requirements: list[Requirement] = field(default_factory=list)
-    sights: list[tuple[Instance, Sight]] = field(default_factory=list)
+    visibility_demands: list[tuple[Instance, VisibilityDemand]] = field(default_factory=list)
     conditions: list[Callable[[], None]] = field(default_factory=list)  # evaluate the requirements again
     columns: list[ThetaColumn] = field(default_factory=list)
     points: list[DrawnPoint] = field(default_factory=list)
     behaviors: dict[str, Behavior] = field(default_factory=dict)
     monitors: list[BehaviorCall] = field(default_factory=list)
-    terminations: list[Watched] = field(default_factory=list)
-    records: list[Watched] = field(default_factory=list)
-    temporal: list[Watched] = field(default_factory=list)
+    terminations: list[EpisodeStatement] = field(default_factory=list)
+    records: list[EpisodeStatement] = field(default_factory=list)
+    temporal: list[EpisodeStatement] = field(default_factory=list)
     scenarios: list[Behavior] = field(default_factory=list)
-    main: BehaviorCall | None = None  # the modular scenario that the program is
+    main: BehaviorCall | None = None  # the main modular scenario
     main_frame: Environment | None = None
     library_params: set[str] = field(default_factory=set)
     param_places: dict[str, SourceSpan] = field(default_factory=dict)
@@ -93,8 +93,8 @@ class LoadState:
     modules: dict[str, Namespace] = field(default_factory=dict)
     importing: list[str] = field(default_factory=list)
     root: Path | None = None  # the program's folder
-    model: str | None = None  # the world model that the caller wants instead of the program's
-    fixed_params: frozenset[str] = frozenset()  # set by the caller, whatever the program says
+    model: str | None = None  # the world model that replaces the program's
+    fixed_params: frozenset[str] = frozenset()  # set by the caller; the program cannot change them
     warnings: list[ScenicError] = field(default_factory=list)
     printed: list[str] = field(default_factory=list)
     diagnostics: list[ScenicError] = field(default_factory=list)  # warnings of the parser
@@ -110,8 +110,8 @@ class LoadState:
         return self.columns[-1]
 
     @contextmanager
-    def placing(self, place: SourceSpan | None) -> Iterator[None]:
-        """Give an error that is raised inside without a place of its own this one."""
+    def with_location(self, place: SourceSpan | None) -> Iterator[None]:
+        """Give an error raised inside the context this place, unless it has one."""
         try:
             yield
         except ScenicError as error:
@@ -120,12 +120,12 @@ class LoadState:
                 error.source_line = self.sources[place.file].line(place.line)
             raise
 
-    def forget_watched(self) -> None:
-        """Begin new lists of what is watched in episodes: what follows belongs to another scenario."""
+    def clear_episode_statements(self) -> None:
+        """Start new lists of statements about the episode: what follows belongs to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
 
     def copy_to_play(self) -> LoadState:
-        """Return a state for one episode or compilation: what its statements make is its own, not the program's."""
+        """Return a state for one episode or compilation, which keeps what its statements create from the program's."""
         copy = replace(
             self,
             points=[],
@@ -134,12 +134,12 @@ class LoadState:
             behaviors=dict(self.behaviors),
             watching=RuntimeChecks(),
         )
-        copy.forget_watched()
+        copy.clear_episode_statements()
         return copy
 
     @contextmanager
     def own_ego(self) -> Iterator[None]:
-        """Have no ego inside, for a module; the one that it sets is the program's where that has none (dialect 3)."""
+        """Hide the ego inside the context, for a module, whose ego dialect 3 uses if the program has none."""
         before, self.ego = self.ego, None
         try:
             yield
@@ -149,30 +149,30 @@ class LoadState:
 
 @dataclass(frozen=True)
 class Handlers:
-    """What each type of node means, and what names mean that no program defines."""
+    """The meaning of each type of node, and of the language's own names."""
 
     expressions: dict[type, Callable[..., Value]]  # (scope, node) -> value
     statements: dict[type, Callable[..., Any]]  # (scope, node)
     builtins: dict[str, Value]
     call: Callable[..., Value]  # (scope, function, arguments, keywords, node) -> value
     unpack: Callable[..., None]  # (scope, target, value)
-    undecided: Callable[..., Value] = for_each_option  # (function, place of what is undecided, arguments, keywords)
+    undecided: Callable[..., Value] = for_each_option  # (function, place of the undecided value, arguments, keywords)
 
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """How nodes are evaluated: while a program is loaded, in one sample of it, in an episode, for the compiler.
+    """How nodes are evaluated: while a program is loaded, in one sample, in an episode, or by the compiler.
 
     Attributes:
-        phase: one of these four.
-        state: where statements put what they make.
-        budget: of which every step is paid.
-        draw: gives a new random value (kind, place, offset, span).
+        phase: LOAD, SAMPLE, EPISODE or COMPILE.
+        state: receives what statements create.
+        budget: counts every step.
+        draw: returns a new random value (kind, place, offset, span).
         symbolic: comparisons and `and`, `or`, `not` of random values are values, not errors.
-        row: in one sample, what each random node is there.
-        path: where a function branches on random values, the branches that are taken.
-        owner: the object and the property whose specifier is evaluated, which names the draws.
-        in_model: a `model` statement is executed, whose params are only defaults.
+        row: in one sample, the value of each random node.
+        path: in a function that branches on random values, the branches taken.
+        owner: the object and the property whose specifier is evaluated; it names the draws.
+        in_model: whether a `model` statement is executed, whose params are only defaults.
     """
 
     phase: str
@@ -187,12 +187,12 @@ class Mode:
     in_model: bool = False
 
     def requiring(self) -> Mode:
-        """Return the mode inside a requirement, where comparisons are symbolic and nothing can be drawn."""
+        """Return the mode inside a requirement, where comparisons are symbolic and draws are not allowed."""
         return self if self.symbolic else replace(self, symbolic=True, draw=refuse_draw)
 
-    def owned_by(self, instance: Instance, name: str) -> Mode:
-        """Return the mode in which the values that are drawn belong to `instance.name`."""
-        mode = object.__new__(Mode)  # `replace` is ten times slower, and this is done for every property
+    def with_owner(self, instance: Instance, name: str) -> Mode:
+        """Return the mode in which draws belong to `instance.name`."""
+        mode = object.__new__(Mode)  # `replace` is ten times slower, and this runs for every property
         vars(mode).update(vars(self), owner=(instance, name))
         return mode
 
@@ -207,14 +207,14 @@ def refuse_draw(*_: Any) -> ThetaColumn:
 
 
 class BranchPath:
-    """One way through a function that branches on random values: its decisions, then always True; what each asked."""
+    """One path through a function that branches on random values: decisions, then always True; and the conditions."""
 
     def __init__(self, decisions: list[bool]) -> None:
         self.decisions = decisions
         self.conditions: list[Value] = []
 
     def branch(self, condition: Value) -> bool:
-        """Return which way to go at the next branch."""
+        """Return the decision at the next branch."""
         if len(self.conditions) >= MOST_BRANCHES:
             message = f"a field's function decides on its point more than {MOST_BRANCHES} times"
             raise ScenicError("random-control-flow", message, hint="write a formula, or a field for each region")

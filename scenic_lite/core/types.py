@@ -1,7 +1,7 @@
-"""What a Scenic expression can be besides a number, a text or a Python container, and the names that stand for it.
+"""Types of Scenic values besides numbers, texts and Python containers, and the environments of names.
 
-A function keeps the environment it was defined in. What its body means is decided by whoever calls it: a `Scope` adds
-that. Read next: `core.state`, `core.scope`; `language.classes`, the built-in classes.
+A function keeps the environment of its definition; the `Scope` of the call determines what its body means.
+Read next: `core.state`, `core.scope`; `language.classes`, the built-in classes.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class Source:
 
     file: str
     lines: tuple[str, ...]
-    folder: Path | None  # where modules named by the program are looked for
-    library: bool  # of the domain, not of the user
+    folder: Path | None  # where the program's modules are searched
+    library: bool  # whether it belongs to the domain, not to the user
 
     @property
     def start(self) -> SourceSpan:
@@ -41,7 +41,7 @@ class Source:
 
 
 class Environment:
-    """The variables of one module, function, comprehension or class body, inside those around it."""
+    """The variables of one module, function, comprehension or class body, inside the enclosing ones."""
 
     __slots__ = ("assigned", "locals", "module_names", "outer", "source")
 
@@ -49,11 +49,11 @@ class Environment:
         self.source = source
         self.locals = names
         self.outer = outer
-        self.assigned: frozenset[str] = frozenset()  # the names of a function that it has before they have a value
+        self.assigned: frozenset[str] = frozenset()  # a function's own names, even before they have a value
         self.module_names: dict[str, Value] = outer.module_names if outer else names
 
     def outwards(self) -> Iterator[Environment]:
-        """Yield this environment and those around it, innermost first; the module's may be missing."""
+        """Yield this environment and the enclosing ones, innermost first; without the module's if it is missing."""
         at: Environment | None = self
         while at is not None:
             yield at
@@ -70,7 +70,7 @@ class Environment:
         return self.placed(ScenicError(kind, message, hint=hint, notes=notes), node)
 
     def placed(self, error: ScenicError, node: ast.AST) -> ScenicError:
-        """Give an error its place, unless it has one. A node that no text made leaves that to whoever is above."""
+        """Give an error its place, unless it has one; a node without a text leaves that to the caller."""
         if error.place is None and "lineno" in vars(node):
             error.place = self.place(node)
             error.source_line = self.source.line(error.place.line)
@@ -78,7 +78,7 @@ class Environment:
 
 
 def near(name: str, names: Iterable[str]) -> str:
-    """Return a hint with the nearest spelling, or nothing."""
+    """Return a hint with the nearest spelling, or an empty text."""
     public = [candidate for candidate in names if not candidate.startswith("_")]
     swapped = [candidate for candidate in public if sorted(candidate.lower()) == sorted(name.lower())]
     close = swapped or difflib.get_close_matches(name, public, 1, 0.7)
@@ -88,9 +88,9 @@ def near(name: str, names: Iterable[str]) -> str:
 # ------------------------------------------------------------ values
 @dataclass(frozen=True, eq=False)
 class Default:
-    """One `property[attributes]: expression` line: `compute` gives the value for one object, reading `needs` of it.
+    """One `property[attributes]: expression` line: `compute` returns the value for one object, reading its `needs`.
 
-    It also gets the scope of the statement that makes the object, and the property to which values drawn belong.
+    It also receives the scope of the statement that creates the object, and the property that owns its draws.
     """
 
     compute: Callable[[Any, Instance, str], Value]
@@ -141,23 +141,23 @@ class Instance(Located):
 
     cls: ScenicClass
     place: SourceSpan
-    owner: Any = None  # (Instance, property) in whose specifiers it was made
-    name: str = ""  # the first variable it was bound to
+    owner: Any = None  # (Instance, property) in whose specifiers it was created
+    name: str = ""  # the first variable bound to it
     properties: dict[str, Value] = field(default_factory=dict)
-    attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, of no property
+    attributes: dict[str, Value] = field(default_factory=dict)  # by `object.name = value`, of no property
     label: str = ""  # unique among the objects of its program
-    parent_heading: Value = 0.0  # in dialect 3, to which its yaw was added
+    parent_heading: Value = 0.0  # in dialect 3, the heading to which its yaw was added
 
     def position_vector(self) -> Vector | None:
         return as_vector(self.properties["position"]) if "position" in self.properties else None
 
     def title(self) -> str:
-        """Return how a report names it: its variable, or its class."""
+        """Return its name in reports: its variable, or its class."""
         return self.label or self.name or self.cls.name
 
 
 class Undecided:
-    """One of several values, or as long as a match decides: `Handlers.undecided` says how functions are done to it."""
+    """One of several values, or a list whose length a match decides; `Handlers.undecided` applies functions to it."""
 
 
 @dataclass(eq=False)
@@ -172,7 +172,7 @@ class RandomChoice(Undecided, Located):
         return choose(self.index, results)
 
     def each(self, function: Callable[[Value], Value]) -> Value:
-        """Return the same choice among what a function makes of the options."""
+        """Return the same choice among a function's results for the options."""
         return choose(self.index, [function(option) for option in self.options])
 
     def position_vector(self) -> Vector | None:
@@ -193,9 +193,9 @@ def choose(index: RandomExpr, options: list[Value] | tuple) -> Value:
 
 
 def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
-    """Return a function that is mapped over the options of a random choice which it gets at one of these positions.
+    """Return a function that is mapped over the options of a random choice in one of these positions.
 
-    Its first argument is the scope: the mode may do it in another way, or refuse it.
+    Its first argument is the scope, whose mode may handle the choice in another way, or refuse it.
     """
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
@@ -212,14 +212,14 @@ def broadcasts_over_choices(*positions: int) -> Callable[[Callable[..., Value]],
 
 
 def for_each_option(function: Callable[..., Value], at: int, arguments: tuple, keywords: dict[str, Value]) -> Value:
-    """Return the same choice as argument `at` among what a function makes of its options."""
+    """Return the same choice of a function's results, mapped over argument `at`."""
     before, after = arguments[:at], arguments[at + 1 :]
     return arguments[at].each(lambda option: function(*before, option, *after, **keywords))
 
 
 @dataclass(frozen=True, eq=False)
 class LazyValue:
-    """A value that waits for properties of the object being made: `needs` names them."""
+    """A value that depends on properties of the object under construction: `needs` names them."""
 
     needs: frozenset[str]
     compute: Callable[[Instance], Value]
@@ -230,10 +230,10 @@ SPREAD = Parameter.VAR_POSITIONAL
 
 @dataclass(frozen=True, eq=False)
 class Definition:
-    """What a program defines with parameters: a function, a behavior, a monitor or a scenario.
+    """A parameterized definition of a program: a function, a behavior, a monitor or a scenario.
 
-    `signature` holds the values of the defaults; `scope` is where it stands; `assigned` are its own names besides its
-    arguments.
+    `signature` holds the values of the defaults; `scope` is where the definition is; `assigned` are its local names
+    besides its parameters.
     """
 
     name: str
@@ -242,15 +242,15 @@ class Definition:
     assigned: frozenset[str]
 
     def trees(self) -> list[ast.AST]:
-        """Return what is executed."""
+        """Return the statements of the body."""
         raise NotImplementedError
 
     def defaults(self) -> list[Value]:
-        """Return the values of the parameters that need not be given."""
+        """Return the values of the optional parameters."""
         return [p.default for p in self.signature.parameters.values() if p.default is not Parameter.empty]
 
     def required(self) -> list[str]:
-        """Return the parameters that must be given."""
+        """Return the required parameters."""
         parameters = self.signature.parameters.values()
         return [p.name for p in parameters if p.default is Parameter.empty and p.kind is not SPREAD]
 
@@ -264,7 +264,7 @@ class Definition:
         return bound.arguments
 
     def _misfit(self, arguments: list, keywords: dict[str, Value]) -> ScenicError:
-        """Return what is wrong with arguments that do not fit."""
+        """Return the error for arguments that do not fit."""
         names = [p.name for p in self.signature.parameters.values() if p.kind is not SPREAD]
         unknown = [name for name in keywords if name not in names]
         missing = [name for name in self.required() if name not in (*names[: len(arguments)], *keywords)]
@@ -297,7 +297,7 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Builtin:
-    """A function of the language itself, from our own tables; `needs_context`: it also gets the scope and the call."""
+    """A function of the language, from our own tables; `needs_context`: it also receives the scope and the call."""
 
     name: str
     function: Callable[..., Value]
@@ -307,7 +307,7 @@ class Builtin:
 
 
 def of_values(**functions: Callable[..., Value]) -> dict[str, Builtin]:
-    """Return functions of values alone, mapped over a random choice of them."""
+    """Return functions of values alone, mapped over random choices."""
     return {name: Builtin(name, function) for name, function in functions.items()}
 
 
@@ -350,7 +350,7 @@ class Behavior(Definition):
 
 @dataclass(frozen=True, eq=False)
 class BehaviorCall:
-    """A behavior with its arguments, bound by name; what `with behavior B(1)` attaches.
+    """A behavior with its arguments, bound by name, as attached by `with behavior B(1)`.
 
     `names`: the variables of a scenario that has been set up in an episode.
     """
@@ -362,7 +362,7 @@ class BehaviorCall:
 
 
 def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExpr]:
-    """Return the random nodes that a value is made of, in order."""
+    """Return the random nodes in a value, in order."""
     seen = set() if seen is None else seen
     if isinstance(value, RandomExpr):
         yield value
@@ -377,7 +377,7 @@ def randoms_in(value: Value, seen: set[int] | None = None) -> Iterator[RandomExp
 
 
 def parts_of(value: Value) -> tuple[Value, ...]:
-    """Return what a structured value is made of."""
+    """Return the parts of a structured value."""
     if isinstance(value, Vector):
         return (value.x, value.y)
     if isinstance(value, list | tuple):
@@ -396,7 +396,7 @@ def parts_of(value: Value) -> tuple[Value, ...]:
 
 
 def describe_kind(value: Value) -> str:
-    """Return what a value is, for a message: "a number", "a region", ..."""
+    """Return the kind of a value, for a message: "a number", "a region", ..."""
     if isinstance(value, RandomExpr):
         return {"text": "a random text", "truth": "a random truth value"}.get(value.kind, "a random number")
     if isinstance(value, Instance):

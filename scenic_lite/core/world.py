@@ -1,9 +1,9 @@
-"""What a simulator shows of itself to behaviors and monitors, and what it takes from them.
+"""The interface between a simulator and the behaviors and monitors of programs.
 
-A step of the world is seen as two tables of numbers: one row per object of the program, and a row of facts about the
-match as a whole. What a program reads (`ball.position`, `simulation()`) is made from these by functions that never
-look at a number, so that the same functions serve numbers and the compiler's registers. Read next:
-`tests/reference/interpreter.py`, which runs programs in one; `envs/toy_world.py`, the smallest.
+A step of the world consists of two tables of numbers: one row per object of the program, and a row of facts about the
+match. What a program reads (`ball.position`, `simulation()`) is computed from these by functions that never inspect a
+number, so that the same functions work on numbers and on the compiler's registers. Read next:
+`tests/reference/interpreter.py`, which runs programs in a world; `envs/toy_world.py`, the smallest world.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ class World:
         facts: the G numbers of the match as a whole, table [G] (float64), such as "time": steps since the start.
         timestep: seconds per step.
         properties: the live properties of an object from its fields, by name: {"position": Vector(...), ...}. The
-            values of the fields may be numbers or registers of the compiler: they may be computed with, not looked at.
-        simulation: what `simulation()` gives, from the objects in the order of the scene and the facts by name. A
-            program may set its attribute `scenic_reward`: the reward of this step, 0 unless set in it.
-        command: checks one action of a `take` by an object, and gives it the form that the simulator wants. Raises
-            ScenicError for what is no action of this world, or none of this object.
-        actions: how many actions there are, if they are the numbers from 0 on; 0 must be the one that changes nothing.
-            What an object does in a step is then one number too (`packed`). None: actions are values of any kind.
+            values of the fields may be numbers or registers of the compiler: can be computed with, but not inspected.
+        simulation: the value of `simulation()`, from the objects in the order of the scene and the facts by name. A
+            program may set its attribute `scenic_reward`: the reward of this step, 0 unless set.
+        command: checks one action of a `take` by an object, and converts it to the simulator's format. Raises
+            ScenicError for an action that does not exist, or not for this object.
+        actions: the number of actions, if they are the numbers from 0 on; 0 must be the action without effect.
+            An object's actions in a step are then one number, too (`packed`). None: actions are values of any kind.
     """
 
     name: str
@@ -50,19 +50,19 @@ class World:
     actions: int | None = None
 
     def no_action(self, number: str) -> str:
-        """Return what is said of a number that is none of the actions."""
+        """Return the message for a number that is not an action."""
         assert self.actions is not None
         return f"there is no action {number}; actions are 0 to {self.actions - 1}"
 
 
 @dataclass(frozen=True)
 class Domain:
-    """A world that programs can be about.
+    """The domain of a program.
 
-    `library` maps a dotted module name, aliases included, to the `.scenic` file that it means. `default_model` is
-    imported by a program file that has no `model` line of its own and imports none of the library. `params` are those
-    parameters of a program that mean something to this world: one that is almost spelt like them is warned of. `world`
-    is how its simulator shows itself to behaviors; None if it has none.
+    `library` maps a dotted module name, aliases included, to its `.scenic` file. `default_model` is imported by a
+    program file that has no `model` line and imports nothing from the library. `params` are the parameters of a program
+    that the world uses: similar names cause a warning. `world` is the interface of its simulator for behaviors; None if
+    it has none.
     """
 
     name: str
@@ -78,11 +78,11 @@ class Domain:
         return next(homes, None)
 
 
-MOST_AT_ONCE = 8  # actions of one `take`, where they are numbers
+MOST_AT_ONCE = 8  # actions of one `take`, if they are numbers
 
 
 def packed(actions: Sequence[Value], base: int) -> Value:
-    """Return several actions of one `take` as one number, the first its highest digit in this base."""
+    """Return several actions of one `take` as one number, the first as the highest digit in this base."""
     if len(actions) > MOST_AT_ONCE:
         raise ScenicError("value", f"{len(actions)} actions at once; at most {MOST_AT_ONCE} are possible")
     number = actions[0]
@@ -95,7 +95,7 @@ NOT_FINITE = "a reward is a finite number"
 
 
 def checked_reward(value: Value) -> Value:
-    """Return what a program pays. Raises ScenicError if that is no number, or one that is not finite."""
+    """Return the reward that a program sets. Raises ScenicError unless it is a finite number."""
     if kind_of(value) not in ("number", "truth"):
         raise ScenicError("type", f"a reward is a number, not {describe_kind(value)}")
     if not isinstance(value, RandomExpr) and not math.isfinite(value):
@@ -104,11 +104,11 @@ def checked_reward(value: Value) -> Value:
 
 
 class Commands(NamedTuple):
-    """What the behaviors of one step want.
+    """The commands of the behaviors in one step.
 
-    `actions`: a tuple of actions for each object, in the order of the scene; () for one that waits, whose behavior has
-    ended, or that has none. `agents`: the objects that have a behavior. `terminated`: how the episode has ended, if it
-    has (see `Verdict`); nobody acts then. `rejected`: which requirement is broken, if one is.
+    `actions`: a tuple of actions for each object, in the order of the scene; () for an object that waits, whose
+    behavior has ended, or that has none. `agents`: the objects that have a behavior. `terminated`: how the episode has
+    ended, if it has (see `Verdict`); objects do not act then. `rejected`: which requirement is violated, if any.
     """
 
     actions: tuple[tuple[Value, ...], ...]
@@ -118,11 +118,11 @@ class Commands(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What monitors and conditions say of one step.
+    """The results of monitors and conditions in one step.
 
-    `reward`: what the program has set `simulation().scenic_reward` to since the last verdict, or 0. `terminated`: how
-    the episode has ended, in Scenic's words: "scenarioComplete: reason", "terminatedByMonitor: reason",
-    "terminatedByBehavior: reason" or "simulationTerminationCondition: reason". `rejected`: which requirement is broken.
+    `reward`: the value of `simulation().scenic_reward` set since the last verdict, or 0. `terminated`: how the episode
+    has ended, in Scenic's words: "scenarioComplete: reason", "terminatedByMonitor: reason", "terminatedByBehavior:
+    reason" or "simulationTerminationCondition: reason". `rejected`: which requirement is violated.
     """
 
     reward: float

@@ -1,4 +1,4 @@
-"""What `value.name` and `value[i]` may read, and what may be assigned: our own tables, never Python's attributes.
+"""What `value.name` and `value[i]` may read, and valid targets of assignments: from our own tables, not from Python.
 
 Read next: `evaluation.builtins`, the methods of containers; `language.regions`, those of regions.
 """
@@ -78,7 +78,7 @@ def attribute(scope: Scope, value: Value, name: str) -> Value:
 
 
 def of_kind(tables: tuple[tuple[Any, dict[str, Any]], ...], value: Value) -> dict[str, Any]:
-    """Return the table of the first kind that a value is of."""
+    """Return the table of the first kind that matches a value."""
     return next((table for kind, table in tables if isinstance(value, kind)), {})
 
 
@@ -107,8 +107,8 @@ def of_instance(scope: Scope, instance: Instance, name: str) -> Value:
     raise ScenicError("name", f"{instance.cls.name} has no property '{name}'", hint=hint)
 
 
-INSTEAD = {  # of attributes that are left out
-    **dict.fromkeys(("polygons", "polygon"), "there are no objects of Shapely here: write .points, or .boundary"),
+INSTEAD = {  # for attributes that are not supported
+    **dict.fromkeys(("polygons", "polygon"), "objects of Shapely are not supported: write .points, or .boundary"),
     "convexHull": "write PolygonalRegion(points)",
     "canSee": "write a can see b",
     "intersects": "write a intersects b",
@@ -126,7 +126,7 @@ def dot(self: Vector, other: Value) -> Value:
 
 
 def distance_to_outline(self: Instance, other: Value) -> Value:
-    """Return dialect 3's `object.distanceTo(point)`, which counts from the object's rectangle, 0 inside."""
+    """Return dialect 3's `object.distanceTo(point)`, measured from the object's rectangle, 0 inside."""
     p = self.properties
     offset = (vector_of(other) - p["position"]).rotated(-p["heading"])
     sides = ((offset.x, p["width"]), (offset.y, p["length"]))
@@ -199,9 +199,9 @@ def at_each(index: Value, item: Callable[[Value], Value]) -> Value:
     return choose(apply(SUBTRACT, index, first), [item(at) for at in range(first, last + 1)])
 
 
-# ------------------------------------------------------------ what is assigned to
+# ------------------------------------------------------------ targets of assignments
 def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
-    """Return what a target belongs to and what it is called there, evaluated once; names belong to nothing."""
+    """Return the owner of a target and its name in the owner, evaluated once; a name has no owner."""
     if isinstance(target, ast.Subscript):
         return scope.value(target.value), scope.value(target.slice)
     if isinstance(target, ast.Attribute):
@@ -212,7 +212,7 @@ def located(scope: Scope, target: ast.expr) -> tuple[Value, Value]:
 
 
 def read(scope: Scope, target: ast.expr, owner: Value, key: Value) -> Value:
-    """Return what a target is before it is changed."""
+    """Return the value of a target before it is changed."""
     if isinstance(target, ast.Name):
         return scope.state.ego if key == "ego" else scope.lookup(key)
     return item_of(scope, owner, key) if isinstance(target, ast.Subscript) else attribute(scope, owner, key)

@@ -1,7 +1,7 @@
 """Python's built-in functions of containers, texts and types, and the methods of lists and dictionaries.
 
-Nothing of Python's own is reachable but what these tables hold; what they refuse by name is left out on purpose. Texts
-are put together by f-strings and `+`, within the budget and one by one where they are random; they have no methods.
+Only the functions in these tables are reachable; those refused by name are excluded on purpose. Texts are built by
+f-strings and `+`, within the budget and one by one if they are random; they have no methods.
 Read next: `evaluation.functions`, which puts all tables together.
 """
 
@@ -79,7 +79,7 @@ def integer_range(scope: Scope, node: ast.AST, *ends: Value) -> range:
 
 
 def sorted_list(scope: Scope, node: ast.AST, values: Value, key: Value = None, reverse: Value = False) -> list:
-    """`sorted(values, key=..., reverse=...)`; what decides the order must not be random."""
+    """`sorted(values, key=..., reverse=...)`; the keys and `reverse` must not be random."""
     items = scope.elements(values, node)
     keys = mapped(scope, node, key, items) if key is not None else items
     scope.mode.budget.whole(keys)
@@ -110,7 +110,7 @@ def filtered(scope: Scope, node: ast.AST, function: Value, values: Value) -> Val
 
 
 def random_sublist(items: list, tests: list) -> Value:
-    """Return the elements whose tests hold: one of all the lists that may be."""
+    """Return the elements whose tests hold: a choice among all possible lists."""
     sublists: list[list] = [[]]
     index: Value = 0
     for item, test in zip(items, tests, strict=True):
@@ -138,7 +138,7 @@ def list_extend(scope: Scope, node: ast.AST, self: list, items: Value) -> None:
 
 # ------------------------------------------------------------ texts
 def written(dialect: int, value: Value) -> str:
-    """Return how a value that is not random is written inside a collection."""
+    """Return the text of a value, which is not random, inside a collection."""
     if isinstance(value, list | tuple):
         parts = ", ".join(written(dialect, part) for part in value)
         return f"[{parts}]" if isinstance(value, list) else f"({parts}{',' * (len(value) == 1)})"
@@ -147,7 +147,9 @@ def written(dialect: int, value: Value) -> str:
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, dict):
-        raise ScenicError("unsupported", "there is no text of a dictionary", hint="write its elements one by one")
+        raise ScenicError(
+            "unsupported", "a dictionary cannot be converted to text", hint="write its elements one by one"
+        )
     return repr(value) if isinstance(value, int | float | str | None) else describe_kind(value)
 
 
@@ -158,16 +160,16 @@ def text_of(scope: Scope, value: Value, spec: str = "") -> Value:
         raise exceeded("a text format wider than 999")
     if isinstance(value, RandomExpr):
         if spec:
-            format("" if value.kind == "text" else 1, spec)  # raises ValueError if the spec is none
+            format("" if value.kind == "text" else 1, spec)  # raises ValueError for an invalid format
         return RandomExpr(FormatEach(spec), (value,), "text")
     if spec and not isinstance(value, int | float | str):
         raise ScenicError("type", f"{describe_kind(value)} takes no format")
     if spec or isinstance(value, str):
         return format(value, spec)
     if any(True for _ in randoms_in(value)) and not isinstance(value, Instance):
-        message = "there is no text of a collection or vector with random values, or values of a match"
+        message = "a collection or vector with random or live values cannot be converted to text"
         raise ScenicError("unsupported", message, hint="write them one by one")
-    scope.mode.budget.whole(value)  # a part that is shared is written each time
+    scope.mode.budget.whole(value)  # a shared part is written each time
     text = written(scope.state.dialect, value)
     scope.mode.budget.text(len(text))
     return text
@@ -190,7 +192,7 @@ def no_method(name: str) -> ScenicError:
 
 
 def printed(scope: Scope, node: ast.AST, *values: Value, sep: Value = " ", end: Value = "\n") -> None:
-    """`print`: what a program says while it is loaded is kept in `Program.printed`; in a match nobody listens."""
+    """`print`: output during loading is kept in `Program.printed`; output in a match is discarded."""
     if scope.mode.phase == LOAD and len(scope.state.printed) < MOST_PRINTED:
         fixed = [isinstance(value, Instance) or next(randoms_in(value), None) is None for value in values]
         words = [text_of(scope, value) if known else "(random)" for value, known in zip(values, fixed, strict=True)]
@@ -225,9 +227,9 @@ def is_of(value: Value, cls: Value) -> bool:
 
 # ------------------------------------------------------------ the tables
 def plain(of: type, *names: str) -> dict[str, Builtin]:
-    """Return methods of a Python container that cannot grow it and run no code of the program's.
+    """Return methods of a Python container that cannot grow it and do not run code of the program.
 
-    They compare as Python does, which of random values would ask whether they are the same draw.
+    They compare as Python does; for random values this would compare identities.
     """
 
     def method(name: str) -> Callable[..., Value]:
@@ -247,9 +249,9 @@ def typed(kind: type, function: Callable[..., Value], over_choices: bool = False
 
 
 def left_out(hints: dict[str, str]) -> dict[str, Value]:
-    """Return functions of Python's that a program may expect: a call says what to write instead.
+    """Return Python functions that a program may expect; a call raises an error with an alternative.
 
-    `hints` gives the names by what is written instead.
+    `hints` maps each alternative to the names.
     """
 
     def refusal(name: str, hint: str) -> Builtin:

@@ -1,4 +1,4 @@
-"""Calls: functions of the program, built-in ones, behaviors; and the making of instances.
+"""Calls: functions of the program, built-in ones, behaviors; and the creation of instances.
 
 Read next: `evaluation.statements`.
 """
@@ -38,9 +38,9 @@ from scenic_lite.language.specifiers import ResolvedSpecifier, make, warn_of_unk
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value, is_number, kind_of
 
-LONGEST_CHAIN = 8  # calls that an error tells
+LONGEST_CHAIN = 8  # calls in the notes of an error
 POSITIONAL = Parameter.POSITIONAL_OR_KEYWORD
-TRACKED_NAMES = ("ego", "workspace")  # the state's, wherever they are set
+TRACKED_NAMES = ("ego", "workspace")  # stored in the state, wherever they are set
 NAMING = (ast.FunctionDef, ast.ClassDef)
 OWN_SCOPES = (
     ast.FunctionDef, ast.Lambda, ast.ClassDef, ast.ListComp, ast.DictComp, ast.GeneratorExp, nodes.Behavior,
@@ -49,7 +49,7 @@ OWN_SCOPES = (
 
 
 class Return(Exception):
-    """Leaves a function of the program with its value."""
+    """Returns from a function of the program with its value."""
 
     def __init__(self, value: Value) -> None:
         super().__init__()
@@ -69,7 +69,7 @@ def call_node(scope: Scope, node: ast.Call) -> Value:
 def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, keywords: dict[str, Value]) -> Value:
     """Call a function whose arguments may be starred, `f(*items)`.
 
-    Of a random list the call is made for whichever list it is; `Uniform(*items)` draws once, from the elements there.
+    With a random list the call is mapped over its options; `Uniform(*items)` draws once, from the elements.
     """
     stars = [isinstance(written, ast.Starred) for written in node.args]
     at = next((i for i, value in enumerate(values) if stars[i] and isinstance(value, Undecided)), None)
@@ -90,7 +90,7 @@ def spread_call(scope: Scope, node: ast.Call, function: Value, values: list, key
 
 @broadcasts_over_choices(1)
 def call(scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST) -> Value:
-    """Call whatever can be called."""
+    """Call any callable value."""
     if isinstance(function, Bound):
         return call(scope, function.function, [function.receiver, *arguments], keywords, node)
     if isinstance(function, Builtin):
@@ -128,7 +128,7 @@ parameters_of = lru_cache(maxsize=512)(inspect.signature)
 
 
 def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value]) -> None:
-    """Raise ScenicError in the program's words if the arguments do not fit."""
+    """Raise ScenicError with the program's names if the arguments do not fit."""
     try:
         parameters_of(function.function).bind(*inputs, **keywords)
     except ValueError:  # some methods of Python's containers have no signature
@@ -145,7 +145,7 @@ def check_signature(function: Builtin, inputs: list, keywords: dict[str, Value])
 def call_function(
     scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
-    """Run a function of the program; an error inside a library is shown where the program called it."""
+    """Run a function of the program; an error inside a library is reported where the program called it."""
     inner = Scope.inside(scope.mode, function.scope, function.bind(arguments, keywords))
     inner.assigned = function.assigned
     budget = scope.mode.budget
@@ -164,7 +164,7 @@ def call_function(
 
 
 def seen_from(state: LoadState, thing: Definition, place: SourceSpan, error: ScenicError) -> ScenicError:
-    """Return an error inside what was called at a place: of a library moved there, of the program with a note of it."""
+    """Return an error inside a called function: moved to the call if in a library, with a note if in the program."""
     if error.place is None or place.file not in state.sources or error.place.file not in state.sources:
         return error
     caller, line = state.sources[place.file], state.sources[place.file].line(place.line)
@@ -213,7 +213,7 @@ def signature_of(scope: Scope, arguments: ast.arguments) -> Signature:
 
 @lru_cache(maxsize=4096)  # the trees of a library are the same for every program
 def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
-    """Return the names that a function makes its own by assigning them."""
+    """Return the local names of a function, which it assigns."""
     names: set[str] = set()
     for node in nodes.walk_own(*body, scopes=OWN_SCOPES):
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
@@ -224,7 +224,7 @@ def names_of(body: tuple[ast.stmt, ...]) -> frozenset[str]:
 
 
 def new(scope: Scope, node: nodes.New) -> Value:
-    """Return an instance; or, where the text could also be an operator or a plain name and is no class, that."""
+    """Return an instance; or the value of the text as an operator or a plain name, if that is not a class."""
     cls = scope.value(node.cls)
     if not isinstance(cls, ScenicClass):
         if not node.certain:
@@ -233,7 +233,7 @@ def new(scope: Scope, node: nodes.New) -> Value:
         hint = near(node.cls.id, classes) if isinstance(node.cls, ast.Name) else ""
         if isinstance(cls, Behavior | Function):
             hint = f"write {cls.name}(...), without new"
-        raise scope.error("type", f"{describe_kind(cls)} is no class to make an object of", node.cls, hint)
+        raise scope.error("type", f"{describe_kind(cls)} is not a class of objects", node.cls, hint)
     if scope.mode.symbolic and scope.mode.phase != COMPILE:
         raise ScenicError("type", "a requirement cannot make objects")
     instance = Instance(cls, scope.place(node), scope.mode.owner)
@@ -254,7 +254,7 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
         if node.name not in SPECIFIERS:
             raise ScenicError("unsupported", f"`{node.name}` is not supported in two dimensions")
         operands = scope.operands(node.arguments)
-        resolved = SPECIFIERS[node.name](scope, node, *operands)  # which says of most what it needs
+        resolved = SPECIFIERS[node.name](scope, node, *operands)  # whose messages mostly name the required types
         scope.refuse_none(node.arguments, operands)
         return resolved
     except ScenicError as error:
@@ -262,7 +262,7 @@ def meaning(scope: Scope, instance: Instance, node: nodes.Specifier) -> Resolved
 
 
 def named_by_do(scope: Scope, node: nodes.Do, kind: str) -> list[tuple[Value, Value]]:
-    """Return what a `do` runs, behaviors or scenarios by `kind`, each with its weight.
+    """Return the targets of a `do`, behaviors or scenarios by `kind`, each with its weight.
 
     `choose` and `shuffle` also take a dictionary of weights.
     """
@@ -304,7 +304,7 @@ INSTEAD_OF_DO = {
 
 
 def refuse_as_action(value: Value) -> None:
-    """Raise ScenicError for what is done, not taken."""
+    """Raise ScenicError for a behavior, monitor or scenario after `take`."""
     if isinstance(value, Behavior | BehaviorCall):
         own = value if isinstance(value, Behavior) else value.behavior
         hint = INSTEAD_OF_DO[own.kind].format(own.name) if own.kind != "behavior" else f"write do {own.name}()"

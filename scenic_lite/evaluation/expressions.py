@@ -1,6 +1,6 @@
 """Evaluate expressions: what each node of the tree means for numbers, containers and random values alike.
 
-Outside requirements nothing random may be compared, as in real Scenic. Read next: `evaluation.access`, attributes and
+Outside requirements random values cannot be compared, as in Scenic. Read next: `evaluation.access`, attributes and
 elements; `evaluation.calls`, functions and instances; `evaluation.statements`.
 """
 
@@ -37,7 +37,7 @@ BINARY: dict[type, tuple[str, Callable[[Any, Any], Any]]] = {
     ast.Pow: ("**", operations.real_power),
 }
 OPERANDS = (int, float, str, list, tuple, dict, Vector, RandomExpr, PolylineRegion)
-PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # what a list may hold that Python's own `==` does not compare
+PARTS = (RandomExpr, Vector, list, tuple, RandomChoice)  # parts of lists that need our own comparison
 COMPARISONS: dict[type, operations.Operation] = {
     ast.Lt: operations.LESS,
     ast.LtE: operations.LESS_EQUAL,
@@ -51,7 +51,7 @@ COMPARISONS: dict[type, operations.Operation] = {
 def constant(scope: Scope, node: ast.Constant) -> Value:
     scope.mode.budget.keep(node.value)
     if isinstance(node.value, float) and math.isinf(node.value):
-        raise ScenicError("value", "this number is too large", hint="write math.inf for what is endless")
+        raise ScenicError("value", "this number is too large", hint="write math.inf for infinity")
     return node.value
 
 
@@ -116,7 +116,7 @@ NUMBERS_FROM: dict[type, str] = {
 
 
 def check_size(scope: Scope, sign: ast.operator, left: Value, right: Value) -> None:
-    """Refuse what would be huge before it is made."""
+    """Refuse huge results before they are computed."""
     budget = scope.mode.budget
     if isinstance(left, int) and isinstance(right, int):
         if isinstance(sign, ast.Pow) and right > 0:
@@ -214,7 +214,7 @@ def compared(scope: Scope, node: ast.AST, sign: ast.cmpop, left: Value, right: V
 
 @broadcasts_over_choices(2, 3)
 def related(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
-    """Return whether `left sign right`, for all signs but `is` and `in`."""
+    """Return whether `left sign right`, for all signs except `is` and `in`."""
     if isinstance(sign, ast.Eq | ast.NotEq):
         return equality(scope, sign, left, right)
     for side in (left, right):
@@ -226,7 +226,7 @@ def related(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
 
 
 def identity(scope: Scope, left: Value, right: Value, same: bool) -> Value:
-    """`left is right`; outside requirements a random choice is itself and none of its options, as in real Scenic."""
+    """`left is right`; outside requirements a random choice is identical to itself and to no option, as in Scenic."""
     if left is right or not scope.mode.symbolic:
         return (left is right) == same
     if isinstance(left, RandomChoice):
@@ -251,7 +251,7 @@ def equality(scope: Scope, sign: ast.cmpop, left: Value, right: Value) -> Value:
 
 @broadcasts_over_choices(3)
 def membership(scope: Scope, node: ast.AST, item: Value, container: Value) -> Value:
-    """`item in container`: a region holds points and objects, other containers elements."""
+    """`item in container`: a region contains points and objects, other containers contain elements."""
     if isinstance(container, Region):
         inside = in_region(scope, container, item)
         if isinstance(inside, RandomExpr):

@@ -1,6 +1,6 @@
-"""The built-in functions: of numbers, which take random ones too; distributions, regions, `math` and `random`.
+"""The built-in functions: of numbers, also random ones; distributions, regions, `math` and `random`.
 
-Nothing of Python's own is reachable but what these tables hold. Read next: `evaluation.expressions`.
+Only the functions in these tables are reachable. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def numeric(operation: operations.Operation, *operands: Value) -> Value:
 
 
 def of_table(operation: operations.Operation, name: str = "", *types: type) -> Builtin:
-    """Return the function that a row of the table of operations is."""
+    """Return the function of a row of the table of operations."""
     if operation.arity == 1:
         return Builtin(name or operation.name, lambda x: numeric(operation, x), types=types)
     return Builtin(name or operation.name, lambda x, y: numeric(operation, x, y))
@@ -79,7 +79,7 @@ def logarithm(x: Value, base: Value = None) -> Value:
     return own if base is None else own / numeric(operations.LOGARITHM, base)
 
 
-# ------------------------------------------------------------ the least, the greatest
+# ------------------------------------------------------------ minimum and maximum
 class Extreme:
     """`min` or `max`: of several values or of a collection, with `key` and `default`."""
 
@@ -112,15 +112,15 @@ class Extreme:
         return items[self.operation.scalar(range(len(items)), key=keys.__getitem__)]
 
     def _best_of(self, *keys: Any) -> Any:
-        """Return the index of the least or greatest of several arrays [N]."""
+        """Return the index of the minimum or maximum of several arrays [N]."""
         best = np.argmin if self.operation is operations.MINIMUM else np.argmax
         return best(np.stack(np.broadcast_arrays(*keys)), axis=0)
 
 
 # ------------------------------------------------------------ of the language
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
-    """Refuse what football's libraries import and programs have no use for: they have no objects of Shapely."""
-    raise ScenicError("unsupported", "there are no objects of Shapely here", hint="write PolygonalRegion(points)")
+    """Refuse functions that football's libraries import but programs do not need: they return Shapely objects."""
+    raise ScenicError("unsupported", "objects of Shapely are not supported", hint="write PolygonalRegion(points)")
 
 
 def outside_behavior(scope: Scope, node: ast.AST) -> None:
@@ -179,7 +179,7 @@ DISTRIBUTIONS: dict[str, Value] = needs_context(
     TruncatedNormal=draw.draw_truncated_normal,
     resample=draw.resample,
 )
-RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: each call draws from θ
+RANDOM: dict[str, Value] = {  # Python's module, if a program imports it: each call draws from θ
     **needs_context(
         uniform=draw.draw_range,
         random=lambda scope, node: draw.draw_range(scope, node, 0, 1),
@@ -187,7 +187,7 @@ RANDOM: dict[str, Value] = {  # Python's module, where a program imports it: eac
         choice=draw.draw_element,
         gauss=draw.draw_normal,
         normalvariate=draw.draw_normal,
-        seed=lambda scope, node, *seed: None,  # whoever draws θ decides that
+        seed=lambda scope, node, *seed: None,  # ignored: θ determines all draws
     ),
     **left_out(
         {

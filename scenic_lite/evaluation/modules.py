@@ -1,6 +1,6 @@
 """Imports: the domain's library, `math` and `random`, and `.scenic` files beside the program.
 
-Nothing is ever handed to Python's own import. Read next: `scene.program`.
+Python's own import is never used. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from scenic_lite.syntax.check import check
 from scenic_lite.syntax.lexer import unified
 from scenic_lite.syntax.parser import parse
 
-LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to read
-LONGEST_NAME = 200  # characters of a path that are shown
+LARGEST_FILE = 200_000  # bytes or characters, which take about two seconds to parse
+LONGEST_NAME = 200  # characters of a path in messages
 
 
 @lru_cache(maxsize=64)
 def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[ScenicError, ...]]:
-    """Return the checked tree of a text and the warnings about it. Raises one ScenicError for everything wrong with it.
+    """Return the checked tree of a text and its warnings. Raises one ScenicError for all errors in it.
 
-    Kept, since library files are the same for every program.
+    Results are cached, since library files are the same for every program.
     """
     if len(text) > LARGEST_FILE:
         raise ScenicError(
@@ -46,12 +46,12 @@ def parsed(text: str, file: str, dialect: int) -> tuple[ast.Module, tuple[Scenic
 
 
 def read(path: Path) -> str:
-    """Return the text of a program file. Raises ScenicError if it is no readable text."""
+    """Return the text of a program file. Raises ScenicError if it is not readable text."""
     shown = str(path) if len(str(path)) <= LONGEST_NAME else f"{str(path)[:LONGEST_NAME]}..."
     try:
         if path.is_dir():
             raise ScenicError("import", f"{shown} is a folder, not a program")
-        if not path.is_file():  # a pipe or a device would be read for ever
+        if not path.is_file():  # reading a pipe or a device may never end
             raise ScenicError("import", f"there is no file {shown}")
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
@@ -83,7 +83,7 @@ def run_file(mode: Mode, text: str, source: Source) -> dict[str, Any]:
 
 
 def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
-    """Return the world model of a file that names none: the caller's, or the domain's default."""
+    """Return the world model of a file without a `model` line: the caller's, or the domain's default."""
     library = state.domain.library if state.domain else {}
     model = (state.domain.default_model or None) if state.domain else None
     if state.model is not None:
@@ -98,7 +98,7 @@ def unnamed_model(state: LoadState, tree: ast.Module) -> str | None:
 
 
 def take_model(scope: Scope, name: str, node: ast.AST) -> None:
-    """Take all names of a world model; its params never replace those that are set."""
+    """Import all names of a world model; its params never replace those that are set."""
     try:
         take_all(scope, import_module(Scope.at(replace(scope.mode, in_model=True), scope), name))
     except ScenicError as error:
@@ -106,12 +106,12 @@ def take_model(scope: Scope, name: str, node: ast.AST) -> None:
 
 
 def source_of(text: str, file: str, folder: Path | None, library: bool = False) -> Source:
-    """Return a text cut into the lines that the lexer counts."""
+    """Return a text split into lines as the lexer counts them."""
     return Source(file, tuple(unified(text).split("\n")), folder, library)
 
 
 def import_module(scope: Scope, name: str) -> Namespace:
-    """Return the module a program names, evaluated on its first import."""
+    """Return a module of the program, evaluated on its first import."""
     state = scope.state
     path, library = locate(scope, name)
     if path is None:
@@ -134,10 +134,10 @@ def import_module(scope: Scope, name: str) -> Namespace:
 
 
 def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
-    """Return the file of a module and whether it is the domain's; none for the language's own modules.
+    """Return the file of a module and whether it is the domain's; None for the language's own modules.
 
-    A name is looked for in the library, among the language's modules, in the folder of the program and in that of the
-    file that imports.
+    A name is searched in the library, among the language's modules, in the folder of the program and in that of the
+    importing file.
     """
     state = scope.state
     library = state.domain.library if state.domain else {}
@@ -199,7 +199,7 @@ def import_from(scope: Scope, node: ast.ImportFrom) -> None:
 
 
 def take_all(scope: Scope, module: Namespace) -> None:
-    """`from module import *`: the names in its `__all__`, or all that begin with no underscore."""
+    """`from module import *`: the names in its `__all__`, or all without a leading underscore."""
     public = module.names.get("__all__", [name for name in module.names if not name.startswith("_")])
     if not isinstance(public, list | tuple) or not all(isinstance(name, str) for name in public):
         raise ScenicError("type", f"`__all__` of {module.name} is a list of names, not {describe_kind(public)}")

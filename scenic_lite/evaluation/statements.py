@@ -1,6 +1,6 @@
-"""Execute statements: Python's, and those of Scenic that shape a scene.
+"""Execute statements: Python's, and Scenic's statements about a scene.
 
-Behaviors, monitors and conditions that end an episode are kept as trees for whoever runs them. Read next:
+Behaviors, monitors and conditions that end an episode are kept as trees for the compiler. Read next:
 `evaluation.modules`.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from scenic_lite.core.scope import Scope, name_draws
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import (
     Behavior,
     BehaviorCall,
@@ -55,7 +55,7 @@ def assign(scope: Scope, node: ast.Assign) -> None:
 
 
 def augmented(scope: Scope, node: ast.AugAssign) -> None:
-    """`target += value`; a list that is added to stays the same one, and takes the elements of any collection."""
+    """`target += value`; a list stays the same object, and accepts the elements of any collection."""
     owner, key = located(scope, node.target)
     old = read(scope, node.target, owner, key)
     more = scope.value(node.value)
@@ -83,7 +83,7 @@ def repeat(scope: Scope, node: ast.For | ast.While) -> None:
 
 
 def loop(scope: Scope, node: ast.For | ast.While, run: Callable[[list[ast.stmt]], Iterable[Any]]) -> Iterator[Any]:
-    """Run a loop; yield what `run` gives, which runs a block: where time passes, the steps."""
+    """Run a loop; yield the steps of `run`, which runs a block, if time passes in it."""
     for _ in rounds(scope, node):
         try:
             yield from run(node.body)
@@ -95,7 +95,7 @@ def loop(scope: Scope, node: ast.For | ast.While, run: Callable[[list[ast.stmt]]
 
 
 def rounds(scope: Scope, node: ast.For | ast.While) -> Iterator[None]:
-    """Yield before each round, over the elements that there are when the loop begins; only a list's end for sure."""
+    """Yield before each round, over the elements present when the loop begins; only the end of a list is certain."""
     budget = scope.mode.budget
     if isinstance(node, ast.While):
         while scope.truth(node.test):
@@ -125,7 +125,7 @@ def return_value(scope: Scope, node: ast.Return) -> None:
 
 
 def nothing(scope: Scope, node: ast.AST) -> None:
-    """`pass`; and `simulator ...`, which names a program of another installation."""
+    """`pass`; and `simulator ...`, which refers to another installation."""
 
 
 def check_assertion(scope: Scope, node: ast.Assert) -> None:
@@ -176,7 +176,7 @@ def base_of(scope: Scope, node: ast.ClassDef) -> ScenicClass:
 
 
 def default_of(scope: Scope, node: nodes.PropertyDefault) -> Default:
-    """Return a default expression, evaluated for each instance anew, with `self` in sight."""
+    """Return a default expression, evaluated for each new instance, with `self` visible."""
     parts = list(ast.walk(node.value))
     reads = {id(part.value): part.attr for part in parts if isinstance(part, ast.Attribute)}
     selves = [part for part in parts if isinstance(part, ast.Name) and part.id == "self"]
@@ -195,7 +195,7 @@ def define_behavior(scope: Scope, node: nodes.Behavior) -> None:
     behavior = Behavior(node.name, signature_of(scope, node.args), scope, names_of(tuple(node.body)), node)
     scope.assign(node.name, behavior)
     scope.state.behaviors[node.name] = behavior
-    if node.started:  # Scenic 2, where to define it is to start it
+    if node.started:  # in Scenic 2, a definition also starts the monitor
         scope.state.monitors.append(BehaviorCall(behavior, {}, scope.place(node)))
 
 
@@ -208,7 +208,7 @@ def define_scenario(scope: Scope, node: nodes.Scenario) -> None:
 
 # ------------------------------------------------------------ the scenario
 def set_params(scope: Scope, node: nodes.Param) -> None:
-    """Set params: later ones win, except that a library's never replace the program's own."""
+    """Set params: later ones replace earlier ones, except that a library's never replace the program's own."""
     state = scope.state
     for name, expression, place in zip(node.names, node.values, node.places, strict=True):
         value = scope.value(expression)
@@ -227,7 +227,7 @@ def set_params(scope: Scope, node: nodes.Param) -> None:
 
 
 def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
-    """Warn of a param that nothing reads and that is almost spelt like one that the world does."""
+    """Warn of a param that nothing reads and whose name is similar to one of the world's."""
     known = scope.state.domain.params if scope.state.domain else frozenset()
     hint = "" if name in known else near(name, known)
     if hint:
@@ -245,7 +245,7 @@ def require_monitor(scope: Scope, node: nodes.RequireMonitor) -> None:
 
 
 def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAfter) -> None:
-    """Keep a condition for whoever runs the episode; a duration is evaluated now, like any other value."""
+    """Keep a condition for the episode; a duration is evaluated now, like any other value."""
     duration, name = None, node.name if isinstance(node, nodes.TerminateWhen) else None
     if isinstance(node, nodes.TerminateAfter):
         duration = scope.value(node.duration)
@@ -253,12 +253,12 @@ def keep_termination(scope: Scope, node: nodes.TerminateWhen | nodes.TerminateAf
             message = f"a duration is a number, not {describe_kind(duration)}"
             raise scope.error("type", message, node.duration)
     label = name or f"termination condition on line {node.lineno}"
-    scope.state.terminations.append(Watched(node, scope.place(node), scope, label, duration=duration))
+    scope.state.terminations.append(EpisodeStatement(node, scope.place(node), scope, label, duration=duration))
 
 
 def keep_record(scope: Scope, node: nodes.Record) -> None:
-    """`record`: evaluated in every step by whoever runs the episode."""
-    scope.state.records.append(Watched(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
+    """`record`: evaluated in every step of the episode."""
+    scope.state.records.append(EpisodeStatement(node, scope.place(node), scope, node.name or f"record{node.lineno}"))
 
 
 STATEMENTS: dict[type, Callable[[Scope, Any], Any]] = {

@@ -1,1 +1,1 @@
-"""The chapters of the manual: classes, distributions, specifiers, Scenic's operators, requirements, regions, fields."""
+"""The parts of the language: classes, distributions, specifiers, operators, requirements, regions, fields."""

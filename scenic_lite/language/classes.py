@@ -1,6 +1,6 @@
-"""The built-in classes Point, OrientedPoint and Object, and what follows from their properties.
+"""The built-in classes Point, OrientedPoint and Object, and values derived from their properties.
 
-Read next: `language.specifiers`, which makes instances.
+Read next: `language.specifiers`, which creates instances.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ VELOCITY = Default(
     frozenset({"speed", "heading"}),
 )
 NOWHERE_IN_PARTICULAR = Vector(0.0, 0.0)
-UNIT_SPREAD = Vector(1.0, 1.0)  # what `mutate` adds to a position, unless told otherwise
+UNIT_SPREAD = Vector(1.0, 1.0)  # the default noise that `mutate` adds to a position
 POINT = ScenicClass(
     "Point",
     None,
@@ -64,7 +64,7 @@ OBJECT = ScenicClass(
     | {"velocity": VELOCITY},
 )
 SWITCHES = frozenset({"allowCollisions", "requireVisible"})
-# Sides and corners: what share of the half width and half length lies between the centre and the point.
+# Sides and corners: the shares of the half width and half length between the center and the point.
 SIDES = {
     "front": (0, 1),
     "back": (0, -1),
@@ -87,7 +87,7 @@ def is_object(value: Value) -> bool:
 
 
 def as_heading(value: Value) -> Value:
-    """Return the heading that a value stands for: a number, or that of an oriented object. None if it is neither."""
+    """Return the heading of a value: a number, or that of an oriented object. None if it is neither."""
     if is_scalar(value):
         return value
     if is_oriented(value):
@@ -99,7 +99,7 @@ def as_heading(value: Value) -> Value:
 
 
 def as_orientation(value: Value) -> Value:
-    """Return the yaw of what dialect 3 takes for an orientation: as `as_heading`, or (yaw, 0, 0)."""
+    """Return the yaw of an orientation in dialect 3: as `as_heading`, or (yaw, 0, 0)."""
     if isinstance(value, tuple | list) and len(value) == 3 and all(is_scalar(part) for part in value):
         if not all(is_number(part) and part == 0 for part in value[1:]):
             raise ScenicError("unsupported", "an orientation in two dimensions is (yaw, 0, 0)")
@@ -108,7 +108,7 @@ def as_orientation(value: Value) -> Value:
 
 
 def needed(words: str, noun: str, value: Value, converted: Value, hint: str = "") -> Value:
-    """Return what was found in a value. Raises ScenicError if that is None, naming the words that need it."""
+    """Return the result of a conversion. Raises ScenicError if it is None, naming the words that need it."""
     if converted is None:
         message = f"`{words}` needs {noun}" if words else f"{noun} is needed here"
         raise ScenicError("type", f"{message}, not {describe_kind(value)}", hint=hint)
@@ -116,14 +116,14 @@ def needed(words: str, noun: str, value: Value, converted: Value, hint: str = ""
 
 
 def vector_of(value: Value, words: str = "") -> Vector:
-    """Return what a value is as a vector. Raises ScenicError."""
+    """Return a value as a vector. Raises ScenicError if that is not possible."""
     hint = "a vector is written x @ y" if words and is_scalar(value) else ""
     hint = "a point of a region is written `in region`" if isinstance(value, Region) else hint
     return needed(words, "a vector", value, as_vector(value), hint)
 
 
 def heading_of(value: Value, words: str) -> Value:
-    """Return the heading that a value stands for. Raises ScenicError."""
+    """Return a value as a heading. Raises ScenicError if that is not possible."""
     return needed(words, "a heading", value, as_heading(value))
 
 
@@ -135,7 +135,7 @@ def region_of(value: Value, words: str = "") -> Region:
     return needed(words, "a region", value, value if isinstance(value, Region) else None)
 
 
-# What an oriented object of dialect 3 knows of its orientation besides its heading.
+# Properties of the orientation of dialect 3's oriented objects besides the heading.
 ORIENTATION: dict[str, Callable[[Instance], Value]] = {
     "orientation": lambda self: self.properties["heading"],
     "parentOrientation": lambda self: self.parent_heading,
@@ -149,7 +149,7 @@ def as_number(value: Value) -> Value:
     return value if is_scalar(value) else None
 
 
-# Of properties with a type: what it is called, and how a value is read as one, None if it is none.
+# For properties with a type: its name, and the conversion of a value, None if that is not possible.
 VECTOR, NUMBER = ("a vector", as_vector), ("a number", as_number)
 PROPERTY_TYPES: dict[str, tuple[str, Callable[[Value], Value]]] = {
     **dict.fromkeys(("position", "velocity", "cameraOffset"), VECTOR),
@@ -206,7 +206,7 @@ def spread_of(value: Value, dialect: int) -> Value:
 
 
 def oriented_point(at: Vector, heading: Value, place: SourceSpan) -> Instance:
-    """Return a new OrientedPoint that no program text made by itself."""
+    """Return a new OrientedPoint that is not created by the program's text."""
     properties = {"position": at, "heading": heading, "width": 0.0, "length": 0.0}
     properties |= {"visibleDistance": 50.0, "viewAngle": 2 * math.pi}
     return Instance(ORIENTED_POINT, place, properties=properties)
@@ -221,7 +221,7 @@ def side_of(instance: Instance, side: str) -> Instance:
 
 
 def view_of(instance: Instance) -> SectorRegion:
-    """Return what a Point (all round) or OrientedPoint (its sector) can see."""
+    """Return the visible region of a Point (all round) or OrientedPoint (its sector)."""
     position, reach = instance.properties["position"], instance.properties["visibleDistance"]
     if not is_oriented(instance):
         return SectorRegion(position, reach)
@@ -243,9 +243,9 @@ def rectangle_of(instance: Instance) -> tuple[Value, ...]:
 
 
 def can_see(viewer: Instance, seen: Value, dialect: int) -> Value:
-    """Return whether the viewer's sector holds a point or meets an object's rectangle; nothing hides anything.
+    """Return whether the viewer's sector contains a point or meets an object's rectangle; there is no occlusion.
 
-    Dialect 2 looks at the corners of the rectangle alone, as Scenic 2 does.
+    Dialect 2 tests only the corners of the rectangle, as Scenic 2 does.
     """
     view = view_of(viewer)
     if not is_object(seen):

@@ -1,6 +1,6 @@
 """The distributions of the language, each one column of θ through its inverse cumulative distribution.
 
-A draw from [-1, 1] is mapped to the value by the tape (`graph`); nothing here samples. Read next:
+A draw from [-1, 1] is mapped to the value by the tape (`graph`); this module does not sample. Read next:
 `values.regions`, for points drawn from a region.
 """
 
@@ -23,7 +23,7 @@ from scenic_lite.values.regions import Filtered, Region
 
 
 def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
-    """`Range(low, high)`: uniform; the ends in either order, themselves random or not."""
+    """`Range(low, high)`: uniform; the ends in either order, fixed or random."""
     check_numbers("Range", low, high)
     place = scope.place(node)
     if is_number(low) and is_number(high):
@@ -35,14 +35,14 @@ def draw_range(scope: Scope, node: ast.AST, low: Value, high: Value) -> Value:
 
 
 def span_between(low: float, high: float) -> float:
-    """Return what must be added to `low` for exactly `high`: their difference, unless rounding leads past the end."""
+    """Return the number that added to `low` gives exactly `high`: the difference, unless rounding exceeds the end."""
     span = high - low
     near = (span, math.nextafter(span, 0.0), math.nextafter(span, 2 * span))
     return next((step for step in near if low + step == high), near[1])
 
 
 def draw_uniform(scope: Scope, node: ast.AST, *options: Value) -> Value:
-    """`Uniform(a, b, ...)`: one of the values, cut evenly."""
+    """`Uniform(a, b, ...)`: one of the values, with equal probabilities."""
     if len(options) == 1 and isinstance(options[0], list | tuple | set) and scope.mode.phase != EPISODE:
         scope.warn("a choice among a single value, which is a collection", node, "write Uniform(*values)")
     return weighted(scope, node, list(options), [1.0] * len(options))
@@ -56,9 +56,9 @@ def draw_element(scope: Scope, node: ast.AST, items: Value) -> Value:
 
 
 def draw_present(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
-    """`Uniform(*items, other)` of random lists: one of the elements that there are in a scene, each as likely.
+    """`Uniform(*items, other)` of random lists: one of the elements present in a scene, with equal probabilities.
 
-    `pieces` are lists, or random choices among such. Scenes in which all are empty are rejected.
+    `pieces` are lists, or random choices of lists. Scenes in which all are empty are rejected.
     """
     column, items = scope.draw("choice", scope.place(node)), list[Value]()
     index = present(joined(scope, node, pieces), column, items)
@@ -70,7 +70,7 @@ def draw_present(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
 
 
 def joined(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
-    """Return lists as one; a random choice among lists if one of them is random."""
+    """Return lists concatenated; a random choice of lists if one of them is random."""
     at = next((i for i, piece in enumerate(pieces) if isinstance(piece, RandomChoice)), None)
     if at is None:
         return [item for piece in pieces for item in scope.elements(piece, node)]
@@ -80,17 +80,17 @@ def joined(scope: Scope, node: ast.AST, pieces: list[Value]) -> Value:
 
 
 def present(lists: Value, column: ThetaColumn, items: list[Value]) -> Value:
-    """Return the number in `items` of the element that a column draws, -1 of an empty list; adds to `items`."""
+    """Return the index in `items` of the element that a column draws, -1 for an empty list; extends `items`."""
     if isinstance(lists, RandomChoice):
         return choose(lists.index, [present(option, column, items) for option in lists.options])
     items += [item for i, item in enumerate(lists) if not any(other is item for other in (*items, *lists[:i]))]
     numbers = [next(i for i, other in enumerate(items) if other is item) for item in lists]
-    cut = Cut(np.arange(1, len(lists)) / max(len(lists), 1))
+    cut = Bucketize(np.arange(1, len(lists)) / max(len(lists), 1))
     return choose(RandomExpr(cut, (column,)), numbers) if numbers else -1
 
 
 def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
-    """`Discrete({value: weight})`: one of the values, cut by weight."""
+    """`Discrete({value: weight})`: one of the values, with probability proportional to its weight."""
     if isinstance(weights, list | tuple):  # as `Options` takes them
         return draw_uniform(scope, node, *weights)
     if not isinstance(weights, dict):
@@ -109,17 +109,17 @@ def draw_discrete(scope: Scope, node: ast.AST, weights: Value) -> Value:
 def weighted(scope: Scope, node: ast.AST, options: list[Value], weights: list[float]) -> Value:
     """Return one of the options with probability proportional to its weight."""
     if not options:
-        kind = "value" if scope.mode.phase == LOAD else "rejection"  # of the episode, where only the draw is in vain
+        kind = "value" if scope.mode.phase == LOAD else "rejection"  # of the episode, where only the draw fails
         raise ScenicError(kind, "a choice among no values")
     column = scope.draw("choice", scope.place(node))
-    scaled = np.array(weights) / max(weights)  # so that not even huge ones overflow in sum
+    scaled = np.array(weights) / max(weights)  # so that even huge weights do not overflow in the sum
     shares = np.cumsum(scaled) / scaled.sum()
     column.listed, column.weights = tuple(options), tuple((scaled / scaled.sum()).tolist())
-    return shown_choice(column, RandomExpr(Cut(shares[:-1]), (column,)), options)
+    return shown_choice(column, RandomExpr(Bucketize(shares[:-1]), (column,)), options)
 
 
 def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -> Value:
-    """Return options[index], which is what the column shows."""
+    """Return options[index], the value shown for the column."""
     value = choose(index, options)
     column.show(value if isinstance(value, RandomExpr) else index, 0.0, float(len(options) - 1))
     if not isinstance(value, RandomExpr):
@@ -127,8 +127,8 @@ def shown_choice(column: ThetaColumn, index: RandomExpr, options: list[Value]) -
     return value
 
 
-class Cut:
-    """Maps a uniform number [N] to the index of the piece it falls into; `bounds` are the inner ends of the pieces."""
+class Bucketize:
+    """Maps a uniform number [N] to the index of its bin; `bounds` are the inner bounds of the bins."""
 
     def __init__(self, bounds: Any) -> None:
         self.bounds = bounds
@@ -138,7 +138,7 @@ class Cut:
 
 
 def draw_integers(scope: Scope, node: ast.AST, low: Value, high: Value, weights: Value = None) -> Value:
-    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), both included, evenly or by weight.
+    """`DiscreteRange(low, high)`: the integers from ceil(low) to floor(high), uniformly or by weight.
 
     With random ends, a scene whose range is empty is rejected.
     """
@@ -169,7 +169,7 @@ def weighted_integers(scope: Scope, node: ast.AST, integers: range, weights: Val
 
 
 def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Value:
-    """`Normal(mean, standard deviation)`, cut beyond eight standard deviations."""
+    """`Normal(mean, standard deviation)`, truncated at eight standard deviations."""
     check_numbers("Normal", mean, spread)
     if is_number(spread) and spread < 0:
         raise ScenicError("value", f"the standard deviation {spread} is negative")
@@ -178,7 +178,7 @@ def draw_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value) -> Valu
 
 
 def draw_truncated_normal(scope: Scope, node: ast.AST, mean: Value, spread: Value, low: Value, high: Value) -> Value:
-    """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value given that it lies in [low, high]."""
+    """`TruncatedNormal(mean, standard deviation, low, high)`: a normal value conditioned on [low, high]."""
     check_numbers("TruncatedNormal", mean, spread, low, high)
     if not (is_number(low) and is_number(high)):
         raise ScenicError("type", "the ends of TruncatedNormal must be fixed numbers")
@@ -227,14 +227,14 @@ def point_for(region: Region, uniforms: list[ThetaColumn]) -> tuple[Vector, Valu
 
 
 def show_coordinates(columns: list[ThetaColumn], point: Vector, bounds: tuple[float, ...] | None) -> None:
-    """Show the point's coordinates, of which a person thinks, not the numbers that it is made of."""
+    """Show the point's coordinates, which are readable, instead of the numbers from which it is computed."""
     low_x, high_x, low_y, high_y = bounds or (math.nan,) * 4
     for column, shown, low, high in zip(columns, (point.x, point.y), (low_x, low_y), (high_x, high_y), strict=True):
         column.show(shown, low, high)
 
 
 def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
-    """`resample(d)`: an independent draw from the same distribution; only of what was drawn itself, or is fixed."""
+    """`resample(d)`: an independent draw from the same distribution; only for direct draws and fixed values."""
     drawn = value.index if isinstance(value, RandomChoice) else value
     if not isinstance(drawn, RandomExpr | Vector):
         return value
@@ -248,7 +248,7 @@ def resample(scope: Scope, node: ast.AST, value: Value) -> Value:
 
 
 def replaced(value: RandomExpr, known: dict[int, RandomExpr]) -> RandomExpr:
-    """Return a copy of a value with what is known in the place of its inputs; others stay the same."""
+    """Return a copy of a value with substituted inputs; other values stay the same."""
     if id(value) not in known:
         parts = [replaced(operand, known) if isinstance(operand, RandomExpr) else operand for operand in value.inputs]
         same = all(a is b for a, b in zip(parts, value.inputs, strict=True))

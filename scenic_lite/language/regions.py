@@ -1,7 +1,7 @@
-"""Regions and vector fields in programs: the functions that make them, and what they can be asked.
+"""Regions and vector fields in programs: the functions that create them, and their methods.
 
-Arguments that have no meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`) are accepted. What can
-be read stands in tables of our own, never the attributes of Python objects. Read next: `values.regions`.
+Arguments without a meaning in the plane or for arrays (`name`, `resolution`, `z`, `kdTree`) are accepted. Readable
+attributes are listed in our own tables, never taken from Python objects. Read next: `values.regions`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from scenic_lite.values.regions import (
 )
 
 MOST_POINTS = 100_000  # along one polyline
-COST = 10_000  # elements of memory that the combination of two regions counts for
+COST = 10_000  # elements of memory charged for a combination of two regions
 
 
 def rectangle(position: Value, heading: Value, width: Value, length: Value, name: Value = None) -> Region:
@@ -56,7 +56,7 @@ def sector(
 
 
 def size(name: str, value: Value) -> Value:
-    """Return a length of a region; 0 is a region of one point or line."""
+    """Return a length of a region; 0 gives a region of one point or line."""
     extent = number_of(value)
     if is_number(extent) and not 0 <= extent < math.inf:
         raise ScenicError("value", f"the {name} of a region must be finite and not negative, not {extent}")
@@ -70,7 +70,7 @@ def polygon(
 
 
 def polyline(scope: Scope, node: ast.AST, points: Value, orientation: Value = True, name: Value = None) -> Region:
-    """Make one by its points; `orientation` True: along the segments."""
+    """Create one from its points; `orientation` True: along the segments."""
     field = True if orientation is True else field_or_none(orientation)
     return PolylineRegion([fixed_points(scope, node, points, 2, "a polyline")], field)
 
@@ -102,7 +102,7 @@ def grid(scope: Scope, node: ast.AST, name: Value, grid: Value, *steps: Value, o
 
 
 def workspace(region: Value = None) -> Region:
-    """Return a region of its own, though of the same points: objects in a workspace are pruned less (`pruning`)."""
+    """Return a separate region of the same points: objects in a workspace are pruned less (`pruning`)."""
     if not isinstance(region, Region | None):
         raise ScenicError("type", f"a workspace is made of a region, not {describe_kind(region)}")
     return Everywhere() if region is None else copy(region)
@@ -148,7 +148,7 @@ def cell_of(scope: Scope, node: ast.AST, cell: Value) -> tuple[Region, Value]:
 def piecewise_field(
     scope: Scope, node: ast.AST, name: Value, regions: Value, tolerance: Value = 0, defaultHeading: Value = None
 ) -> VectorField:
-    """Return the orientation of the first region that holds the point."""
+    """Return the orientation of the first region that contains the point."""
     parts = [region_of(part, "PiecewiseVectorField") for part in scope.elements(regions, node)]
     field = patchwork(parts, None if defaultHeading is None else number_of(defaultHeading))
     if field is None:
@@ -157,7 +157,7 @@ def piecewise_field(
 
 
 def heading_for(scope: Scope) -> Callable[[Value], Value]:
-    """Return what a field's function gives, as a heading: dialect 3 normalises it."""
+    """Return the result of a field's function as a heading, which dialect 3 normalizes."""
     return number_of if scope.state.dialect == 2 else lambda value: normalised(number_of(value))
 
 
@@ -177,7 +177,7 @@ def fixed_number(what: str, value: Value) -> float:
 
 
 def corners_of(scope: Scope, node: ast.AST, points: Value, least: int, what: str) -> list[Vector]:
-    """Return any number of points, of two coordinates or three. Raises ScenicError if there are too few."""
+    """Return points, of two coordinates or three. Raises ScenicError if there are too few."""
     if points is None or isinstance(points, RandomChoice | Region):
         raise ScenicError("type", f"{what} is given by a list of points, not {describe_kind(points)}")
     elements = scope.elements(points, node)
@@ -205,7 +205,7 @@ def limited(count: float) -> float:
     return count
 
 
-# ------------------------------------------------------------ what can be asked
+# ------------------------------------------------------------ methods of regions
 def contains_object(self: Region, instance: Value) -> Value:
     if not is_object(instance):
         raise ScenicError("type", f"containsObject needs an object, not {describe_kind(instance)}")
@@ -216,7 +216,7 @@ def bounds(self: Region) -> tuple:
     """Return ((low x, low y), (high x, high y))."""
     limits = self.bounds()
     if limits is None:
-        raise ScenicError("unsupported", "this can be asked of a fixed, bounded region only")
+        raise ScenicError("unsupported", "only fixed, bounded regions support this")
     low_x, high_x, low_y, high_y = limits
     return (low_x, low_y), (high_x, high_y)
 
@@ -224,7 +224,7 @@ def bounds(self: Region) -> tuple:
 def nearest_segment(self: PolylineRegion, point: Value) -> tuple[Vector, Vector]:
     at = vector_of(point)
     if not at.fixed:
-        raise ScenicError("unsupported", "the nearest segment can be asked of a fixed point only")
+        raise ScenicError("unsupported", "only fixed points have a nearest segment")
     start, end = segments(self)[int(self.nearest(at.x, at.y)[0])]
     return Vector(*start), Vector(*end)
 
@@ -243,7 +243,7 @@ def separated_points(self: PolylineRegion, distance: Value) -> list[Vector]:
 
 
 def combining(scope: Scope) -> Any:
-    """Return `values.polygons` to combine regions with, which counts as much as many elements."""
+    """Return `values.polygons` for combining regions, which is charged as much as many elements."""
     scope.mode.budget.spend(COST)
     return polygons
 
@@ -354,7 +354,7 @@ LINE_FIELDS: dict[str, Callable[[Any], Value]] = {
     "start": lambda self: end_of(self, 0),
     "end": lambda self: end_of(self, -1),
 }
-# What values of a class have: the first row that fits.
+# Attributes of values by class: the first row that matches.
 REGION_METHODS = (
     (PolylineRegion, METHODS | LINE_METHODS),
     (Region, METHODS),
@@ -381,7 +381,7 @@ CLASS_FUNCTIONS = {
         )
     ),
 }
-# name: the function, what `isinstance` takes the name for, and whether the function gets the scope and the call
+# name: the function, the type of the name for `isinstance`, and whether it receives the scope and the call
 CLASSES: dict[str, tuple[Callable[..., Value], tuple[type, ...], bool]] = {
     "RectangularRegion": (rectangle, (RectangularRegion,), False),
     "CircularRegion": (disc, (SectorRegion,), False),

@@ -1,17 +1,17 @@
-"""`require` and `mutate`: what scenes and episodes must satisfy, and the noise that objects get when all is computed.
+"""`require` and `mutate`: what scenes and episodes must satisfy, and the noise added to objects at the end.
 
-A condition is evaluated where it stands, so that its errors stand there too; if objects are given noise it is evaluated
-again after the last statement, since it speaks of the scene with the noise.
+A condition is evaluated where it is written, so that its errors are reported there; if objects have noise it is
+evaluated again after the last statement, since it applies to the scene with the noise.
 
-Temporal requirements are linear temporal logic over finite episodes. A formula is carried along by progression:
-`after(step)` is what remains to be required of the steps to come. So `always p` stays itself while p holds, and
-`eventually p` until it does. What remains is settled once no further step can change it; else `at_end` says whether it
-would hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
-failed is false at once (Scenic waits for its right side, and rejects in the end all the same).
+Temporal requirements are linear temporal logic over finite episodes. A formula is evaluated by progression:
+`after(step)` is the remaining requirement on later steps. So `always p` stays itself while p holds, and `eventually p`
+until p holds. The remaining formula is decided once no further step can change it; else `at_end` tells whether it would
+hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
+failed is false at once (Scenic waits for its right side, with the same rejection in the end).
 
-The operands of `and`, `or`, `not`, `implies` that contain no temporal operator are one expression, evaluated as
-anywhere else, with short circuits. Every such expression that what remains mentions is evaluated once in a step. A
-formula without a temporal operator is about the first step. Read next: `core.per_sample`, `scene.constraints`.
+The operands of `and`, `or`, `not`, `implies` without temporal operators are one expression, evaluated like any other,
+with short circuits. Every such expression in the remaining formula is evaluated once in a step. A formula without a
+temporal operator applies to the first step. Read next: `core.per_sample`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from functools import reduce
 
 from scenic_lite.core.per_sample import Bindings, per_sample_condition
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LoadState, Requirement, Watched
+from scenic_lite.core.state import EpisodeStatement, LoadState, Requirement
 from scenic_lite.core.types import BehaviorCall, Instance, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import is_object
@@ -38,7 +38,7 @@ Step = Callable[[ast.expr], bool]  # the truth of an expression in the present s
 
 
 def require(scope: Scope, node: nodes.Require) -> None:
-    """`require[p] condition as name`; a temporal one is watched in the episode, too."""
+    """`require[p] condition as name`; a temporal one is also monitored in the episode."""
     state = scope.state
     if scope.mode.symbolic:
         raise ScenicError("syntax", "a requirement cannot be made inside a requirement")
@@ -50,7 +50,7 @@ def require(scope: Scope, node: nodes.Require) -> None:
     requirement = Requirement(label, scope.place(node), condition, probability)
     bindings = Bindings(scope)
     if is_temporal(node.condition):
-        state.temporal.append(Watched(node, requirement.place, scope, label, bindings))
+        state.temporal.append(EpisodeStatement(node, requirement.place, scope, label, bindings))
 
     def again() -> None:
         with bindings.restored(state), state.watching.within(number):
@@ -61,7 +61,7 @@ def require(scope: Scope, node: nodes.Require) -> None:
 
 
 def condition_of(scope: Scope, node: ast.expr) -> Value:
-    """Return a condition over all samples at once; row by row if functions in it decide on random values."""
+    """Return a condition over all samples at once; row by row if its functions branch on random values."""
     if is_temporal(node):
         false = formula_of(node).known(lambda part: condition_of(scope, part), False)
         return apply(NOT, false)
@@ -78,7 +78,7 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
 
 
 def probability_of(scope: Scope, node: nodes.Require) -> float:
-    """Return the p of `require[p]`, 1 if it has none."""
+    """Return the p of `require[p]`, 1 if omitted."""
     probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
         raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)
@@ -95,7 +95,7 @@ def source_text(scope: Scope, node: ast.AST) -> str:
 
 # ------------------------------------------------------------ noise
 def mutate(scope: Scope, node: nodes.Mutate) -> None:
-    """`mutate [objects] [by scale]`: these, or all made so far, will be given noise."""
+    """`mutate [objects] [by scale]`: add noise to these objects, or to all created so far."""
     state = scope.state
     if scope.mode.symbolic:
         raise ScenicError("syntax", "`mutate` does not belong into a requirement")
@@ -111,7 +111,7 @@ def mutate(scope: Scope, node: nodes.Mutate) -> None:
 
 
 def apply_mutations(state: LoadState) -> None:
-    """Add the noise of the objects that have any, after the last statement, and tell the requirements."""
+    """Add the noise of all objects that have any, after the last statement, and update the requirements."""
     noisy = [instance for instance in state.objects if not is_zero(instance.properties["mutationScale"])]
     for instance in noisy:
         try:
@@ -129,7 +129,7 @@ def is_zero(value: Value) -> bool:
 
 
 def add_noise(state: LoadState, instance: Instance) -> None:
-    """Add noise to position and heading; what was computed from them keeps the values without noise."""
+    """Add noise to position and heading; values computed from them do not include the noise."""
     properties = instance.properties
     spread = properties["positionStdDev"]
     if not isinstance(spread, Vector):
@@ -142,7 +142,7 @@ def add_noise(state: LoadState, instance: Instance) -> None:
 
 
 def name_coordinates(instance: Instance) -> None:
-    """Name columns that are a coordinate by it, also when the coordinate gets noise on top."""
+    """Name columns of a coordinate after it, also if the coordinate gets noise."""
     position = instance.properties["position"]
     for axis, coordinate in (("x", position.x), ("y", position.y)):
         for column in columns_of(coordinate):
@@ -162,10 +162,10 @@ def noise(state: LoadState, instance: Instance, axis: str, spread: Value) -> Val
 
 # ------------------------------------------------------------ temporal logic
 class Formula:
-    """What is required from some step on; the classes below are its forms."""
+    """A requirement from some step on; its subclasses are the forms of formulas."""
 
     def after(self, step: Step) -> Formula:
-        """Return what remains to be required of the later steps once `step` has passed."""
+        """Return the remaining requirement on later steps, given that `step` has passed."""
         match self:
             case Atom(expression):
                 return Settled(step(expression))
@@ -181,7 +181,7 @@ class Formula:
         return self
 
     def at_end(self) -> bool:
-        """Return whether it holds of an episode that ends before the step it begins with."""
+        """Return whether it holds in an episode that ends before its first step."""
         match self:
             case Settled(value):
                 return value
@@ -192,7 +192,7 @@ class Formula:
         return False
 
     def known(self, value: Callable[[ast.expr], Value], truth: bool) -> Value:
-        """Return whether it is known to be `truth` after the first step; to Scenic an `until` is never false."""
+        """Return whether it is known to be `truth` after the first step; in Scenic an `until` is never false."""
         match self:
             case Settled(settled):
                 return settled is truth
@@ -209,7 +209,7 @@ class Formula:
 
 @dataclass(frozen=True)
 class Settled(Formula):
-    """True or false, whatever comes."""
+    """True or false, independent of the steps."""
 
     value: bool
 
@@ -256,7 +256,7 @@ def negation(formula: Formula) -> Formula:
 
 
 def conjunction(left: Formula, right: Formula) -> Formula:
-    """Return both, as simple as can be: what is settled or said twice is left out."""
+    """Return the conjunction, simplified: without decided or repeated parts."""
     if left == FALSE or right == FALSE:
         return FALSE
     if left == TRUE or left in parts_of(right):
@@ -273,7 +273,7 @@ def disjunction(left: Formula, right: Formula) -> Formula:
 
 
 def formula_of(node: ast.expr) -> Formula:
-    """Return the formula that an expression writes."""
+    """Return the formula of an expression."""
     if not is_temporal(node):
         return Atom(node)
     if isinstance(node, ast.UnaryOp):
@@ -302,7 +302,7 @@ class Check:
         self.rest = formula
 
     def step(self, step: Step) -> None:
-        """Take in what holds now."""
+        """Process the present step."""
         known: dict[int, bool] = {}
 
         def once(expression: ast.expr) -> bool:

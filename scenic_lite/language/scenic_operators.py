@@ -1,6 +1,6 @@
-"""The operators that Scenic adds to Python's: distances, angles, relative positions, visibility.
+"""Scenic's operators: distances, angles, relative positions, visibility.
 
-Operands left out are None and stand for the ego. Read next: `evaluation.expressions`.
+Omitted operands are None and stand for the ego. Read next: `evaluation.expressions`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from scenic_lite.values.operations import RECTANGLES_MEET
 from scenic_lite.values.polygons import common_part, remainder
 from scenic_lite.values.regions import Region, VectorField
 
-DEGREE_OF_DIALECT_2 = 0.01745329252  # as Scenic 2 writes it
+DEGREE_OF_DIALECT_2 = 0.01745329252  # the value in Scenic 2's source
 
 
 def degrees(scope: Scope, angle: Value) -> Value:
@@ -85,7 +85,7 @@ def field_at(scope: Scope, field: Value, place: Value) -> Value:
 
 
 def relative_to(scope: Scope, x: Value, y: Value) -> Value:
-    """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is taken into an object's frame."""
+    """`X relative to Y`, `X offset by Y`: headings add, vectors add, a vector is transformed from an object's frame."""
     if isinstance(x, VectorField | LazyValue) or isinstance(y, VectorField | LazyValue):
         first, second = late_heading(x), late_heading(y)
         return LazyValue(first.needs | second.needs, lambda self: first.compute(self) + second.compute(self))
@@ -106,12 +106,12 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
 
 
 def is_random_frame(value: Value) -> bool:
-    """Return whether it is a random one of several oriented objects; dialect 2 takes such a one for a vector."""
+    """Return whether it is a random choice of oriented objects, which dialect 2 takes for a vector."""
     return isinstance(value, RandomChoice) and all(is_oriented(option) for option in value.options)
 
 
 def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
-    """Return an OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading on top of the base's."""
+    """Return an OrientedPoint at `offset` in the frame of `base`; in dialect 3 also a heading added to the base's."""
     vector, heading = as_vector(offset), base.properties["heading"]
     if vector is not None:
         return oriented_point(base.properties["position"] + vector.rotated(heading), heading, base.place)
@@ -122,7 +122,7 @@ def into_frame(scope: Scope, offset: Value, base: Instance) -> Value:
 
 
 def late_heading(value: Value) -> LazyValue:
-    """Return a heading that waits for the object's position: a field stands for its heading there."""
+    """Return a heading that depends on the object's position: a field gives its heading there."""
     if isinstance(value, LazyValue):
         return value
     if isinstance(value, VectorField):
@@ -184,12 +184,12 @@ def side(name: str) -> Callable[[Scope, Value], Value]:
 
 
 def side_words(name: str) -> str:
-    """Return how a side is written: "backLeft" is `back left of`."""
+    """Return the words of a side: "backLeft" is `back left of`."""
     return re.sub("[A-Z]", lambda capital: " " + capital[0].lower(), name) + " of"
 
 
 def in_initial_scenario(scope: Scope) -> bool:
-    """Return whether the program itself is being set up, and no scenario that a match starts: `initial scenario`."""
+    """Return whether the program itself is set up, not a scenario started by a match: `initial scenario`."""
     return scope.mode.phase == LOAD
 
 

@@ -1,4 +1,4 @@
-"""What each specifier gives: `at`, `in`, `ahead of`, `facing` and the rest.
+"""The meaning of each specifier: `at`, `in`, `ahead of`, `facing` and the others.
 
 Each function takes the scope, the node and the evaluated operands. Read next: `language.scenic_operators`.
 """
@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import Sight
+from scenic_lite.core.state import VisibilityDemand
 from scenic_lite.core.types import Instance, LazyValue, RandomChoice, describe_kind
 from scenic_lite.errors import ScenicError
 from scenic_lite.language import classes
@@ -22,7 +22,7 @@ from scenic_lite.values.graph import Value
 from scenic_lite.values.polygons import outside
 from scenic_lite.values.regions import RectangularRegion, Region, VectorField
 
-# For each direction: its unit step; the property whose half lies between centre and side is the width or the length.
+# For each direction: its unit step; the property whose half is the distance from center to side, width or length.
 DIRECTIONS = {"left of": (-1, 0), "right of": (1, 0), "ahead of": (0, 1), "behind": (0, -1)}
 
 
@@ -33,7 +33,7 @@ def ego_of(scope: Scope) -> Instance:
 
 
 def or_ego(scope: Scope, value: Value) -> Value:
-    """Return an operand; the ego where it is left out."""
+    """Return an operand, the ego if omitted."""
     return ego_of(scope) if value is None else value
 
 
@@ -44,10 +44,10 @@ def viewer_of(scope: Scope, viewer: Value) -> Instance:
     return viewer
 
 
-def placing(
+def location_specifier(
     scope: Scope, node: ast.AST, place: Value, heading: Value = None, priority: int = OPTIONAL
 ) -> ResolvedSpecifier:
-    """Return the specifier of a place, and of a heading unless that is None: in dialect 3 the parent's."""
+    """Return the specifier of a position, and of a heading unless that is None: in dialect 3 the parent's."""
     gives = {"position": Given(REQUIRED, place)}
     if heading is not None:
         gives["parentOrientation" if scope.state.dialect == 3 else "heading"] = Given(priority, heading)
@@ -59,13 +59,13 @@ def words_of(node: ast.AST) -> str:
 
 
 def at(scope: Scope, node: ast.AST, place: Value) -> ResolvedSpecifier:
-    return placing(scope, node, place if isinstance(place, LazyValue) else classes.vector_of(place, "at"))
+    return location_specifier(scope, node, place if isinstance(place, LazyValue) else classes.vector_of(place, "at"))
 
 
 def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
     """`in R` and `on R`: a uniform point, with the region's orientation if it has one.
 
-    In dialect 3 also `on` an object, which is its rectangle, and `on` a point.
+    In dialect 3 also `on` an object, meaning its rectangle, and `on` a point.
     """
     words = words_of(node)
     on = words == "on" and scope.state.dialect == 3
@@ -73,14 +73,14 @@ def inside(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifier:
         if classes.is_object(region):
             region = RectangularRegion(region.properties["position"], *classes.rectangle_of(region)[2:])
         elif as_vector(region) is not None:
-            return placing(scope, node, classes.vector_of(region, "on"))
+            return location_specifier(scope, node, classes.vector_of(region, "on"))
     oriented = check_region(words, region)
     point, heading = point_in(scope, node, region)
-    return placing(scope, node, point, heading if oriented else None, MODIFYING if on else OPTIONAL)
+    return location_specifier(scope, node, point, heading if oriented else None, MODIFYING if on else OPTIONAL)
 
 
 def check_region(words: str, region: Value) -> bool:
-    """Return whether a region has an orientation. Raises ScenicError if it is none."""
+    """Return whether a region has an orientation. Raises ScenicError if it is not a region."""
     options = region.options if isinstance(region, RandomChoice) else (region,)
     for option in options:
         hint = f"a place is given by `at`, not by `{words}`" if as_vector(option) is not None else ""
@@ -94,7 +94,7 @@ def contained_in(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifie
 
 
 def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> ResolvedSpecifier:
-    """`left of X by D` and its kin. Dialect 2 leaves out X's own extent and takes a random X for a vector."""
+    """`left of X by D` and the other directions. Dialect 2 ignores X's extent and takes a random X for a vector."""
     words = words_of(node)
     step_x, step_y = DIRECTIONS[words]
     extent = "width" if step_x else "length"
@@ -115,10 +115,10 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
             frozenset({extent, "heading"}),
             lambda self: centre + offset(self, 0.0).rotated(self.properties["heading"]),
         )
-        return placing(scope, node, place)
+        return location_specifier(scope, node, place)
     other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
     place = LazyValue(frozenset({extent}), lambda self: centre + offset(self, other).rotated(heading))
-    return placing(scope, node, place, heading)
+    return location_specifier(scope, node, place, heading)
 
 
 def own_extent(anchor: Value, extent: str) -> Value:
@@ -141,14 +141,14 @@ def offset_along(
 
 
 def moved_along(start: Vector, direction: Value, offset: Value, words: str = "offset along ... by") -> Vector:
-    """Return a place by an offset in the frame of a heading, or of a field's heading at the start."""
+    """Return a position by an offset in the frame of a heading, or of a field's heading at the start."""
     field = isinstance(direction, VectorField)
     turn = direction.heading_at(start) if field else classes.heading_of(direction, "offset along")
     return start + classes.vector_of(offset, words).rotated(turn)
 
 
 def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Value = None) -> ResolvedSpecifier:
-    """`beyond X by D from Y`; in dialect 3 with the heading 0, also where Y has another."""
+    """`beyond X by D from Y`; in dialect 3 with the heading 0, even if Y has another."""
     viewpoint = or_ego(scope, viewpoint)
     far, near_end = classes.vector_of(anchor, "beyond"), classes.vector_of(viewpoint, "beyond ... from")
     shift = Vector(0.0, gap) if is_scalar(gap) else classes.vector_of(gap, "beyond ... by")
@@ -156,16 +156,16 @@ def beyond(scope: Scope, node: ast.AST, anchor: Value, gap: Value, viewpoint: Va
 
 
 def at_with_heading(scope: Scope, node: ast.AST, place: Vector, heading: Value) -> ResolvedSpecifier:
-    """Return the specifier of a place, and in dialect 3 of a parent heading."""
-    return placing(scope, node, place, heading if scope.state.dialect == 3 else None)
+    """Return the specifier of a position, and in dialect 3 of a parent heading."""
+    return location_specifier(scope, node, place, heading if scope.state.dialect == 3 else None)
 
 
 def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> ResolvedSpecifier:
     """`visible [from V]`: a point of V's view; `not visible [from V]`: one of the container outside V's view.
 
-    Dialect 3 also demands that V sees the object, or nothing of it, wherever it is put.
+    Dialect 3 also requires that V sees the object, or nothing of it, wherever it is placed.
     """
-    sight, dialect = Sight(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
+    sight, dialect = VisibilityDemand(viewer_of(scope, viewer), words_of(node) == "visible"), scope.state.dialect
     view = classes.view_of(sight.viewer)
 
     def place(self: Instance) -> Vector:
@@ -176,7 +176,7 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
     def demand(self: Instance) -> None:
         if dialect == 3:
-            scope.state.sights.append((self, sight))
+            scope.state.visibility_demands.append((self, sight))
 
     needs = frozenset({"regionContainedIn"})
     gives = {"position": Given(OPTIONAL if dialect == 3 else REQUIRED, LazyValue(needs, place))}
@@ -185,17 +185,17 @@ def in_or_out_of_sight(scope: Scope, node: ast.AST, viewer: Value = None) -> Res
 
 def following(scope: Scope, node: ast.AST, field: Value, start: Value, distance: Value) -> ResolvedSpecifier:
     end, heading = follow(field, classes.vector_of(or_ego(scope, start), "following ... from"), distance)
-    return placing(scope, node, end, heading)
+    return location_specifier(scope, node, end, heading)
 
 
 # ------------------------------------------------------------ headings
 def at_position(heading_at: Callable[[Vector], Value]) -> LazyValue:
-    """Return a heading that depends on where the object is."""
+    """Return a heading that depends on the object's position."""
     return LazyValue(frozenset({"position"}), lambda self: heading_at(self.properties["position"]))
 
 
 def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
-    """Return a required heading, of whichever form; dialect 3 normalises it."""
+    """Return a required heading of any form; dialect 3 normalizes it."""
     if isinstance(direction, VectorField):
         direction = at_position(direction.heading_at)
     finish = normalised if scope.state.dialect == 3 else lambda heading: heading
@@ -220,7 +220,7 @@ def facing_away(scope: Scope, node: ast.AST, target: Value) -> ResolvedSpecifier
 
 
 def apparently_facing(scope: Scope, node: ast.AST, turn: Value, viewpoint: Value = None) -> ResolvedSpecifier:
-    """Set the heading `turn` as seen from the viewpoint; in dialect 3 the yaw, on top of the parent's heading."""
+    """Set the heading `turn` relative to the view line; in dialect 3 the yaw, relative to the parent's heading."""
     start = classes.vector_of(or_ego(scope, viewpoint), "apparently facing ... from")
     heading = at_position(lambda position: angle_between(start, position) + turn)
     gives = {"yaw" if scope.state.dialect == 3 else "heading": Given(REQUIRED, heading)}

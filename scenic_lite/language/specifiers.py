@@ -1,4 +1,4 @@
-"""Specifiers: what each gives and needs, and how an instance's properties are resolved from them.
+"""Specifiers: what each provides and needs, and how an instance's properties are resolved from them.
 
 Read next: `language.specifier_rules`, the meaning of each specifier.
 """
@@ -33,7 +33,7 @@ TILTS = ("orientation", "pitch", "roll")  # of dialect 3
 
 
 class Given(NamedTuple):
-    """What a specifier gives a property: a value, or a LazyValue of other properties."""
+    """The value that a specifier gives a property, or a LazyValue of other properties."""
 
     priority: int
     value: Value
@@ -43,7 +43,7 @@ class Given(NamedTuple):
 class ResolvedSpecifier:
     """One specifier with its operands evaluated.
 
-    `always` is what it means besides what it gives, even where specifiers of higher priority give all that it would.
+    `always` is applied even if specifiers of higher priority provide all of its properties.
     """
 
     name: str
@@ -53,14 +53,14 @@ class ResolvedSpecifier:
 
     @property
     def needs(self) -> frozenset[str]:
-        """Return the properties of the same object that must be known first."""
+        """Return the properties of the same object on which it depends."""
         needs = [given.value.needs for given in self.gives.values() if isinstance(given.value, LazyValue)]
         return needs[0] if len(needs) == 1 else frozenset().union(*needs)
 
 
 @dataclass(eq=False)
 class Resolution:
-    """The properties of one instance, computed each after what it needs."""
+    """The properties of one instance, each computed after its dependencies."""
 
     scope: Scope
     instance: Instance
@@ -69,7 +69,7 @@ class Resolution:
     waiting: list[ResolvedSpecifier] = field(default_factory=list)
 
     def resolve(self, specifier: ResolvedSpecifier) -> None:
-        """Compute what `specifier` gives, after what it needs."""
+        """Apply `specifier` after its dependencies."""
         if specifier in self.done:
             return
         if specifier in self.waiting:
@@ -123,7 +123,7 @@ def make(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier], in
 
 
 def refuse_tilt(scope: Scope, instance: Instance, by_property: dict[str, ResolvedSpecifier]) -> None:
-    """Raise ScenicError where a specifier or a class leads out of the plane; a pitch and a roll of 0 do not."""
+    """Raise ScenicError for a specifier or a class that leaves the plane; a pitch and a roll of 0 do not."""
     for name in TILTS:
         value = instance.properties.get(name, 0)
         if (name == "orientation" and name in by_property) or not (is_number(value) and value == 0):
@@ -133,7 +133,7 @@ def refuse_tilt(scope: Scope, instance: Instance, by_property: dict[str, Resolve
 
 
 def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) -> None:
-    """Raise ScenicError where one gives a final property or a name that is taken, or faces without a heading."""
+    """Raise ScenicError for a specifier of a final property or a reserved name, or a facing without a heading."""
     for specifier in specifiers:
         message = hint = ""
         for name in specifier.gives:
@@ -148,7 +148,7 @@ def refuse(scope: Scope, cls: ScenicClass, specifiers: list[ResolvedSpecifier]) 
 
 
 def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dict[str, ResolvedSpecifier]:
-    """Return for each property the specifier that sets it. Raises ScenicError where two have the same priority."""
+    """Return for each property its specifier. Raises ScenicError if two have the same priority."""
     seen: set[str] = set()
     by_property: dict[str, ResolvedSpecifier] = {}
     for new in specifiers:
@@ -167,7 +167,7 @@ def resolve_priorities(scope: Scope, specifiers: list[ResolvedSpecifier]) -> dic
 def default_of(
     scope: Scope, cls: ScenicClass, name: str, instance: Instance, owner: str | None = None
 ) -> ResolvedSpecifier:
-    """Return the class's default for a property, as a specifier; `additive` ones collect those of all bases."""
+    """Return the class's default for a property as a specifier; `additive` ones collect those of all bases."""
     defaults = cls.defaults_of(name)
     additive = "additive" in defaults[0].attributes
     used = defaults if additive else defaults[:1]
@@ -184,7 +184,7 @@ def default_of(
 def optional(
     title: str, instance: Instance, name: str, compute: Callable[[Instance], Value], *needs: str
 ) -> ResolvedSpecifier:
-    """Return what an instance gets unless a specifier says otherwise; to blame is the place where it is made."""
+    """Return the default for an instance; errors are reported where the instance is created."""
     place = instance.place
     node = ast.Pass(
         lineno=place.line, col_offset=place.column, end_lineno=place.end_line, end_col_offset=place.end_column
@@ -195,7 +195,7 @@ def optional(
 def split_heading(
     scope: Scope, cls: ScenicClass, by_property: dict[str, ResolvedSpecifier], instance: Instance
 ) -> None:
-    """Make the heading of dialect 3 that of the parent + yaw, unless required; the class's default is the parent's."""
+    """Set dialect 3's heading to parent's + yaw, unless required; the class's default is the parent's."""
     heading, yaw = by_property["heading"], by_property.get("yaw")
     if not heading.name.startswith("default"):
         if yaw is not None:
@@ -216,7 +216,9 @@ def split_heading(
 def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> ResolvedSpecifier:
     """`with name value`."""
     if name == "behavior" and isinstance(value, Behavior):
-        scope.warn(f"the behavior {value.name} stands without brackets", node, f"write with behavior {value.name}()")
+        scope.warn(
+            f"the behavior {value.name} is written without brackets", node, f"write with behavior {value.name}()"
+        )
         value = scope.call(value, [], {}, node)
     elif name == "behavior":
         value = one_behavior(scope, node, value)
@@ -224,7 +226,7 @@ def with_property(scope: Scope, node: ast.expr, name: str, value: Value) -> Reso
 
 
 def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
-    """Return a behavior that was drawn as the behavior `A or B(chosen): do chosen`; any other value as it is."""
+    """Return a drawn behavior as the behavior `A or B(chosen): do chosen`; any other value unchanged."""
     if not isinstance(value, RandomChoice) or not all(isinstance(option, BehaviorCall) for option in value.options):
         return value
     name = " or ".join(dict.fromkeys(option.behavior.name for option in value.options))
@@ -237,7 +239,7 @@ def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
-    """Warn of a property that the class does not declare, if it looks like a slip."""
+    """Warn of a property that the class does not declare, if it is probably a mistake."""
     known = cls.property_names()
     if name in known:
         return
@@ -250,7 +252,7 @@ def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, va
 
 
 def overridden_properties(scope: Scope, node: nodes.Override, target: Value, live: Collection[str]) -> dict[str, Value]:
-    """Return what `override target with p v, ...` sets, by name; `live` are the properties that the simulator sets."""
+    """Return the values of `override target with p v, ...` by name; `live` are the simulator's properties."""
     if not is_object(target):
         raise scope.error("type", f"`override` needs an object, not {describe_kind(target)}", node.target)
     values: dict[str, Value] = {}

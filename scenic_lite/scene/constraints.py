@@ -1,7 +1,7 @@
-"""The constraints of every scene: objects apart, inside their containers, seen where they must be; the program's own.
+"""The constraints of every scene: no overlaps, containment, visibility, and the program's requirements.
 
-Overlaps and rectangular containers are tested for all objects at once, since they are tested for every scene; the rest
-are nodes of the graph. Read next: `scene.program`.
+Overlaps and rectangular containers are tested for all objects at once, since every scene needs these tests; all other
+constraints are nodes of the graph. Read next: `scene.program`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from scenic_lite.core.state import LoadState, Sight
+from scenic_lite.core.state import LoadState, VisibilityDemand
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.language.classes import can_see, outline, rectangle_of
@@ -27,19 +27,19 @@ SHOWN = 8  # constraints in a report, the worst first
 
 
 class Constraint(NamedTuple):
-    """One thing that a scene must satisfy: `label` as the report prints it, and where it comes from."""
+    """One condition on a scene: its `label` in the report, and its origin."""
 
     label: str
     place: SourceSpan
     kind: str  # "require", "containment", "overlap", "visibility"
-    probability: float = 1.0  # below 1: a soft requirement, in force in that share of the scenes
+    probability: float = 1.0  # below 1: a soft requirement, active in that share of the scenes
 
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
     """The rectangles of all objects in N scenes, arrays [O, N], or [O, 1] where they never vary.
 
-    Objects come first so that what belongs to one of them, or to one constraint, is contiguous.
+    Objects are the first axis so that the values of one object, or of one constraint, are contiguous.
     """
 
     x: Any
@@ -58,9 +58,9 @@ class BatchedTest:
     """K constraints of one kind, tested for all objects at once.
 
     Attributes:
-        constraints: the K of them.
-        members: for each object that a constraint is about, an array [K] of which it is.
-        violated: from x, y, heading, width, length of each member, arrays [k, N], to truth values [k, N].
+        constraints: the K constraints.
+        members: for each object position of a constraint, an array [K] of object indices.
+        violated: the test, from x, y, heading, width, length of each member, arrays [k, N], to booleans [k, N].
     """
 
     constraints: list[Constraint]
@@ -68,7 +68,7 @@ class BatchedTest:
     violated: Callable[..., Any]
 
     def fails(self, outlines: Outlines) -> Any:
-        """Return which constraints do not hold: [K, N]; so many at once as stay in the processor's cache."""
+        """Return which constraints are violated: [K, N]; in blocks that fit into the processor's cache."""
         size = max(1, BLOCK // max(1, outlines.x.shape[1]))
         parts = []
         for start in range(0, len(self.constraints), size):
@@ -88,9 +88,9 @@ def overlaps_of(objects: list[Instance]) -> BatchedTest | None:
 
 
 def meet(*numbers: Any) -> Any:
-    """Return as `rectangles_meet` does, which is asked only about those whose circumscribed circles meet."""
+    """Return the result of `rectangles_meet`, called only for pairs whose circumscribed circles meet."""
     ax, ay, heading_a, width_a, length_a, bx, by, heading_b, width_b, length_b = numbers
-    if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # upright, the usual case
+    if heading_a.shape[1] == 1 and not heading_a.any() and not heading_b.any():  # axis-aligned, the usual case
         return (np.abs(ax - bx) <= (width_a + width_b) / 2) & (np.abs(ay - by) <= (length_a + length_b) / 2)
     dx, dy = ax - bx, ay - by
     reach = (np.hypot(width_a, length_a) + np.hypot(width_b, length_b)) * (0.5 + 1e-9)
@@ -107,7 +107,7 @@ def containment_of(region: RectangularRegion, where: list[int], constraints: lis
     half_width, half_length = region.width / 2 + CLOSENESS, region.length / 2 + CLOSENESS
 
     def sticks_out(x: Any, y: Any, heading: Any, width: Any, length: Any) -> Any:
-        """Return whether a rectangle does, by its extent along the container's axes."""
+        """Return whether a rectangle leaves its container, by its extent along the container's axes."""
         dx, dy = x - position.x, y - position.y
         turn_c, turn_s = np.abs(np.cos(heading - region.heading)), np.abs(np.sin(heading - region.heading))
         across, along = (width * turn_c + length * turn_s) / 2, (width * turn_s + length * turn_c) / 2
@@ -118,17 +118,17 @@ def containment_of(region: RectangularRegion, where: list[int], constraints: lis
 
 
 class Constraints:
-    """All R constraints of a program: those of arrays first, then those that are nodes of the graph."""
+    """All R constraints of a program: those of arrays first, then the nodes of the graph."""
 
     def __init__(self, batched: list[BatchedTest], nodes: list[tuple[Constraint, Value]]) -> None:
-        """Take tests that are batched, and nodes, each of which is true where its constraint holds."""
+        """Create from batched tests, and from nodes, each of which is true if its constraint holds."""
         self.batched, self.nodes = batched, nodes
         self.all = (
             *(constraint for test in batched for constraint in test.constraints),
             *(constraint for constraint, _ in nodes),
         )
         hard = [i for i, constraint in enumerate(self.all) if constraint.probability == 1]
-        # rows of failed [R, N] whose constraints are in force in every scene
+        # rows of failed [R, N] whose constraints are active in every scene
         self.hard: Any = ... if len(hard) == len(self.all) else np.array(hard, dtype=int)
         self._slots: list[bool | int] = []
 
@@ -137,7 +137,7 @@ class Constraints:
         self._slots = [tape.slot(value) if isinstance(value, RandomExpr) else bool(value) for _, value in self.nodes]
 
     def failed(self, registers: list[Any], outlines: Outlines, count: int) -> np.ndarray:
-        """Return which constraints do not hold: [R, N]."""
+        """Return which constraints are violated: [R, N]."""
         failed = np.empty((len(self.all), count), dtype=bool)
         at = 0
         for test in self.batched:
@@ -148,13 +148,13 @@ class Constraints:
         return failed
 
     def members(self) -> Iterator[tuple[Constraint, tuple[int, ...]]]:
-        """Yield the objects that each constraint of arrays is about."""
+        """Yield the objects of each constraint of arrays."""
         for test in self.batched:
             yield from zip(test.constraints, zip(*test.members, strict=True), strict=True)
 
 
 def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
-    """Return every constraint that the objects and requirements of a program imply."""
+    """Return all constraints from the objects and requirements of a program."""
     nodes: list[tuple[Constraint, Value]] = []
     overlaps = overlaps_of(objects)
     batched = [] if overlaps is None else [overlaps]
@@ -174,7 +174,7 @@ def constraints_of(state: LoadState, objects: list[Instance]) -> Constraints:
 
 
 def constraint_of_requirement(state: LoadState, constraints: Constraints) -> list[int | None]:
-    """Return which constraint each requirement is; None for one that holds in every scene."""
+    """Return the constraint of each requirement; None for one that holds in every scene."""
     at = len(constraints.all) - sum(requirement.condition is not True for requirement in state.requirements)
     numbers: list[int | None] = []
     for requirement in state.requirements:
@@ -184,7 +184,7 @@ def constraint_of_requirement(state: LoadState, constraints: Constraints) -> lis
 
 
 def containers(state: LoadState, objects: list[Instance]) -> dict[Any, tuple[list[int], str]]:
-    """Return the objects that each container must hold: its own region if it has one, else the workspace."""
+    """Return the objects of each container: an object's own region if it has one, else the workspace."""
     result: dict[Any, tuple[list[int], str]] = {}
     for i, instance in enumerate(objects):
         own = instance.properties["regionContainedIn"]
@@ -211,12 +211,15 @@ def sometimes_apart(objects: list[Instance]) -> Iterator[tuple[Constraint, Value
 
 
 def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Constraint, Value]]:
-    """Yield what the ego must see by `requireVisible`, and what the specifiers `visible` and `not visible` demand."""
+    """Yield the demands of `requireVisible` on the ego, and of the specifiers `visible` and `not visible`."""
     made = {id(instance) for instance in objects}
-    demands = [(instance, sight, True) for instance, sight in state.sights if id(instance) in made]
+    demands = [(instance, sight, True) for instance, sight in state.visibility_demands if id(instance) in made]
     if state.ego is not None:
         others = (instance for instance in objects if instance is not state.ego)
-        demands = [*((one, Sight(state.ego, True), one.properties["requireVisible"]) for one in others), *demands]
+        demands = [
+            *((one, VisibilityDemand(state.ego, True), one.properties["requireVisible"]) for one in others),
+            *demands,
+        ]
     for instance, (viewer, visible), required in demands:
         seen = can_see(viewer, instance, state.dialect) if required is not False else visible
         holds = seen if visible else apply(NOT, seen)
@@ -230,15 +233,15 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
 # ------------------------------------------------------------ the report
 @dataclass(frozen=True)
 class RejectionReport:
-    """How many of some uniform draws of θ were valid, and what share each constraint rejected by itself.
+    """How many of some uniform draws of θ were valid, and the share that each constraint rejected by itself.
 
-    A draw may violate several, so the shares need not add up.
+    A draw may violate several constraints, so the shares need not add up.
     """
 
     file: str
     draws: int
     accepted: int
-    rejected: tuple[tuple[Constraint, float], ...]  # only those that rejected something, the worst first
+    rejected: tuple[tuple[Constraint, float], ...]  # only constraints that rejected something, the worst first
 
     @property
     def acceptance(self) -> float:

@@ -1,4 +1,4 @@
-"""The columns of θ and their readable, unique names; the names by which constraints speak of objects.
+"""The columns of θ and their readable, unique names; the names of objects in constraints.
 
 Read next: `scene.program`.
 """
@@ -21,8 +21,8 @@ class Draw(NamedTuple):
     """One column of θ: [-1, 1] is mapped to the value by its inverse cumulative distribution.
 
     `kind`: "range", "point.x", "point.y", "point.along", "choice", "integers" or "normal"; `low`, `high`: the limits of
-    the value in the program's units (of the index, for a choice; nan where they are themselves random). Of a choice,
-    `options` are the titles of what it is among, and `weights` the share of [-1, 1] of each, in the same order.
+    the value in the program's units (of the index, for a choice; nan if they are random). For a choice, `options` are
+    the titles of the options, and `weights` the share of [-1, 1] of each, in the same order.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Draw(NamedTuple):
 
 
 class ThetaLayout:
-    """The D columns of θ: `columns` are the leaves of the graph, `draws` what is known of them."""
+    """The D columns of θ: `columns` are the leaves of the graph, `draws` their descriptions."""
 
     def __init__(self, file: str, columns: list[ThetaColumn], draws: tuple[Draw, ...]) -> None:
         self.file, self.columns, self.draws = file, columns, draws
@@ -43,7 +43,7 @@ class ThetaLayout:
         self.span = np.array([column.span for column in columns])[:, None]  # [D, 1]
 
     def checked(self, theta: Any) -> np.ndarray:
-        """Return theta as an array [N, D]. Raises ValueError if it is none."""
+        """Return theta as an array [N, D]. Raises ValueError if it is invalid."""
         expected = f"theta must be an array of numbers of the shape [N, {len(self.columns)}] for {self.file}"
         try:
             array = np.asarray(theta)
@@ -64,7 +64,7 @@ class ThetaLayout:
         return unit
 
     def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
-        """Return the values that one row theta [D] gives to the columns."""
+        """Return the column values of one row theta [D]."""
         scaled = self.scaled(self.checked(np.asarray(theta, dtype=float)[None]))
         return {column: float(value) for column, value in zip(self.columns, scaled[:, 0], strict=True)}
 
@@ -84,14 +84,14 @@ def unique(names: Iterable[str]) -> list[str]:
 
 
 def name_objects(objects: list[Instance]) -> list[Instance]:
-    """Give every object the label by which constraints and columns speak of it."""
+    """Give every object the label that constraints and columns use."""
     for instance, label in zip(objects, unique(instance.title() for instance in objects), strict=True):
         instance.label = label
     return objects
 
 
 def title_of(value: Value) -> str:
-    """Return how a chosen value is shown."""
+    """Return the text of a chosen value."""
     if isinstance(value, Instance):
         return value.title()
     if isinstance(value, Vector) and value.fixed:
@@ -102,14 +102,14 @@ def title_of(value: Value) -> str:
 
 
 def titles_of_options(options: Sequence[Value]) -> tuple[str, ...]:
-    """Return how each of several options is shown: by its number too, if others look the same."""
+    """Return the texts of several options, numbered if they are not unique."""
     titles = [title_of(option) for option in options]
     times = Counter(titles)
     return tuple(f"{t} (no. {k} of {len(titles)})" if times[t] > 1 else t for k, t in enumerate(titles, 1))
 
 
 def name_arguments(objects: list[Instance]) -> None:
-    """Name draws made for an argument of a behavior by it, if no variable does: `ego.behavior.speed`."""
+    """Name draws made for an argument of a behavior after it, unless a variable holds them: `ego.behavior.speed`."""
     for instance in objects:
         behavior = instance.properties["behavior"]
         arguments = behavior.arguments if isinstance(behavior, BehaviorCall) else {}
@@ -122,7 +122,7 @@ def name_arguments(objects: list[Instance]) -> None:
 
 
 def owners_of(column: ThetaColumn) -> list[Instance]:
-    """Return whose specifiers made a column: an object, the one in whose specifiers that was made, and so on."""
+    """Return the chain of owners of a column: an object, the object in whose specifiers that was created, and so on."""
     owners, owner = [], column.owner
     while owner is not None:
         owners.append(owner[0])
@@ -131,7 +131,7 @@ def owners_of(column: ThetaColumn) -> list[Instance]:
 
 
 def shown_parts(value: Value) -> list[Value]:
-    """Return what a column may show of a value: itself, its coordinates, or the index of a choice."""
+    """Return what a column may represent of a value: itself, its coordinates, or the index of a choice."""
     vector = as_vector(value)
     if vector is not None:
         return [vector.x, vector.y]

@@ -1,15 +1,15 @@
-"""Program: the layout of θ, and scenes, validity and samples from it; the seam of this package.
+"""Program: the layout of θ, and scenes, validity and samples from it; the interface of this package.
 
     program = load("free.scenic")                         the text is walked once
     theta, scenes = program.sample(256, rng)              [256, D] valid ones, and what they describe
-    scenes = program.instantiate(theta)                   the same again: θ is all of a scene
+    scenes = program.instantiate(theta)                   the same again: θ determines a scene
     scenes.positions, scenes.ok                           [256, O, 2], [256]
 
-`Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. What the walk leaves
-is the graph of all values that scenes are made of. A Program lays it out as a flat tape: N rows of θ are N scenes by
-one array operation for each node. The language is Scenic's (Fremont et al. 2019), θ the free parameters of a UPOMDP
-(Dennis et al. 2020). Constraints are nodes too, or tests of all objects at once: a row that violates one is no scene,
-and `sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
+`Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. The walk creates the
+graph of all values in scenes, which a Program lays out as a flat tape: N rows of θ become N scenes by one array
+operation for each node. The language is Scenic's (Fremont et al. 2019), θ holds the free parameters of a UPOMDP (Dennis
+et al. 2020). Constraints are nodes, too, or tests of all objects at once: a row that violates one is not a scene, and
+`sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -34,34 +34,34 @@ from scenic_lite.scene.theta import theta_of
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of
 from scenic_lite.values.regions import Region
 
-FIRST_DRAWS = 4096  # if none of so many is valid, the program counts as impossible
-DRAWS_PER_SCENE = 20_000  # thereafter, so that sampling always ends
-OUTLINE = ("position", "heading", "width", "length", "allowCollisions")  # what decides whether objects overlap
+FIRST_DRAWS = 4096  # if none of these is valid, the program counts as impossible
+DRAWS_PER_SCENE = 20_000  # afterwards, so that sampling always ends
+OUTLINE = ("position", "heading", "width", "length", "allowCollisions")  # the properties that determine overlaps
 
 
 class Program:
     """A compiled `.scenic` source. Made by `load`.
 
     Attributes:
-        source, file: the text and where it came from; `dialect` 2 or 3.
-        warnings: what looks like a slip but is legal.
-        printed: lines that the program's `print` wrote while it was loaded.
-        objects: the O objects, the ego first, then in order of creation; `instances`: as the interpreter knows them.
+        source, file: the text and its origin; `dialect` 2 or 3.
+        warnings: legal code that is probably a mistake.
+        printed: lines that the program printed while it was loaded.
+        objects: the O objects, the ego first, then in order of creation; `instances`: the interpreter's objects.
         params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
         param_places: where each parameter, random or not, was set.
         requirements: the R constraints of a scene, in the order of `Scenes.failed`.
         behaviors, monitors, terminations, records, temporal: the dynamic half, kept as trees.
-        main: the modular scenario that the program is, if it is one; its names are those of `main_frame`.
-        read_in_episodes: the values that behaviors, monitors and conditions name.
-        mode: what the trees are evaluated in, by `scenic_lite.dynamics`.
+        main: the main modular scenario, if the program has one; its names are those of `main_frame`.
+        read_in_episodes: the values that behaviors, monitors and conditions read.
+        mode: the mode in which `scenic_lite.dynamics` evaluates the trees.
         layout: the D columns of θ, in order of first appearance.
 
-    It does not change once it is loaded: copies are the program itself. It is for one thread at a time, and is not
-    pickled: another process loads the same text, and maps the same θ to the same scenes.
+    It is immutable once loaded: copies are the program itself. It is not thread-safe, and is not pickled: another
+    process loads the same text, and maps the same θ to the same scenes.
     """
 
     def __init__(self, mode: Mode, source: Source, text: str, warnings: tuple[ScenicError, ...]) -> None:
-        """Make the Program of a load whose statements have all run. Raises ScenicError if it can have no scene."""
+        """Make the Program of a load whose statements have all run. Raises ScenicError if it has no valid scene."""
         state = mode.state
         self.mode, self.source, self.file, self.dialect = mode, text, source.file, state.dialect
         self.warnings, self.printed = warnings, tuple(state.printed)
@@ -80,7 +80,7 @@ class Program:
         values = [*objects, *state.params.values(), *conditions, *self.read_in_episodes]
         roots = [node for value in values for node in randoms_in(value)]
         self.layout = lay_out_theta(state, objects, roots, self.file)
-        with state.placing(source.start):
+        with state.with_location(source.start):
             self.tape = Tape(roots, self.layout.columns, state.budget.limits.operations)
         self._constraints.read_from(self.tape)
         rules = constraints.constraint_of_requirement(state, self._constraints)
@@ -96,7 +96,7 @@ class Program:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        raise TypeError(f"a Program is not pickled: give the other process the text of {self.file}, and load it there")
+        raise TypeError(f"a Program cannot be pickled: pass the text of {self.file} to the other process")
 
     @property
     def dim(self) -> int:
@@ -119,7 +119,7 @@ class Program:
         return tuple(dict.fromkeys(drawn.whole or drawn.region for drawn in self.mode.state.points))
 
     def error(self, kind: str, message: str, place: SourceSpan, hint: str = "") -> ScenicError:
-        """Return an error at a place of the program, to be raised by whoever finds it unfit for its purpose."""
+        """Return an error at a place of the program, for callers that reject it."""
         return ScenicError(kind, message, place, hint=hint, source_line=self.line_of(place))
 
     def line_of(self, place: SourceSpan) -> str:
@@ -130,9 +130,9 @@ class Program:
     # ------------------------------------------------------------ from θ to scenes
 
     def instantiate(self, theta: np.ndarray) -> Scenes:
-        """Return the scenes for theta [N, D] in [-1, 1] (clipped to it), row by row independent of each other.
+        """Return the scenes of theta [N, D] in [-1, 1] (clipped to it); rows are independent.
 
-        Never raises for rows that describe no valid scene: their `ok` is False.
+        Never raises for rows without a valid scene: their `ok` is False.
         """
         self.mode.budget.new_call()
         registers, outlines, ok, failed, _ = self._evaluate(self.layout.checked(theta))
@@ -146,11 +146,11 @@ class Program:
         return self._evaluate(self.layout.checked(theta))[2]
 
     def row(self, theta: np.ndarray) -> dict[RandomExpr, float]:
-        """Return the values that one row theta [D] gives to the draws, for `Mode.row`."""
+        """Return the draws of one row theta [D], for `Mode.row`."""
         return self.layout.row(theta)
 
     def describe(self, theta: np.ndarray) -> dict[str, Any]:
-        """Return the values that one row theta [D] stands for, by name of the draw, in the program's units."""
+        """Return the values of one row theta [D], by name of the draw, in the program's units."""
         with np.errstate(all="ignore"):
             registers = self._shown.run(self.layout.scaled(self.layout.checked(np.asarray(theta, dtype=float)[None])))
         values = {}
@@ -162,13 +162,13 @@ class Program:
 
     @cached_property
     def _shown(self) -> Tape:
-        """Return the tape of what a person would want to see of each column."""
+        """Return the tape of the readable value of each column."""
         return Tape([column.shown for column in self.layout.columns], self.layout.columns, 10**9)
 
     def _evaluate(self, theta: np.ndarray) -> tuple[list[Any], Outlines, np.ndarray, np.ndarray, CheckResults]:
-        """Return what scenes of theta [N, D] are read from, their `ok` [N] and `failed` [R, N], and their faults.
+        """Return the registers of theta [N, D], their `ok` [N] and `failed` [R, N], and their faults.
 
-        That is all that sampling needs of a candidate: to make scenes of it takes as long again.
+        Sampling needs only these for a candidate: creating scenes takes as long again.
         """
         count = len(theta)
         scaled = self.layout.scaled(theta)  # [D, N]
@@ -193,10 +193,10 @@ class Program:
         return theta, self.instantiate(theta)
 
     def sample_theta(self, n: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw theta [n, D] of n valid scenes, uniform by rejection.
+        """Draw theta [n, D] of n valid scenes, uniformly by rejection.
 
-        A soft requirement is in force in its share of the scenes, decided once for each. Raises ScenicError of kind
-        `rejection` with the report if no draw is valid, of another if a requirement fails in a scene.
+        A soft requirement is active in its share of the scenes, drawn once for each. Raises ScenicError of kind
+        `rejection` with the report if no draw is valid, of another kind if a requirement fails in a scene.
         """
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
@@ -220,7 +220,7 @@ class Program:
                 valid = valid & ~violated.any(axis=1)
             valid = valid.reshape(len(pending), tries)  # [P, K]
             if faults.any:
-                tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first that is valid
+                tried = valid.cumsum(axis=1) <= valid  # one by one, up to the first valid one
                 faults.raise_first(violated, tried.ravel())
             draws, accepted = draws + len(candidates), accepted + int(valid.sum())
             solved = valid.any(axis=1)  # [P]
@@ -230,7 +230,7 @@ class Program:
         return theta
 
     def report(self, n: int, rng: np.random.Generator) -> constraints.RejectionReport:
-        """Return what share of n uniform draws each constraint rejects."""
+        """Return the share of n uniform draws that each constraint rejects."""
         if n < 1:
             raise ValueError(f"a report needs at least one draw, not {n}")
         scenes = self.instantiate(rng.uniform(-1.0, 1.0, (n, self.dim)))
@@ -249,12 +249,12 @@ class Program:
     # ------------------------------------------------------------ from scenes to θ
 
     def theta(self, description: Mapping[Any, Any], default: np.ndarray | None = None) -> np.ndarray:
-        """Return the rows of theta [N, D] of scenes that a person describes, valid or not: `instantiate` turned round.
+        """Return the rows of theta [N, D] of described scenes, valid or not: the inverse of `instantiate`.
 
         `description` is like `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an object (its label or index), a
         parameter or a draw. An object takes (x, y), (x, y, heading in radians) or a dict of properties; each number
-        or text may be an array [N], each place one [N, 2]. `default` [D] or [N, D] gives the draws that are not decided
-        by this. Raises ScenicError naming the draws left undecided, or the value for which no θ was found.
+        or text may be an array [N], each position one [N, 2]. `default` [D] or [N, D] gives the remaining draws.
+        Raises ScenicError naming undetermined draws, or a value for which no θ was found.
         """
         if not isinstance(description, Mapping):
             raise TypeError(f"scenes are described like {{'ego': (30, 5)}}, not by {description!r:.80}")
@@ -301,11 +301,11 @@ def tries_for_each(pending: int, draws: int, accepted: int) -> int:
     return max(1, min(likely, FIRST_DRAWS // pending))
 
 
-# ------------------------------------------------------------ what is random
+# ------------------------------------------------------------ random values
 def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[Value]:
-    """Return every value that the dynamic half of a program names, directly or through functions and behaviors.
+    """Return every value that the program's behaviors and monitors read, also through functions and behaviors.
 
-    What is random in them is sampled with the scene; what a behavior draws itself is not.
+    Their random values are sampled with the scene; a behavior's own draws are not.
     """
     attached = [instance.properties["behavior"] for instance in objects]
     calls = [value for value in (*attached, *state.monitors) if isinstance(value, BehaviorCall)]
@@ -322,10 +322,10 @@ def values_read_in_episodes(state: LoadState, objects: list[Instance]) -> list[V
 def refuse_huge_values(state: LoadState, objects: list[Instance]) -> None:
     """Raise ScenicError for a property or parameter that scenes cannot hold."""
     for instance in objects:
-        with state.placing(instance.place):
+        with state.with_location(instance.place):
             refuse_huge(instance.properties, f"a property of {instance.title()}")
     for name, value in state.params.items():
-        with state.placing(state.param_places[name]):
+        with state.with_location(state.param_places[name]):
             refuse_huge(value, f"the parameter '{name}'")
 
 
@@ -344,7 +344,7 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
 
 
 def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
-    """Return where a value is drawn; for a default of a library's class, where its object is made."""
+    """Return where a value is drawn; for a default of a library's class, where its object is created."""
     place, owner = column.place, column.owner
     while state.sources[place.file].library and owner is not None:
         place, owner = owner[0].place, owner[0].owner

@@ -1,8 +1,8 @@
-"""Pruning: a point is drawn only from where its object has room in its container, not from all that the program names.
+"""Pruning: a point is drawn only from where its object fits into its container, not from the whole named region.
 
-The valid scenes and their distribution stay the same, since whatever is left out would be rejected; fewer levels are
-invalid. Only objects that stand at such a point itself, or at a fixed step from it, are pruned: not those with noise.
-Read next: `scene.constraints`, which tests what is left.
+The valid scenes and their distribution stay the same, since the pruned part would be rejected; fewer levels are
+invalid. Only objects at such a point, or at a fixed step from it, are pruned, and none with noise.
+Read next: `scene.constraints`, which tests the remaining conditions.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from scenic_lite.values.polygons import PolygonalRegion, region_of
 from scenic_lite.values.regions import Filtered, RectangularRegion, Region, SectorRegion
 
 SLIGHT = 1e-5  # a smaller share of a rectangle is not worth pruning
-ROUGH = 1e-3  # nor is one of another region, as circles are polygons there
+ROUGH = 1e-3  # nor is one of another region, since circles are polygons in that test
 LARGEST_NUMBER = 1e12  # in a region; areas of larger ones may overflow
 
 
 class Demand(NamedTuple):
-    """What the point of one object must satisfy: `container` has room for the object.
+    """The condition on the point of one object: `container` has room for the object.
 
-    `right`, `up`: the fixed step from the point to the object; `radius`: of a circle that the object always holds.
+    `right`, `up`: the fixed step from the point to the object; `radius`: of a circle inside the object.
     """
 
     container: Region
@@ -48,12 +48,12 @@ class Demand(NamedTuple):
 def prune(state: LoadState) -> None:
     """Draw the points of a program's objects from the parts of their regions in which the objects fit.
 
-    What is cut off is what Scenic cuts off, so that shares of valid draws can be compared: the container's rim, as far
-    in as the radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
-    ScenicError where an object fits nowhere.
+    It cuts off what Scenic cuts off, so that acceptance rates can be compared: a margin of the container as wide as the
+    radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
+    ScenicError if an object fits nowhere.
     """
     points = {id(part): i for i, drawn in enumerate(state.points) for part in (drawn.point.x, drawn.point.y)}
-    parts: dict[Demand, dict[Region, Region | None]] = {}  # what many objects have in common is computed once
+    parts: dict[Demand, dict[Region, Region | None]] = {}  # shared demands are computed once
     for container, (where, label) in containers(state, state.objects).items():
         for instance in [state.objects[i] for i in where] if is_fixed_area(container) else []:
             near = near_point(points, state, instance.properties["position"])
@@ -63,7 +63,7 @@ def prune(state: LoadState) -> None:
             base = state.points[at].region
             if state.dialect == 3 and base is state.workspace:
                 continue
-            base = base.region if isinstance(base, Filtered) else base  # whose test is a requirement of the point
+            base = base.region if isinstance(base, Filtered) else base  # its test is a requirement on the point
             if not is_fixed_area(base):
                 continue
             radius = min(least(instance.properties[name]) / 2 for name in ("width", "length"))  # of the inner circle
@@ -79,14 +79,14 @@ def prune(state: LoadState) -> None:
 
 
 def is_fixed_area(region: Region) -> bool:
-    """Return whether a region is the same in every scene, has an area, and is known by its boundary."""
+    """Return whether a region is the same in every scene, has an area, and has a known boundary."""
     if not isinstance(region, RectangularRegion | SectorRegion | PolygonalRegion):
         return False
     return region.fixed() and all(abs(part) < LARGEST_NUMBER for part in region.parameters())
 
 
 def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tuple[int, float, float] | None:
-    """Return the index of the drawn point that a position is, and the fixed step from there."""
+    """Return the index of the drawn point on which a position depends, and the fixed step from there."""
     (x, right), (y, up) = (without_step(part, points) for part in (position.x, position.y))
     at = points.get(id(x))
     if at is None or state.points[at].point.x is not x or state.points[at].point.y is not y:
@@ -95,7 +95,7 @@ def near_point(points: dict[int, int], state: LoadState, position: Vector) -> tu
 
 
 def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
-    """Return a value as a coordinate of one of the points, if it is one, and the fixed number that is added to that."""
+    """Return a value as a coordinate of one of the points, if it is one, and the fixed number added to it."""
     step = 0.0
     while isinstance(value, RandomExpr) and id(value) not in points and value.operation in (np.add, np.subtract):
         first, second = value.inputs
@@ -110,7 +110,7 @@ def without_step(value: Value, points: dict[int, int]) -> tuple[Value, float]:
 
 
 def least(value: Value) -> float:
-    """Return a lower bound of a size: the low end of a draw, the least of a choice; 0 of what is computed."""
+    """Return a lower bound of a size: the low end of a draw, the least option; 0 for a computed value."""
     if not isinstance(value, RandomExpr):
         return float(value)
     if isinstance(value.operation, Table):
@@ -138,7 +138,7 @@ def draw_from(state: LoadState, at: int, part: Region) -> None:
 
 
 def common_part(base: Region, demand: Demand) -> Region | None:
-    """Return the part of a region that meets a demand; the region itself if that is almost all, None if nothing."""
+    """Return the part of a region that meets a demand; the region itself if that is almost all, None if empty."""
     container = demand.container
     if isinstance(base, RectangularRegion) and isinstance(container, RectangularRegion) and aligned(base, container):
         return common_rectangle(base, demand)
@@ -167,7 +167,7 @@ def common_rectangle(base: RectangularRegion, demand: Demand) -> RectangularRegi
 
 
 def overlap(a: float, reach_a: float, b: float, reach_b: float) -> tuple[float, float]:
-    """Return what two intervals, given by middle and half length, have in common."""
+    """Return the intersection of two intervals, given by middle and half length."""
     return max(a - reach_a, b - reach_b), min(a + reach_a, b + reach_b)
 
 
@@ -184,7 +184,7 @@ def common_shape(base: Region, demand: Demand) -> Region | None:
 
 
 def circumscribed(region: Region) -> Region:
-    """Return a region whose polygon holds all of the given one, also its arcs."""
+    """Return a region whose polygon contains the given one, including its arcs."""
     if not isinstance(region, SectorRegion):
         return region
     radius = region.radius / math.cos(min(region.angle, TURN) / 2 / ARC_SEGMENTS)
@@ -193,16 +193,16 @@ def circumscribed(region: Region) -> Region:
 
 # ------------------------------------------------------------ the graph
 def narrow(columns: tuple[ThetaColumn, ...], part: RectangularRegion) -> None:
-    """Bring the limits of columns that are the coordinates themselves nearer."""
+    """Tighten the limits of columns that are coordinates themselves."""
     for column, (low, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.low, column.high = low, low, low + span
         column.span = span_between(low, low + span)
 
 
 def redraw(state: LoadState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColumn, ...]:
-    """Make the point's nodes those of another region, so that all that was computed from them follows."""
+    """Replace the point's nodes by those of another region, so that values computed from them change, too."""
     columns = drawn.columns
-    if drawn.point.x is columns[0]:  # its columns become nodes, of two others
+    if drawn.point.x is columns[0]:  # its columns become nodes of two other columns
         columns = tuple(successor(state, column) for column in columns)
     for column, (offset, span) in zip(columns, part.scales(), strict=True):
         column.offset, column.span = offset, span
@@ -214,7 +214,7 @@ def redraw(state: LoadState, drawn: DrawnPoint, part: Region) -> tuple[ThetaColu
 
 
 def successor(state: LoadState, column: ThetaColumn) -> ThetaColumn:
-    """Return a new column in the place of another one."""
+    """Return a new column that replaces another one."""
     fresh = ThetaColumn(column.draw_kind, column.place)
     fresh.name, fresh.owner = column.name, column.owner
     state.columns[next(i for i, other in enumerate(state.columns) if other is column)] = fresh

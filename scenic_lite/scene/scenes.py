@@ -1,6 +1,6 @@
-"""Scenes: what N samples of a program look like as arrays, and the plan by which a tape's registers become them.
+"""Scenes: N samples of a program as arrays, and the plan that reads them from a tape's registers.
 
-Read next: `scene.program`, which owns the plan; `scene.constraints`, which tests what it gives.
+Read next: `scene.program`, which owns the plan; `scene.constraints`, which tests scenes.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ Reader = Callable[[list[Any], int], Any]  # registers, N -> a value over the N s
 
 
 class ObjectInfo(NamedTuple):
-    """What is known of an object before any scene is drawn.
+    """The description of an object before any scene is drawn.
 
     `name` in the program ("" if no variable holds it), `classes`: its class and all bases by name, most derived first;
-    `behavior`: the name of the behavior attached to it, or None; `behavior_place`: where that is written.
+    `behavior`: the name of its behavior, or None; `behavior_place`: where that is written.
     """
 
     name: str
@@ -42,13 +42,13 @@ class ObjectInfo(NamedTuple):
 class Scenes:
     """N initial arrangements of a program's O objects.
 
-    positions: [N, O, 2], headings: [N, O] (radians, 0 along +y, anticlockwise).
-    properties: name -> list over the O objects; what is the same in every scene is a plain value (a vector is a pair),
-        what is random an array [N] (a vector [N, 2]); None where an object has no such property.
+    positions: [N, O, 2], headings: [N, O] (radians, 0 along +y, counterclockwise).
+    properties: name -> list over the O objects; a fixed value is a plain value (a vector is a pair), a random one is an
+    array [N] (a vector [N, 2]); None if an object has no such property.
     params: the program's parameters, in the same form.
     behavior_arguments: for each object a dict name -> value in the same form, or None without a behavior; objects of
         the program appear as their index in `Program.objects`.
-    ok: [N], whether every constraint holds; failed: [N, R], which (of `Program.requirements`) do not.
+    ok: [N], whether every constraint holds; failed: [N, R], which (of `Program.requirements`) are violated.
     """
 
     positions: np.ndarray
@@ -61,7 +61,7 @@ class Scenes:
 
 
 def refuse_huge(value: Value, what: str) -> None:
-    """Raise ScenicError if a value that scenes must hold is endless or very large when written out."""
+    """Raise ScenicError if a value in scenes is infinite or very large when written out."""
     count, stack = 0, [(value, 0)]
     while stack:
         part, depth = stack.pop()
@@ -74,7 +74,7 @@ def refuse_huge(value: Value, what: str) -> None:
 
 @dataclass(eq=False)
 class Fixed:
-    """The reader of a value that is the same in every scene."""
+    """The reader of a fixed value."""
 
     value: Any
 
@@ -83,15 +83,15 @@ class Fixed:
 
 
 class Planner:
-    """Turns values into readers: how they come from the registers of a tape."""
+    """Turns values into readers, which compute them from the registers of a tape."""
 
     def __init__(self, tape: Tape, objects: Iterable[Instance]) -> None:
         self.tape = tape
         self.indices = {id(instance): i for i, instance in enumerate(objects)}
 
     def reader(self, value: Value) -> Reader:
-        """Return how to read a value in the form that Scenes give it."""
-        if value is None or isinstance(value, int | float | str):  # most are
+        """Return the reader of a value in the form of Scenes."""
+        if value is None or isinstance(value, int | float | str):  # the usual case
             return Fixed(value)
         if isinstance(value, RandomExpr):
             slot = self.tape.slot(value)
@@ -113,7 +113,7 @@ class Planner:
         return Fixed(value)
 
     def _of_parts(self, values: Iterable[Value], joined: Callable[[list[Any], int], Any]) -> Reader:
-        """Return how to read what is joined of parts."""
+        """Return the reader of a value composed of parts."""
         readers = [self.reader(part) for part in values]
         if all(isinstance(reader, Fixed) for reader in readers):
             return Fixed(joined([reader([], 0) for reader in readers], 0))
@@ -132,12 +132,12 @@ class Planner:
 
 
 def points(coordinates: list[Any], count: int) -> np.ndarray:
-    """Return points [N, 2] of coordinates that are arrays [N] or numbers."""
+    """Return points [N, 2] from coordinates that are arrays [N] or numbers."""
     return np.stack([np.broadcast_to(part, count) for part in coordinates], axis=1)
 
 
 def row_of(value: Any, row: int) -> Any:
-    """Return one sample's part of a value over the samples."""
+    """Return one sample of a value over the samples."""
     if isinstance(value, np.ndarray):
         part = value[row]
         if isinstance(part, np.ndarray):
@@ -151,7 +151,7 @@ def row_of(value: Any, row: int) -> Any:
 
 
 class ScenePlan:
-    """Reads scenes from the registers of a tape; what never varies is there before."""
+    """Reads scenes from the registers of a tape; fixed values are computed in advance."""
 
     def __init__(self, tape: Tape, objects: list[Instance], params: dict[str, Value]) -> None:
         planner = Planner(tape, objects)
@@ -173,7 +173,7 @@ class ScenePlan:
 
 
 class Arrangement:
-    """Where everyone stands: reads outlines from the registers, and positions and headings from these."""
+    """The layout of objects: reads outlines from the registers, and positions and headings from these."""
 
     def __init__(self, planner: Planner, objects: list[Instance]) -> None:
         self.count = len(objects)
@@ -214,7 +214,7 @@ class Arrangement:
 
 
 def info_of(instance: Instance) -> ObjectInfo:
-    """Return what is known of an object before any scene is drawn."""
+    """Return the description of an object before any scene is drawn."""
     behavior = instance.properties["behavior"]
     attached = (None, None) if behavior is None else (behavior.behavior.name, behavior.place)
     classes = tuple(cls.name for cls in instance.cls.lineage())

@@ -1,8 +1,8 @@
-"""From a scene back to θ: what is asked is compared with what the tape gives, and θ is moved until the two agree.
+"""From a scene back to θ: the tape's values are compared with the description, and θ is moved until they agree.
 
-Placements are affine in θ nearly everywhere, so that one step of least squares on a numerical Jacobian mostly does;
-random θ give further starts, for choices and curved regions. Every answer is verified; what is not met, or not decided
-by what is asked, is refused. Read next: `values.graph`, the tape.
+Positions are affine in θ nearly everywhere, so that one step of least squares with a numerical Jacobian is usually
+enough; random θ give further starts, for choices and curved regions. Every result is verified; a description that is
+not met, or does not determine θ, is refused. Read next: `values.graph`, the tape.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, kind_of
 
-CLOSE = 1e-6  # relative, from 1 on: two numbers that agree so far are the same
+CLOSE = 1e-6  # relative, above 1: numbers this close count as equal
 STARTS = 4096, 8  # random θ, and how many of them, the nearest to a scene, are starts
 ROUNDS = 60  # steps from one start
 NUDGE = 1e-7  # of [0, 1], for derivatives
-KINDS = {"number": "biuf", "truth": "b", "text": "OU"}  # of arrays that may be asked of a value
+KINDS = {"number": "biuf", "truth": "b", "text": "OU"}  # of arrays in a description, by kind of value
 
 
 class Target(NamedTuple):
-    """A number or text of the scenes and what it shall be, an array [N] or [1]; `what`: "ego the position"."""
+    """A number or text of the scenes and its target, an array [N] or [1]; `what`: "ego the position"."""
 
     what: str
     value: Value
@@ -43,9 +43,9 @@ def theta_of(
     description: Mapping[Any, Any],
     default: np.ndarray | None,
 ) -> np.ndarray:
-    """Return theta [N, D] of some scenes; `default` [1, D] or [N, D] decides the draws of which nothing is asked.
+    """Return theta [N, D] of some scenes; `default` [1, D] or [N, D] determines all other draws.
 
-    Raises ScenicError naming the draws that nothing decides, or the value that is not met.
+    Raises ScenicError naming undetermined draws, or the value that is not met.
     """
     drawn = zip(layout.draws, layout.columns, strict=True)
     known: dict[Any, tuple[Value, SourceSpan]] = {draw.name: (column.shown, draw.place) for draw, column in drawn}
@@ -73,17 +73,17 @@ def theta_of(
 
 
 def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
-    """Raise ScenicError if there are draws besides those decided."""
+    """Raise ScenicError if there are undetermined draws."""
     pairs = enumerate(zip(layout.draws, layout.columns, strict=True))
     free = [draw for d, (draw, column) in pairs if d not in decided and column.span != 0]
     if free:
         names = ", ".join(f"{draw.name} (line {draw.place.line})" for draw in free)
-        hint = "ask for more, or give default=θ for the rest"
-        raise ScenicError("value", f"nothing that is asked of the scene decides {names}", free[0].place, hint=hint)
+        hint = "describe more, or give default=θ for the rest"
+        raise ScenicError("value", f"the description of the scene does not determine {names}", free[0].place, hint=hint)
 
 
 def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterator[Target]:
-    """Yield what is asked of a number or text, or of all that is asked of a vector or an object."""
+    """Yield the targets of a number or text, or of all parts of a vector or an object."""
     parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim in (1, 2) else asked
     several = len(parts) if isinstance(parts, np.ndarray | list | tuple) else 0
     if isinstance(value, Instance):
@@ -111,7 +111,7 @@ def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterat
 
 
 def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> list[System]:
-    """Return the targets in groups that share columns, directly or through others, or are the two of one place."""
+    """Return groups of targets that share columns, directly or through others, or belong to one position."""
     reads = np.array([[column in set(columns_of(goal.value)) for column in columns] for goal in targets], dtype=bool)
     whats = np.array([goal.what for goal in targets], dtype=object)
     linked, fewer = (reads @ reads.T) | (whats[:, None] == whats) if targets else reads, 0  # [W, W]
@@ -122,7 +122,7 @@ def systems_of(targets: Sequence[Target], columns: Sequence[ThetaColumn]) -> lis
 
 
 class System:
-    """The C columns of θ in places `at` that are decided together, and the W targets that depend on them."""
+    """The C columns of θ at the indices `at` that are solved together, and the W targets that depend on them."""
 
     def __init__(self, targets: Sequence[Target], columns: Sequence[ThetaColumn], read: Any) -> None:
         self.targets, self.at = targets, np.flatnonzero(read).tolist()
@@ -132,14 +132,14 @@ class System:
         self.span = np.array([column.span for column in own])
 
     def values(self, unit: np.ndarray) -> list[Any]:
-        """Return what the targets are at unit [M, C]: W arrays [M], or values that never vary."""
+        """Return the targets' values at unit [M, C]: W arrays [M], or fixed values."""
         with np.errstate(all="ignore"):
             registers = self.tape.run((self.offset + unit * self.span).T)
         values = [target.value for target in self.targets]
         return [registers[self.tape.slot(value)] if isinstance(value, RandomExpr) else value for value in values]
 
     def gaps(self, values: list[Any], rows: np.ndarray) -> np.ndarray:
-        """Return by how much values miss what is asked in some rows [M]: [M, W]; texts by 1."""
+        """Return the errors of values in some rows [M]: [M, W]; 1 for a wrong text."""
         gaps = np.empty((len(rows), len(values)))
         for k, (value, target) in enumerate(zip(values, self.targets, strict=True)):
             asked = target.asked[rows % len(target.asked)]
@@ -152,7 +152,7 @@ class System:
         return gaps
 
     def solve(self, start: np.ndarray) -> np.ndarray:
-        """Return unit [N, C] that gives what is asked, near the start if possible; else raise ScenicError."""
+        """Return unit [N, C] that meets the targets, near the start if possible; else raise ScenicError."""
         unit, gaps = self.descend(start, np.arange(len(start)))
         missed = np.flatnonzero(worst(gaps) > CLOSE)
         if len(missed) and len(self.at):
@@ -168,9 +168,9 @@ class System:
         return unit
 
     def descend(self, unit: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return where damped steps of least squares lead from unit [M, C], and the gaps [M, W] there."""
+        """Return the end of damped steps of least squares from unit [M, C], and the gaps [M, W] there."""
         unit, gaps = unit.copy(), self.gaps(self.values(unit), rows)
-        reach = np.ones(len(unit))  # of a step, cut where it leads astray
+        reach = np.ones(len(unit))  # of a step, reduced when it overshoots
         for _ in range(ROUNDS if len(self.at) else 0):
             at = np.flatnonzero((worst(gaps) > 1e-13) & (reach > 1e-4))
             if not len(at):
@@ -189,7 +189,7 @@ class System:
         return unit, gaps
 
     def unmet(self, unit: np.ndarray, gaps: np.ndarray) -> ScenicError:
-        """Return the error for the first scene that is not met: its first value, and the nearest that was found."""
+        """Return the error for the first scene that is not met: its first value, and the nearest value found."""
         row = int(np.argmax(worst(gaps) > CLOSE))
         what, _, _, place = self.targets[int(np.argmin(np.abs(gaps[row]) <= CLOSE))]
         pairs = zip(self.targets, self.values(unit[[row]]), strict=True)
@@ -206,7 +206,7 @@ def worst(gaps: np.ndarray) -> np.ndarray:
 
 
 def shown(parts: Sequence[Any]) -> str:
-    """Return a value, or the two coordinates of a place, in one scene."""
+    """Return a value, or the two coordinates of a position, in one scene."""
     values = [np.ravel(part)[0] for part in parts]
     texts = [value if isinstance(value, str) else f"{value:g}" for value in values]
     return f"({' @ '.join(texts)})" if len(texts) == 2 else texts[0]

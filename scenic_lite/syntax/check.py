@@ -1,8 +1,7 @@
-"""Rules of the language that need the whole tree: what may stand where, what may occur only once, what never ends.
+"""Rules of the language that need the whole tree: allowed places, unique names, loops that never let time pass.
 
-All findings are returned together, sorted by place. What is allowed but surely not meant is a warning. Names and
-properties that are defined nowhere are not looked for here: that needs the imported library. Read next: `loader`, which
-runs the static half.
+All findings are returned together, sorted by place. A probable mistake is a warning. Undefined names and properties are
+not found by this module: that needs the imported library. Read next: `loader`, which runs the static part.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ ANGLES = frozenset({"facing", "apparently facing", "heading", "yaw", "viewAngle"
 
 
 class Context(NamedTuple):
-    """Where a statement stands."""
+    """The context of a statement."""
 
     kind: str = "top"  # top, function, behavior, monitor, compose
     name: str = ""  # of the function, behavior or monitor
@@ -44,7 +43,7 @@ class Context(NamedTuple):
 
 
 def check(tree: ast.Module, text: str, file: str, dialect: int = 3) -> list[ScenicError]:
-    """Return every breach of the rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
+    """Return every violation of the rules in a parsed program, sorted by place; doubtful ones are of kind `warning`."""
     checker = _Checker(tree, Source(text, file), dialect)
     pending: list[tuple[ast.AST, Context]] = [(tree, Context())]
     while pending:
@@ -87,8 +86,8 @@ class _Checker:
         self.monitors: dict[str, nodes.Behavior] = {}
         self.idle: dict[str, nodes.Behavior] = {}  # behaviors and monitors that never let time pass
         self.names: set[str] = set()  # that are read or set
-        self.forms: dict[int, ast.AST] = {}  # by dialect, the first thing that is written as in that one alone
-        self.classes: set[str] = set()  # names that are surely those of classes
+        self.forms: dict[int, ast.AST] = {}  # by dialect, the first form that belongs to it alone
+        self.classes: set[str] = set()  # names that are certainly those of classes
         for node in ast.walk(tree):
             if isinstance(node, ast.Name):
                 self.names.add(node.id)
@@ -115,7 +114,7 @@ class _Checker:
         self.report(node, message, hint, "warning")
 
     def place(self, node: ast.AST, context: Context) -> None:
-        """Ask where a statement stands."""
+        """Check the context of a statement."""
         allowed, message = PLACES[type(node)]
         if allowed(context):
             return
@@ -176,7 +175,7 @@ class _Checker:
             self.never(node, node.func.id)
 
     def never(self, node: ast.AST, name: str) -> None:
-        """Report a behavior that takes no action, or a monitor that never waits, where it is to be run."""
+        """Report a behavior that takes no action, or a monitor that never waits, where it is started."""
         definition = self.idle.pop(name, None)
         if definition is not None:
             does, hint = "takes an action", 'is a "take", "wait" or "do" missing?'
@@ -195,7 +194,7 @@ class _Checker:
                 self.report(condition, f'"{name}" is a monitor', f'write "require monitor {name}(...)"')
         if node.probability is not None and nodes.is_temporal(condition):
             self.report(condition, "a temporal requirement cannot have a probability")
-        pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether only logic is around it
+        pending: list[tuple[ast.AST, bool]] = [(condition, True)]  # and whether it is surrounded by logic only
         while pending:
             part, logical = pending.pop()
             logic = isinstance(part, ast.BoolOp) or (isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not))
@@ -216,14 +215,14 @@ class _Checker:
             self.warn(node, message, 'degrees are written "90 deg"')
 
     def instance(self, node: nodes.New, context: Context) -> None:
-        """Note in which dialect an instance is written: with `new` before its class, or without."""
+        """Record the dialect of an instance: with `new` before its class, or without."""
         if has_new(node):
             self.forms.setdefault(3, node)
         elif node.certain or (isinstance(node.cls, ast.Name) and node.cls.id in self.classes):
             self.forms.setdefault(2, node)
 
     def whole(self) -> None:
-        """Warn of a program that mixes dialects, and monitors that nobody starts."""
+        """Warn of a program that mixes dialects, and of monitors that are never started."""
         if len(self.forms) == 2:
             node, other = self.forms[5 - self.dialect], 5 - self.dialect
             hint = 'write "monitor M():" and "require monitor M()"'
@@ -237,7 +236,7 @@ class _Checker:
 
 
 def _turns(value: ast.expr | None) -> float:
-    """Return how often a literal angle goes round, if that is too often to be meant."""
+    """Return the number of turns of a literal angle, if that is too many to be intended."""
     if isinstance(value, ast.UnaryOp):
         value = value.operand
     if isinstance(value, ast.Constant) and isinstance(value.value, int | float) and value.value > 4 * math.pi:
@@ -251,10 +250,10 @@ def has_new(node: nodes.New) -> bool:
 
 
 def endless_loop(loop: ast.While) -> bool:
-    """Return whether a `while True` in a behavior lets no time pass and does not end: in a step the world stands still.
+    """Return whether a `while True` in a behavior lets no time pass and does not end, so that the step never ends.
 
-    One that takes an action on some path, or that leaves itself, is believed. A `terminate` ends more than the loop,
-    but is usually one half of "look in each step", so it is no excuse.
+    A loop that takes an action on some path, or that leaves itself, is accepted. A `terminate` ends more than the loop,
+    but is usually meant to be checked in each step, so it does not count.
     """
     leaves = (nodes.Take, nodes.Wait, nodes.Do, ast.Break, ast.Return)
     for_ever = isinstance(loop.test, ast.Constant) and bool(loop.test.value)
@@ -262,7 +261,7 @@ def endless_loop(loop: ast.While) -> bool:
 
 
 RUNNING = "{} may only stand in a behavior, a monitor or a compose block, not {}"
-# Where statements may stand, and what is said of one that stands elsewhere: which, and where.
+# Allowed contexts of statements, and the messages elsewhere: statement and context.
 PLACES: dict[type[ast.AST], tuple[Callable[[Context], bool], str]] = {
     **dict.fromkeys(
         (nodes.Wait, nodes.Do, nodes.Terminate, nodes.TryInterrupt), (lambda at: at.kind in DYNAMIC, RUNNING)

@@ -1,8 +1,8 @@
-"""The walk over the tokens that all parts of the parser share: look, take, expect, build a node, report an error.
+"""The cursor over the tokens that all parts of the parser share: look ahead, take, expect, build a node, report errors.
 
-The productions are functions of a cursor, in the files that follow, and their docstrings the grammar. Where an earlier
-file has something of a later one inside - a bracket has expressions, a block has statements - it finds that in the
-cursor, into which `parse` ties it.
+The productions are functions of a cursor, in the following files, and their docstrings are the grammar. If an earlier
+file needs a production of a later one - a bracket contains expressions, a block contains statements - it calls it
+through the cursor, where `parse` registers it.
 Read next: `syntax.expressions`.
 """
 
@@ -27,13 +27,13 @@ LAYOUT = {
     "end": "the end of the program",
 }
 
-# Python's own limit on recursion is 1000 calls; eight calls or so parse one level of nesting.
+# Python's own limit on recursion is 1000 calls; one level of nesting takes about eight.
 MAX_NESTING = 90
 MAX_CHAIN = 100
 
 
 class Cursor:
-    """A place in the tokens of a program. `token` is the one to be read next, `dialect` 2 or 3."""
+    """A place in the tokens of a program. `token` is the next one to read, `dialect` 2 or 3."""
 
     expression: Callable[[], ast.expr]  # operators.expression
     operation: Callable[[int], ast.expr]  # operators.operation
@@ -48,12 +48,12 @@ class Cursor:
         self.index = 0
         self.token = self.tokens[0]
         self.nesting = 0
-        self.brackets: list[tuple[Token, bool]] = []  # that are open, and what `temporal` was around them
+        self.brackets: list[tuple[Token, bool]] = []  # open ones, and the value of `temporal` around them
         self.temporal = False  # within the condition of a `require`
-        self.asks_truth = False  # the next expression is a condition: no instance begins it
+        self.asks_truth = False  # the next expression is a condition: it cannot begin with an instance
         self.in_target = False  # no instance may begin here: the object of `override`
         self.class_body = False  # directly in the body of a class
-        # Where the longer reading of a word operator's first operand was tried in vain.
+        # Where the longer reading of a word operator's first operand has failed.
         self.no_partner: set[Token] = set()
 
     def peek(self, ahead: int = 1) -> Token:
@@ -99,7 +99,7 @@ class Cursor:
         return self.tokens[self.index - 1] if self.index else self.token
 
     def last_word(self) -> Token | None:
-        """Return the token read last that is more than layout."""
+        """Return the last token read, ignoring layout."""
         words = (self.tokens[k] for k in range(self.index - 1, -1, -1) if self.tokens[k].kind not in LAYOUT)
         return next(words, None)
 
@@ -112,7 +112,7 @@ class Cursor:
         return token
 
     def go_to(self, index: int) -> None:
-        """Go to a place: back to one kept from before, or ahead to one that is known to be there."""
+        """Go to a place: back to a saved one, or ahead to a known one."""
         self.index = index
         self.token = self.tokens[index]
 
@@ -130,7 +130,7 @@ class Cursor:
         return self.advance()
 
     def name(self, what: str) -> Token:
-        """Read a name; `what` says of what ("a class name")."""
+        """Read a name; `what` describes it for messages ("a class name")."""
         if not self.is_name(self.token):
             if self.token.kind == "name":
                 language = "the language" if self.token.text in PYTHON_KEYWORDS else "Scenic 3"
@@ -145,7 +145,7 @@ class Cursor:
         return self.advance().text
 
     def at(self, start: Token, node: Node) -> Node:
-        """Give the node its place: from `start` to the token read last that is more than layout."""
+        """Set the node's place: from `start` to the last token read, ignoring layout."""
         last = self.tokens[self.index - 1]
         if last.kind in LAYOUT:
             last = self.last_word() or start
@@ -154,7 +154,7 @@ class Cursor:
         return node
 
     def stored(self, target: ast.expr) -> ast.expr:
-        """Turn what was read as a value into what is assigned to."""
+        """Turn an expression into a target of assignment."""
         if isinstance(target, ast.Starred):
             self.refuse("* variable", target)
         if not isinstance(target, ast.Name | ast.Attribute | ast.Subscript | ast.Tuple | ast.List):
@@ -171,7 +171,7 @@ class Cursor:
             self.fail("the program is nested too deeply here", "give parts of it names", kind="budget")
 
     def check_chain(self, links: int, what: str = "operators") -> None:
-        """Refuse endless rows of operators, whose trees would be too deep for whoever walks them."""
+        """Refuse endless chains of operators, whose trees would be too deep for recursive functions."""
         if links > MAX_CHAIN:
             self.fail(f"more than {MAX_CHAIN} {what} in one row", "give parts of it names", kind="budget")
 
@@ -186,7 +186,7 @@ class Cursor:
         self.fail(f"expected {wanted}, found {describe(self.token)}", hint)
 
     def refuse(self, form: str, at: Token | ast.AST | None = None) -> NoReturn:
-        """Raise the error of a form of Python that the language leaves out, by its key in `REFUSED`."""
+        """Raise the error of an unsupported form of Python, by its key in `REFUSED`."""
         message, hint = REFUSED[form]
         self.fail(message, hint, at=at, kind="unsupported")
 
@@ -195,7 +195,7 @@ class Cursor:
         if isinstance(at, ast.AST):
             return (at.lineno, at.col_offset, at.end_lineno, at.end_col_offset)  # type: ignore[attr-defined]
         token = at or self.token
-        # The end of a line is reported just behind its last word, wherever comments or blanks end it.
+        # The end of a line is reported just after its last word, wherever comments or blanks end it.
         last = self.last_word() if token is self.token and token.kind in LAYOUT else None
         if last is not None and token.kind != "indent":
             return (last.end_line, last.end_column, last.end_line, last.end_column + 1)

@@ -1,4 +1,4 @@
-"""Values that are not operators: names, constants, strings, brackets with what is in them, calls, functions.
+"""Values other than operators: names, constants, strings, brackets and their content, calls, functions.
 
 Read next: `syntax.operators`.
 """
@@ -44,7 +44,7 @@ def atom(c: Cursor, token: Token) -> ast.expr:
     if text == "(" or text == "[":
         return display(c, token)
     if text == "...":
-        c.fail('"..." is no value', 'write "pass" where nothing is done')
+        c.fail('"..." is not a value', 'write "pass" where nothing is done')
     text = f"{c.peek(-2).text} end" if kind == "newline" and c.index > 1 else text
     c.missing("a value", grammar.NO_VALUE.get(f"{c.previous.text} {text}", "") or grammar.NO_VALUE.get(text, ""))
 
@@ -106,13 +106,13 @@ def strings(c: Cursor) -> ast.expr:
 
 
 def unescaped(c: Cursor, token: Token, raw: bool, text: str) -> str:
-    """Return the text that a part of a string stands for."""
+    """Return the text that a part of a string represents."""
     if raw or "\\" not in text:
         return text
     try:
         return _ESCAPE.sub(lambda match: match[0].encode().decode("unicode_escape"), text)
     except UnicodeDecodeError as error:
-        c.fail(f'"{error.object.decode()}" stands for no character', at=token)
+        c.fail(f'"{error.object.decode()}" is not a character', at=token)
 
 
 def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end: int) -> Iterator[str | ast.expr]:
@@ -141,7 +141,7 @@ def fields(c: Cursor, start: Token, token: Token, raw: bool, position: int, end:
 
 
 def end_of_value(text: str, start: int, end: int) -> int:
-    """Return where the value in the field of an f-string ends: at a sign that stands in no brackets."""
+    """Return where the value in the field of an f-string ends: at a sign outside of brackets."""
     depth = 0
     for at in range(start, end):
         if depth == 0 and text[at] in ":!}" and text[at : at + 2] != "!=":
@@ -160,12 +160,12 @@ def field_value(c: Cursor, tokens: list[Token]) -> ast.expr:
         if not c.ends_statement():
             c.fail(f'unexpected "{c.token.text}" in the f-string')
         return value
-    finally:  # an operand that was only tried goes on behind the f-string
+    finally:  # a failed attempt at an operand resumes after the f-string
         c.tokens, c.index, c.token, c.temporal = outer
 
 
 def opened(c: Cursor, temporal: bool = False) -> None:
-    """Read an opening bracket, inside of which a requirement goes on or not."""
+    """Read an opening bracket, inside of which a requirement may continue."""
     c.brackets.append((c.advance(), c.temporal))
     c.temporal = temporal
 
@@ -195,7 +195,7 @@ def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list
 
 
 def missing_operator_hint(c: Cursor) -> str:
-    """Return what might be missing before the present token."""
+    """Return what may be missing before the present token."""
     token, before = c.token, c.previous
     if token.text in grammar.FOREIGN:
         return grammar.FOREIGN[token.text]
@@ -246,7 +246,7 @@ def entry(c: Cursor) -> tuple[ast.expr, ast.expr]:
     if first.text == "{" and c.token.text != ":":
         if c.token.text in (",", "}") or begins_comprehension(c):
             c.refuse("set" if c.token.text != "for" else "set comprehension", first)
-        close(c, "}")  # says what is missing
+        close(c, "}")  # reports what is missing
     c.expect(":", "after the key of the dictionary")
     return key, c.expression()
 
@@ -284,7 +284,7 @@ def row(c: Cursor, read: Callable[[Cursor], ast.expr] = item) -> ast.expr:
 
 
 def not_starred(c: Cursor, value: ast.expr) -> ast.expr:
-    """Return a value that stands alone, and so has no star."""
+    """Return a single value, which must not be starred."""
     if isinstance(value, ast.Starred):
         c.fail("a starred expression cannot stand alone", at=value)
     return value
@@ -314,7 +314,7 @@ def comprehensions(c: Cursor) -> list[ast.comprehension]:
 
 
 def targets(c: Cursor) -> ast.expr:
-    """Read what a `for` assigns to."""
+    """Read the targets of a `for`."""
     return c.stored(row(c, lambda c: element(c) if c.token.text == "*" else c.operation(Level.SEE)))
 
 
@@ -382,7 +382,7 @@ def bracketed_parameters(c: Cursor, owner: str) -> ast.arguments:
 
 
 def condition(c: Cursor) -> ast.expr:
-    """Read what is asked whether it is true: no instance begins it; `=` in it is a frequent slip."""
+    """Read a condition, which cannot begin with an instance; `=` in it is a frequent mistake."""
     c.asks_truth = True
     value = element(c)
     if c.token.text == "=":
@@ -391,7 +391,7 @@ def condition(c: Cursor) -> ast.expr:
 
 
 def parameters(c: Cursor, closing: str) -> ast.arguments:
-    """Read `a, b=1, *rest`, up to but without the closing sign; in brackets with `: annotation`."""
+    """Read `a, b=1, *rest`, up to the closing sign; in brackets with `: annotation`."""
     signature = ast.arguments([], [], None, [], [], None, [])
     names: set[str] = set()
     while c.token.text != closing:

@@ -1,6 +1,6 @@
-"""The words of the language, in tables: keywords, operators, specifiers; what is refused, and what was perhaps meant.
+"""The words of the language, in tables: keywords, operators, specifiers; refused forms, and hints for mistakes.
 
-`left of X [by D]` is how a form is written down: its words, a value, and a further one that may be left out.
+Forms are written like `left of X [by D]`: words, a value, and an optional further one.
 Read next: `syntax.lexer`.
 """
 
@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 PYTHON_KEYWORDS = frozenset(keyword.kwlist)
-# Words that dialect 3 keeps for itself. In dialect 2 they are names wherever no form of the language wants them.
+# Words that dialect 3 reserves. In dialect 2 they are names wherever no form of the language expects them.
 SCENIC_KEYWORDS = frozenset({"at", "by", "do", "new", "of", "on", "require", "to", "until"})
 _STATEMENTS = """
 abort behavior class compose def do elif else except finally for from if import interrupt invariant model monitor mutate
@@ -25,19 +25,19 @@ STATEMENT_WORDS = frozenset(_STATEMENTS.split())
 
 # ---------------------------------------------------------------- forms
 class Level:
-    """How tightly operators bind, loosest first, as in the grammar of Scenic 3; two exist in `require` alone."""
+    """Precedence of operators, lowest first, as in the grammar of Scenic 3; two exist in `require` alone."""
 
     UNTIL, IMPLIES, OR, AND, NOT, COMPARE, SEE, ALONG, RELATIVE, AT, PREFIX, SUM, TERM, UNARY = range(14)
 
 
 class Form(NamedTuple):
-    """How words and values follow each other; an operator between values has a level, and Python's have a node."""
+    """The sequence of words and values; an operator between values has a level, and Python's have a node."""
 
     text: str
     name: str  # the first words
     words: tuple[str, ...]  # of the name
-    value: bool  # whether one follows the name
-    parts: tuple[tuple[str, bool], ...]  # the words before further values, and whether they must stand there
+    value: bool  # whether a value follows the name
+    parts: tuple[tuple[str, bool], ...]  # the words before further values, and whether they are required
     level: int = 0
     node: ast.operator | ast.cmpop | ast.boolop | None = None
 
@@ -53,7 +53,7 @@ def form(text: str, level: int = 0, node: str = "") -> Form:
 
 
 def by_first_word(forms: Iterable[Form]) -> Forms:
-    """Return a table of forms; where two begin alike, the earlier one is tried first."""
+    """Return a table of forms; if two begin alike, the earlier one is tried first."""
     table: dict[str, list[Form]] = {}
     for form in forms:
         table.setdefault(form.words[0], []).append(form)
@@ -108,7 +108,7 @@ follow F from V for D
 initial scenario
 """
 MEASURES = by_first_word(map(form, _MEASURES.strip().splitlines()))
-# Those that may be names: by their last word, which signs may begin the operand.
+# Those that may be names: by their last word, the signs that may begin the operand.
 NAMES = {"visible": "(", "follow": ""}
 
 _SPECIFIERS = """
@@ -141,7 +141,7 @@ LIST_OF_SPECIFIERS = (
     "specifiers are: with, at, in, on, left of, right of, ahead of, behind, beyond, offset by, offset along, facing, "
     "facing toward, facing away from, apparently facing, following, visible"
 )
-# What a misspelt specifier was perhaps to be; of its first word alone, the whole name.
+# The likely meaning of a misspelled specifier; for its first word alone, the whole name.
 _SPELLINGS = {
     "with": "with",
     **{word: rows[0].name for word, rows in SPECIFIERS.items()},
@@ -154,7 +154,7 @@ OPERATOR_WORDS = frozenset({"at", "in", "offset", "visible", "not"})
 # ---------------------------------------------------------------- hints
 
 BITS = frozenset({"&", "|", "^", "<<", ">>", "~"})
-# Forms of Python that the language leaves out: the message, and what to write instead.
+# Unsupported forms of Python: the message, and the alternative.
 REFUSED = {
     "%": ("`%` formats no text", 'write f"{value}", or f"{value:.2f}" with two digits'),
     "{": ("the {} of an f-string holds a value and a plain format", 'write "{value}" or "{value:.2f}"'),
@@ -183,7 +183,7 @@ REFUSED = {
     **dict.fromkeys(BITS, ("bit operators are not supported", 'truth values are joined by "and", "or" and "not"')),
 }
 
-# What other languages, or other spellings, would write.
+# Words of other languages, or other spellings.
 FOREIGN = {
     "behaviour": 'it is spelt "behavior"',
     "function": 'functions are written "def name(...):"',
@@ -208,7 +208,7 @@ LOOKALIKES = {
     "≥": 'it is written ">="',
     "≠": 'it is written "!="',
     "°": 'degrees are written "deg"',
-    "\u00a0": "it looks like a blank, but is none",
+    "\u00a0": "it looks like a blank, but is another character",
     "!": 'negation is written "not"',
     "&": 'it is written "and"',
     "?": 'a choice is written "a if condition else b"',
@@ -217,7 +217,7 @@ LOOKALIKES = {
 COMPARES = '"==" compares'
 PROPERTIES = ("behavior", "width", "length", "role", "team", "speed", "name", "requireVisible", "allowCollisions")
 PLACED_BY = {"position": 'write "at x @ y"', "heading": 'write "facing 30 deg"'}
-# Words, and signs after a sign, where a value should be.
+# Words, and signs after a sign, in place of a value.
 NO_VALUE = {
     "by": 'a distance follows its specifier: "ahead of X by 2"',
     "at": 'an instance is written "Class at X"',
@@ -235,7 +235,7 @@ NO_VALUE = {
     "- - end": 'write "-= 1"',
 }
 DURATIONS = {"wait": 'write "wait for 3 steps" or "wait for 3 seconds"'}
-# Words after which something should follow that does not.
+# Words that lack a required continuation.
 UNFINISHED = {
     "relative": 'write "relative heading of X"',
     "apparent": 'write "apparent heading of X"',
@@ -246,7 +246,7 @@ UNFINISHED = {
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str:
-    """Return the hint 'did you mean "..."?', or nothing when none is near; a table tells what each stands for."""
+    """Return the hint 'did you mean "..."?', or nothing without a near spelling; a table gives replacements."""
     close = difflib.get_close_matches(word, sorted(candidates), 1, 0.7)
     if not close:
         return ""
@@ -254,12 +254,12 @@ def nearest(word: str, candidates: Iterable[str]) -> str:
 
 
 def statement_hint(word: str) -> str:
-    """Return which statement a first word was perhaps meant to begin."""
+    """Return the hint for the likely statement of a first word."""
     return FOREIGN.get(word, "") or nearest(word, STATEMENT_WORDS)
 
 
 def specifier_hint(word: str) -> str:
-    """Return the specifier that a word was perhaps meant to begin, or how a property is written."""
+    """Return the hint for the likely specifier of a word, or how to write a property."""
     known = difflib.get_close_matches(word, PROPERTIES, 1, 0.8)
     hint = f'write "with {known[0]} ..."' if known else PLACED_BY.get(word, "") or nearest(word, _SPELLINGS)
     own = "" if word in SCENIC_KEYWORDS else f'write "with {word} ..." for a property; '

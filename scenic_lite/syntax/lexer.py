@@ -1,10 +1,10 @@
-"""Program text to tokens: Python's lexical rules, read by one regular expression, each token with its place.
+"""Program text to tokens: Python's lexical rules, in one regular expression, each token with its place.
 
-The `tokenize` of the standard library is slower, splits f-strings in another way from Python 3.12 on, and of what it
-cannot read tells neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
-INDENT and DEDENT tokens carry the layout; an INDENT behind a comma, without a NEWLINE before it or a DEDENT after it,
-is a line that goes on. Columns count characters, so that a caret under a column stands right.
-Read next: `syntax.cursor`, which walks the tokens.
+The standard library's `tokenize` is slower, splits f-strings differently from Python 3.12 on, and for text that it
+cannot read gives neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
+INDENT and DEDENT tokens carry the layout; an INDENT after a comma, without a NEWLINE before it or a DEDENT after it, is
+a continued line. Columns count characters, so that a caret is placed correctly.
+Read next: `syntax.cursor`, which iterates over the tokens.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _NEXT_LINE = re.compile(r"(?:[ \t\f]*+(?:\#[^\n]*+)?\n)*+([ \t\f]*+)(?=[^\s#])")
 _WORD = re.compile(r"\w*")
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
-# Words that may stand directly after a number, as in `1if x else 2` and `30deg`.
+# Words that may directly follow a number, as in `1if x else 2` and `30deg`.
 _AFTER_NUMBER = frozenset({"", "and", "or", "not", "if", "else", "for", "in", "is", "deg", "by"})
 
 Place = tuple[int, int, int, int]  # line, column, end line, end column
@@ -103,7 +103,7 @@ class Source:
 
 
 def unified(text: str) -> str:
-    """Return a text without byte order mark, and with the line feed as its only line end."""
+    """Return a text without byte order mark, with line feeds as the only line ends."""
     return text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -121,7 +121,7 @@ def lex(source: Source) -> list[Token]:
 
 
 def lex_part(source: Source, start: int, end: int) -> list[Token]:
-    """Return the tokens of a part of a line, as of the value in an f-string."""
+    """Return the tokens of a part of a line, such as the value in an f-string."""
     return _Lexer(source, start, end).run()
 
 
@@ -186,7 +186,7 @@ class _Lexer:
             raise self.source.error(f'"{opening.text}" is never closed', opening[2:])
         if self.tokens and self.tokens[-1].kind not in ("newline", "dedent"):
             self.tokens.append(Token("newline", "", self.line, column, self.line, column + 1))
-        # A last line that ends with its newline leaves the end of the file on a line of its own.
+        # A last line that ends with its newline puts the end of the file on a line of its own.
         self.tokens += [Token("dedent", "", self.line, 0, self.line, 0) for _ in self.indents[1:]]
         self.tokens.append(Token("end", "", self.line, column, self.line, column))
         return self.tokens
@@ -226,7 +226,7 @@ class _Lexer:
             raise self.source.error("tabs and spaces are mixed in the indentation", token[2:], hint)
 
     def goes_on(self) -> bool:
-        """Go on after a comma at a line's end if the next is indented deeper, as specifiers may be; return whether."""
+        """Continue after a comma at a line's end if the next line is indented deeper, as specifiers; return whether."""
         line = _NEXT_LINE.match(self.text, self.position, self.end)
         if line is None or len(line[1].rpartition("\f")[2].expandtabs(TAB)) <= self.indents[-1][0]:
             return False
@@ -270,7 +270,7 @@ class _Lexer:
         return self.error("the string is not closed in its line", start, end, f"it lacks a {opening[-1]}")
 
     def checked(self, token: Token) -> Token:
-        """Return a number that no letters follow, or a name in normal form that is an identifier."""
+        """Return a number not followed by letters, or a name in normal form that is an identifier."""
         start = self.line_start + token.column
         if token.kind == "name":
             name = unicodedata.normalize("NFKC", token.text)

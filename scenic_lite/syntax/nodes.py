@@ -2,11 +2,11 @@
 
 Scenic is Python plus a few forms, so its tree is Python's plus a few nodes: a plain Python program gives exactly what
 `ast.parse` gives, and `ast.walk`, `ast.dump` and `ast.NodeVisitor` work on everything. Every node carries `lineno`,
-`col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text; columns count characters. Nothing here is ever
-handed to `compile`: a program is data.
+`col_offset`, `end_lineno`, `end_col_offset` of the `.scenic` text; columns count characters. A tree is never passed to
+`compile`: a program is data.
 
-Beside each class stands its production; the names below it are its fields, and a name with a default is an attribute
-beside the fields, which `ast.walk` does not follow. Read next: `syntax.parser`, which makes these.
+The comment on each class is its production; the annotated names are its fields, and a name with a default is an
+attribute besides the fields, which `ast.walk` does not follow. Read next: `syntax.parser`, which creates these.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import dataclass_transform
 
 @dataclass_transform()
 class _Declared(ast.AST):
-    """Makes of a subclass's annotated names what `ast` goes by: `_fields`, `_attributes` of those with a default."""
+    """Derives `_fields` and `_attributes` of `ast`, of names with a default, from a class's annotations."""
 
     def __init_subclass__(cls) -> None:
         names = inspect.get_annotations(cls)
@@ -28,19 +28,19 @@ class _Declared(ast.AST):
 
 
 class Expression(_Declared, ast.expr):
-    """What Scenic adds to the expressions."""
+    """The expressions that Scenic adds."""
 
 
 class Statement(_Declared, ast.stmt):
-    """What Scenic adds to the statements."""
+    """The statements that Scenic adds."""
 
 
 class New(Expression):
     """`[new] Class spec, spec, ...`
 
     `certain` is False for the forms that might be an operator or a plain name (`Name at V`, `Name in R`,
-    `Name offset by V`, a capitalised name alone): those are an instance only if the name turns out to be a Scenic
-    class. Otherwise they are what `operator` says, or, where that is None, the plain name.
+    `Name offset by V`, a capitalized name alone): they are an instance only if the name turns out to be a Scenic
+    class. Otherwise they mean `operator`, or, if that is None, the plain name.
     """
 
     cls: ast.expr
@@ -52,7 +52,7 @@ class New(Expression):
 class Specifier(Expression):
     """A form of `specifiers.FORMS`: `beyond X by D [from Y]` is ("beyond", [X, D, Y or None]), `with` ("with", [P, V]).
 
-    `name` is its first words, `arguments` are its operands in the order of the text, None for one left out.
+    `name` is its first words, `arguments` are its operands in the order of the text, None for an omitted one.
     """
 
     name: str
@@ -60,7 +60,7 @@ class Specifier(Expression):
 
 
 class Operator(Expression):
-    """An operator in words; `name` is its words, `operands` are its operands, None for one left out.
+    """An operator in words; `name` is its words, `operands` are its operands, None for an omitted one.
 
     Those before a value are `operators.MEASURES`, the operands in the order of the letters: `distance to Y [from X]` is
     ("distance", [X or None, Y]), `relative heading of H [from X]` ("relative heading of", [H, X or None]). Also
@@ -131,7 +131,7 @@ class PropertyDefault(Statement):  # property[attributes]: default, in a class b
 
 
 class Behavior(Statement):
-    """`behavior B(args):`, `monitor M[(args)]:`; the guards and the docstring are taken out of the body.
+    """`behavior B(args):`, `monitor M[(args)]:`; the guards and the docstring are removed from the body.
 
     `kind` is "behavior" or "monitor"; `started` is True for `monitor M:` without brackets, which Scenic 2 starts.
     """
@@ -157,7 +157,7 @@ class Scenario(Statement):  # scenario S(args): with setup: and compose: blocks;
 
     @property
     def acts(self) -> bool:
-        """Return whether it has a compose block, or guards to watch over instead."""
+        """Return whether it has a compose block, or guards to check instead."""
         return bool(self.compose or self.preconditions or self.invariants)
 
 
@@ -216,7 +216,7 @@ SUSPENDING = (Take, Wait, Do, Terminate)  # statements that let time pass
 
 
 def walk_own(*trees: ast.AST, scopes: tuple[type[ast.AST], ...] = INNER_SCOPES) -> Iterator[ast.AST]:
-    """Yield all nodes of some trees but those inside functions and classes that are defined there."""
+    """Yield all nodes of some trees except those inside functions and classes defined in them."""
     pending = list(trees)
     while pending:
         node = pending.pop()

@@ -1,10 +1,10 @@
-"""Operators, and the instances that read so much like them: `[new] Class specifier, specifier, ...`.
+"""Operators, and the instances that look like them: `[new] Class specifier, specifier, ...`.
 
-Python's operators and Scenic's are climbed alike, by the levels of the Scenic 3 grammar. Dialect 2 differs in two
-points: the last operand of a word operator such as `distance from X to Y` also takes `relative to` and `offset by`
-(Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand of a sum. After a class without
-`new` most specifiers leave no doubt (`Name on R`, `Name with P V`); those that might also be operators are read as
-both. Read next: `syntax.statements`.
+Python's and Scenic's operators are parsed by precedence climbing, with the levels of the Scenic 3 grammar. Dialect 2
+differs in two points: the last operand of a word operator such as `distance from X to Y` also takes `relative to` and
+`offset by` (Scenic 2 lets it run to the end of the bracket), and a word operator may be an operand of a sum. After a
+class without `new` most specifiers are unambiguous (`Name on R`, `Name with P V`); those that might also be operators
+are parsed as both. Read next: `syntax.statements`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def operation(c: Cursor, level: int) -> ast.expr:
 
 
 def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
-    """Read on after a value that begins at `start`, as long as operators of `level` or tighter follow."""
+    """Continue after a value that begins at `start`, as long as operators of `level` or tighter follow."""
     links = 0
     while c.token.text in grammar.INFIX:
         infix = c.form(grammar.INFIX)
@@ -71,7 +71,7 @@ def continued(c: Cursor, left: ast.expr, level: int, start: Token) -> ast.expr:
 
 
 def refuse_bits(c: Cursor, sign: str) -> None:
-    if sign in grammar.BITS and c.peek().text != sign:  # `&&` is another slip
+    if sign in grammar.BITS and c.peek().text != sign:  # `&&` is another mistake
         c.refuse(sign)
 
 
@@ -104,9 +104,9 @@ def joined(c: Cursor, left: ast.expr, infix: grammar.Form) -> ast.expr:
 def operands(
     c: Cursor, form: grammar.Form, read: Callable[[str], ast.expr], reach: bool = False
 ) -> list[ast.expr | None]:
-    """Read the words of a form and its values, None for one left out.
+    """Read the words of a form and its values, None for an omitted one.
 
-    `read` is told behind which words it reads; `reach`: a value extends as far as the word before the next one.
+    `read` gets the words before its value; `reach`: a value extends as far as the word before the next one.
     """
     c.go_to(c.index + len(form.words))
     start = c.token
@@ -123,7 +123,7 @@ def operands(
 
 
 def operand(c: Cursor, level: int) -> ast.expr:
-    """Read a value with what stands before it: a sign, `not`, a word operator."""
+    """Read a value with its prefixes: a sign, `not`, a word operator."""
     token = c.token
     read = PREFIXES.get(token.text)
     if read is not None:
@@ -136,7 +136,7 @@ def operand(c: Cursor, level: int) -> ast.expr:
 
 
 def signed(c: Cursor, token: Token, level: int) -> ast.expr:
-    """Read `-value` and its like."""
+    """Read `-value` and the other signs."""
     refuse_bits(c, token.text)
     c.advance()
     return c.at(token, ast.UnaryOp(grammar.SIGNS[token.text](), operand(c, grammar.Level.UNARY)))
@@ -182,7 +182,7 @@ def measure(c: Cursor, token: Token, level: int) -> ast.expr | None:
     signs = grammar.NAMES.get(form.words[-1])
     if signs is not None and not begins_operand(c, len(form.words), signs):
         return None
-    if c.dialect == 3 and level > grammar.Level.PREFIX:  # there it is not itself an operand of a sum or product
+    if c.dialect == 3 and level > grammar.Level.PREFIX:  # there it cannot be an operand of a sum or product
         text = f"{token.text} {c.peek().text}"
         c.fail(f'"{text}" needs brackets here', f'write "({text} ...)"')
     reach = grammar.Level.ALONG if c.dialect == 2 else grammar.Level.PREFIX
@@ -211,7 +211,7 @@ def up_to(c: Cursor, partner: str, first: ast.expr, start: Token) -> ast.expr:
     return first
 
 
-# What a word or sign before a value begins; None from it if the word is a name there.
+# Prefixes by first word or sign; a parser returns None if the word is a name there.
 PREFIXES: dict[str, Callable[[Cursor, Token, int], ast.expr | None]] = {
     **dict.fromkeys(grammar.SIGNS, signed),
     **dict.fromkeys(grammar.MEASURES, measure),
@@ -277,7 +277,7 @@ def instance(c: Cursor, start: Token, cls: ast.expr) -> ast.expr:
 
 
 def possible_instance(c: Cursor) -> ast.expr | None:
-    """Read `Name at V` and the like at the start of an expression: New with both readings, or None."""
+    """Read `Name at V` and similar forms at the start of an expression: New with both readings, or None."""
     ahead = 1
     while c.peek(ahead).text == "." and c.peek(ahead + 1).kind == "name":
         ahead += 2
@@ -295,7 +295,7 @@ def possible_instance(c: Cursor) -> ast.expr | None:
 
 
 def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -> ast.expr:
-    """Read what follows once, and build the instance and the operator from it."""
+    """Read the continuation once, and build the instance and the operator from it."""
     place, begins = c.token, [c.token]
 
     def read(words: str) -> ast.expr:
@@ -309,7 +309,7 @@ def both_readings(c: Cursor, start: Token, cls: ast.expr, infix: grammar.Form) -
     if infix.name == "in":
         operator = ast.Compare(cls, [ast.In()], [value])
     c.at(start, operator)
-    if infix.name == "in" and c.form(grammar.INFIX):  # no region is computed by what binds looser: it is a comparison
+    if infix.name == "in" and c.form(grammar.INFIX):  # looser operators compute no region: a comparison
         return conditional(c, continued(c, operator, grammar.Level.OR, start), start)
     whole = conditional(c, continued(c, value, grammar.Level.OR, begins[-1]), begins[-1])
     specifier = c.at(place, Specifier(infix.name.removesuffix(" from"), [*before, whole]))
@@ -327,12 +327,12 @@ def starts_instance(c: Cursor) -> bool:
     form = next_form(c)
     if form is None or form.words[0] not in grammar.OPERATOR_WORDS:
         return form is not None
-    # `visible` and `not visible` without `from` are no operators.
+    # `visible` and `not visible` without `from` are not operators.
     return form.words[-1] == "visible" and c.peek(len(form.words)).text != "from"
 
 
 def more_specifiers(c: Cursor, specifiers: list[Specifier]) -> list[Specifier]:
-    """Read `, specifier` as often as it comes; a line may end after a comma if the next one is indented."""
+    """Read `, specifier` repeatedly; a line may end after a comma if the next one is indented."""
     while True:
         if begins_specifier(c):
             c.fail(f'expected a comma before the specifier "{c.token.text}"')
@@ -366,7 +366,7 @@ def begins_specifier(c: Cursor) -> bool:
 
 
 def next_form(c: Cursor) -> grammar.Form | None:
-    """Return the form whose words come next, and after them what it needs."""
+    """Return the form whose words come next, if they are followed by what it needs."""
     for form in grammar.SPECIFIERS.get(c.token.text, ()):
         if c.sees(*form.words):
             following = c.peek(len(form.words))

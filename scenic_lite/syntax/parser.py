@@ -1,9 +1,9 @@
 """Program text to syntax tree: a hand-written recursive descent over the tokens, for Scenic 2 and 3 in one grammar.
 
-Each file reads what the next ones are made of: `cursor` walks the tokens; `expressions` and `operators` read values;
-`statements` Python's statements, and this file those that Scenic adds. All of their words but Scenic 3's hard keywords
-are names elsewhere, so what follows decides. No text is ever given to Python's compiler.
-Read next: `syntax.nodes`, for what comes out, and `syntax.check`, for the rules that need the whole tree.
+Each file reads parts of the next ones: `cursor` walks the tokens; `expressions` and `operators` read values;
+`statements` Python's statements, and this file those that Scenic adds. All of their words except Scenic 3's hard
+keywords are names elsewhere, so the following tokens decide. No text is ever passed to Python's compiler.
+Read next: `syntax.nodes`, the resulting nodes, and `syntax.check`, for the rules that need the whole tree.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NO_PARAMETERS = ast.arguments([], [], None, [], [], None, [])
 def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
     """Parse a program into Python's `ast` nodes and those of `nodes`.
 
-    Dialect 2 or 3 is the version of Scenic that decides where they differ. Columns count characters, not bytes as
+    `dialect` 2 or 3 selects the version of Scenic where they differ. Columns count characters, not bytes as
     Python's do. Raises ScenicError: `syntax`, `unsupported`, or `budget` for a program too long or nested too deeply.
     """
     if dialect not in DIALECTS:
@@ -47,9 +47,9 @@ def parse(text: str, file: str = "<program>", dialect: int = 2) -> ast.Module:
 
 
 def dialect_of(text: str, file: str, dialect: int | None) -> int:
-    """Return 2 or 3: what is wanted; else a first line like `# scenic: 3`; else 3 if `new` stands before a name, or 2.
+    """Return 2 or 3: the requested one; else by a first line like `# scenic: 3`; else 3 if `new` precedes a name, or 2.
 
-    Raises ValueError for a wanted dialect that does not exist, ScenicError for a first line that names one.
+    Raises ValueError for a requested dialect that does not exist, ScenicError for a first line with an unknown one.
     """
     if dialect is not None:
         if dialect not in DIALECTS:
@@ -68,7 +68,7 @@ def dialect_of(text: str, file: str, dialect: int | None) -> int:
 
 
 def makes_instances_with_new(text: str, file: str) -> bool:
-    """Return whether the word `new` is used as Scenic 3 does: before the name of a class, and not as a name itself."""
+    """Return whether the word `new` is used as in Scenic 3: before the name of a class, and not as a name itself."""
     if "new" not in text:
         return False
     tokens = lex(Source(text, file))
@@ -79,7 +79,7 @@ def makes_instances_with_new(text: str, file: str) -> bool:
     return False
 
 
-# ---------------------------------------------------------------- what follows a first word
+# ---------------------------------------------------------------- after a first word
 def begins_value(c: Cursor, following: Token) -> bool:
     """Return whether a value follows the word, so that it is a statement: `take -x` is one, `take - x` a difference."""
     if following.text in SIGNS or following.text == "*":
@@ -89,7 +89,7 @@ def begins_value(c: Cursor, following: Token) -> bool:
 
 
 def begins_action(c: Cursor, following: Token) -> bool:
-    """Return what `begins_value` does, after `take` and `do`, which do not stand alone."""
+    """Return the result of `begins_value`, after `take` and `do`, which need an operand."""
     if following.kind in ("newline", "end") and c.token.text == "take":
         c.fail('expected an action after "take"', 'to do nothing for a step, write "wait"', at=following)
     if following.kind in ("newline", "end"):
@@ -103,7 +103,7 @@ def begins_definition(c: Cursor, following: Token) -> bool:
 
 
 def begins_interrupt(c: Cursor, following: Token) -> bool:
-    """Refuse an `interrupt when` that belongs to no `try`."""
+    """Refuse an `interrupt when` without a `try`."""
     if following.text == "when":
         c.fail('"interrupt when" without "try" before it', 'indent it like the "try" to which it belongs')
     return False

@@ -1,4 +1,4 @@
-"""Python's statements, simple ones and those that have others in them, and the hints for those that go wrong.
+"""Python's statements, simple and compound ones, and hints for mistakes.
 
 Read next: `syntax.parser`, for the statements of Scenic.
 """
@@ -18,7 +18,7 @@ from scenic_lite.syntax.nodes import Interrupt, New, TryInterrupt
 
 
 class Rule(NamedTuple):
-    """A statement by its first word: what reads on behind it, and whether what follows makes it one and no name."""
+    """A statement by its first word: the parser of the rest, and whether the following tokens make it a statement."""
 
     read: Callable[[Cursor, Token], ast.stmt]
     begins: Callable[[Cursor, Token], bool] = lambda c, following: True
@@ -41,7 +41,7 @@ def statement(c: Cursor) -> list[ast.stmt]:
 
 
 def by_first_word(c: Cursor, rules: Mapping[str, Rule], word: str) -> ast.stmt | None:
-    """Read what begins with a word of these rules; None if it is a name here."""
+    """Read a statement that begins with a word of these rules; None if the word is a name here."""
     rule, start = rules.get(word), c.token
     if rule is None or not rule.begins(c, c.peek()):
         return None
@@ -84,7 +84,7 @@ def begins_property(c: Cursor, following: Token) -> bool:
 
 
 def unexpected_indent(c: Cursor) -> NoReturn:
-    """Report a line that is indented and should not be."""
+    """Report a line with unexpected indentation."""
     hint = "only a block is indented, after a colon"
     if c.peek().text in SPECIFIER_WORDS:
         hint = "a comma at the end of the line before lets its specifiers go on"
@@ -92,7 +92,7 @@ def unexpected_indent(c: Cursor) -> NoReturn:
 
 
 def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
-    """Report what follows a statement on its line."""
+    """Report unexpected tokens after a statement on its line."""
     token, before = c.token, c.previous
     if token.kind == "indent":
         unexpected_indent(c)
@@ -154,7 +154,7 @@ def assignment(c: Cursor, start: Token, value: ast.expr) -> ast.stmt:
 
 
 def colon(c: Cursor, start: Token) -> NoReturn:
-    """Report `name: ...` that is no statement: a misspelt word, a guard too late, the type of a variable."""
+    """Report `name: ...` that is not a statement: a misspelled word, a guard too late, the type of a variable."""
     if start.text in ("precondition", "invariant"):
         c.fail(f'"{start.text}" may only stand before the first statement', at=start)
     if c.peek().kind == "newline":
@@ -163,7 +163,7 @@ def colon(c: Cursor, start: Token) -> NoReturn:
 
 
 def lone_class(c: Cursor, value: ast.expr, start: Token) -> ast.expr:
-    """Return what may be an instance: in dialect 2 a capitalised name alone, as a statement or assigned."""
+    """Return a possible instance: in dialect 2 a capitalized name alone, as a statement or assigned."""
     if c.dialect != 2 or not isinstance(value, ast.Name) or not value.id[0].isupper() or start.text == "(":
         return value
     node = c.at(start, New(value, []))
@@ -198,12 +198,12 @@ def import_from_statement(c: Cursor, start: Token) -> ast.stmt:
 
 
 def alias(c: Cursor, start: Token, name: str) -> ast.alias:
-    """Read `[as name]` behind what is imported."""
+    """Read `[as name]` after an import."""
     return c.at(start, ast.alias(name, c.name("a name").text if c.accept("as") else None))
 
 
 def dotted_name(c: Cursor, what: str) -> str:
-    """Read `a.b.c`; words of Scenic are no obstacle there."""
+    """Read `a.b.c`; words of Scenic are allowed in it."""
     parts = [c.word(f"the name of {what}")]
     while c.accept("."):
         parts.append(c.word(f"the name of {what}"))
@@ -211,12 +211,12 @@ def dotted_name(c: Cursor, what: str) -> str:
 
 
 def refused(c: Cursor, start: Token) -> NoReturn:
-    """Refuse a statement of Python that the language leaves out."""
+    """Refuse an unsupported statement of Python."""
     c.refuse(start.text, start)
 
 
 def misplaced(c: Cursor, start: Token) -> NoReturn:
-    """Report a word that only continues a statement which is not there."""
+    """Report a word that only continues a missing statement."""
     owner = {"elif": "if", "else": "if", "except": "try", "finally": "try", "in": "for"}.get(start.text)
     if owner:
         c.fail(f'"{start.text}" without "{owner}" before it', at=start)
@@ -225,9 +225,9 @@ def misplaced(c: Cursor, start: Token) -> NoReturn:
 
 # ---------------------------------------------------------------- blocks
 def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_class: bool = False) -> list[ast.stmt]:
-    """Read `: statements`, on the same line or indented below; `owner` says whose, for messages.
+    """Read `: statements`, on the same line or indented below; `owner` describes the statement for messages.
 
-    `begin` reads what stands before the statements, and lets none stand on the same line.
+    `begin` reads lines before the statements, and excludes statements on the same line.
     """
     if c.token.text == "=":
         c.fail('"=" assigns and cannot stand in a condition', COMPARES)
@@ -319,7 +319,7 @@ def function(c: Cursor, start: Token) -> ast.stmt:
 
 
 def begins_refused(c: Cursor, following: Token) -> bool:
-    """Refuse Python's `match` and `with`, by what follows: `match` may also be a name, `with` a specifier astray."""
+    """Refuse Python's `match` and `with` by their context: `match` may also be a name, `with` a misplaced specifier."""
     ahead = 1
     while c.peek(ahead).kind not in ("newline", "end"):
         ahead += 1

@@ -1,1 +1,1 @@
-"""Random values as expression graphs, and the plane that they lie in: vectors, angles, regions."""
+"""Random values as expression graphs, and geometry in the plane: vectors, angles, regions."""

@@ -1,8 +1,7 @@
 """Formulas of the plane and of the normal distribution, on arrays [N] or single numbers.
 
-They are written once and serve twice: arrays call them as they stand, and the machine compiles the same source for
-single numbers (`dynamics.machine.vm_geometry`). Read next: `values.operations`, which
-makes operations of them.
+They are written once and used twice: on arrays, and compiled by the virtual machine for single numbers
+(`dynamics.machine.vm_geometry`). Read next: `values.operations`, which makes operations of them.
 """
 
 from __future__ import annotations
@@ -14,28 +13,28 @@ from typing import Any
 import numpy as np
 
 TURN = 2 * math.pi
-ARC_SEGMENTS = 128  # of a circle, where one must be a polygon
+ARC_SEGMENTS = 128  # of a circle's polygon
 CLOSENESS = 1e-9  # a point this near a boundary belongs to it
-# A normal value is cut at the quantiles of this probability (about eight standard deviations), where θ = ±1.
+# A normal value is truncated at the quantiles of this probability (about eight standard deviations), for θ = ±1.
 LEAST_PROBABILITY = 2.0**-52
 
 
 # ------------------------------------------------------------ the plane
 def in_frame(dx: Any, dy: Any, heading: Any) -> tuple[Any, Any]:
-    """Return a displacement as seen in a frame turned by `heading`."""
+    """Return a displacement in a frame rotated by `heading`."""
     c, s = np.cos(heading), np.sin(heading)
     return dx * c + dy * s, dy * c - dx * s
 
 
 def in_rectangle(x: Any, y: Any, cx: Any, cy: Any, heading: Any, width: Any, length: Any) -> Any:
-    """Return whether points lie in an oriented rectangle, edges included; arrays [N] or scalars."""
+    """Return whether points are in an oriented rectangle, edges included; arrays [N] or scalars."""
     c, s = np.cos(heading), np.sin(heading)
     across, along = (x - cx) * c + (y - cy) * s, (y - cy) * c - (x - cx) * s
     return (abs(across) <= width / 2 + CLOSENESS) & (abs(along) <= length / 2 + CLOSENESS)
 
 
 def in_sector(delta_x: Any, delta_y: Any, radius: Any, heading: Any, angle: Any) -> Any:
-    """Return whether points at (delta_x, delta_y) from the apex lie in a sector; arrays [N] or scalars."""
+    """Return whether points at (delta_x, delta_y) from the apex are in a sector; arrays [N] or scalars."""
     bearing = np.arctan2(delta_y, delta_x) - math.pi / 2 - heading
     turn = np.abs(bearing - TURN * np.rint(bearing / TURN))
     at_apex = (delta_x == 0) & (delta_y == 0)
@@ -47,7 +46,7 @@ def sector_meets_rectangle(
 ) -> Any:
     """Return whether a sector (x, y, radius, heading, angle) meets a rectangle (x, y, heading, width, length).
 
-    They meet if the apex lies in the rectangle, a corner in the sector, or an edge crosses the arc or one of the two
+    They meet if the apex is in the rectangle, a corner is in the sector, or an edge crosses the arc or one of the two
     straight sides. Arrays [N] or scalars.
     """
     c, s = np.cos(turn), np.sin(turn)
@@ -93,7 +92,7 @@ def rectangles_meet(
 ) -> Any:  # fmt: skip
     """Return whether two rectangles, each (x, y, heading, width, length), have a common point; touching counts.
 
-    They are apart exactly if they are apart along one of their four axes. Arrays of any one shape, or scalars.
+    They are disjoint exactly if they are separated along one of their four axes. Arrays of any one shape, or scalars.
     """
     ca, sa, cb, sb = np.cos(turn_a), np.sin(turn_a), np.cos(turn_b), np.sin(turn_b)
     c, s = abs(ca * cb + sa * sb), abs(sa * cb - ca * sb)  # of the angle between them
@@ -108,9 +107,9 @@ def rectangles_meet(
 
 
 def edges_clear(edges: Any, corners: Any) -> Any:
-    """Return whether no edge enters the inside of a rectangle: edges [E, 4], corners [8, N] -> [N].
+    """Return whether no edge enters the interior of a rectangle: edges [E, 4], corners [8, N] -> [N].
 
-    An edge stays out exactly if it is apart from the rectangle along one of its two sides, or along its own normal.
+    An edge stays out exactly if it is separated from the rectangle along one of its two sides, or along its own normal.
     """
     x, y = (corners[0] + corners[4]) / 2, (corners[1] + corners[5]) / 2
     across_x, across_y = (corners[0] - corners[2]) / 2, (corners[1] - corners[3]) / 2  # half the width
@@ -143,7 +142,7 @@ def sector_rings(x: Any, y: Any, radius: Any, heading: Any, angle: Any, count: i
 
 # ------------------------------------------------------------ the normal distribution
 def normal_cdf(z: float) -> float:
-    """Return Φ(z), the share of a standard normal below z."""
+    """Return Φ(z), the probability of a standard normal value below z."""
     return 0.5 * math.erfc(-z / math.sqrt(2))
 
 
@@ -163,7 +162,7 @@ def normal_quantile(uniform: Any) -> Any:
 
 
 def either(condition: Any, first: Any, second: Any) -> Any:
-    """Return elementwise one or the other; the machine has its own for numbers."""
+    """Return elementwise one or the other; the machine has its own version for numbers."""
     return np.where(condition, first, second)
 
 

@@ -1,6 +1,6 @@
-"""Vectors, angles and oriented rectangles; one code for numbers and for random values.
+"""Vectors, angles and oriented rectangles; the same code for numbers and random values.
 
-Headings are radians, 0 along +y, anticlockwise. Read next: `values.regions`; `scene.constraints`,
+Headings are in radians, 0 along +y, counterclockwise. Read next: `values.regions`; `scene.constraints`,
 which tests rectangles.
 """
 
@@ -16,7 +16,7 @@ from scenic_lite.values.operations import ARC_TANGENT_2, COSINE, HYPOTENUSE, NOR
 
 
 class Vector:
-    """A point or displacement in the plane; each component a number or random."""
+    """A point or displacement in the plane; each component is a number or random."""
 
     __slots__ = ("x", "y")
 
@@ -62,7 +62,7 @@ class Vector:
         return is_number(self.x) and is_number(self.y)
 
     def rotated(self, angle: Value) -> Vector:
-        """Return it turned anticlockwise by `angle`; exactly itself if that is 0."""
+        """Return it rotated counterclockwise by `angle`; unchanged if that is 0."""
         c, s = cosine(angle), sine(angle)
         return Vector(self.x * c - self.y * s, self.x * s + self.y * c)
 
@@ -71,7 +71,7 @@ class Vector:
 
 
 class Located(ABC):
-    """What stands for its position where a vector is wanted."""
+    """A value that stands for its position where a vector is expected."""
 
     @abstractmethod
     def position_vector(self) -> Vector | None:
@@ -86,7 +86,7 @@ def is_scalar(value: Value) -> bool:
 def vector_operand(value: Value, sign: str) -> Vector:
     vector = as_vector(value)
     if vector is None:
-        raise TypeError(f"`{sign}` of a vector and something that is no vector")
+        raise TypeError(f"`{sign}` of a vector and a value that is not a vector")
     return vector
 
 
@@ -97,7 +97,7 @@ def scalar_operand(value: Value, sign: str) -> Value:
 
 
 def as_vector(value: Value) -> Vector | None:
-    """Return a vector from what the language accepts as one: itself, a pair of numbers, anything with a position.
+    """Return a value as a vector: a vector itself, a pair of numbers, anything with a position.
 
     Of three coordinates the third must be 0.
     """
@@ -119,7 +119,7 @@ def cosine(angle: Value) -> Value:
 
 
 def normalised(angle: Value) -> Value:
-    """Return the same angle in [-π, π]; both ends stay as they are."""
+    """Return the same angle in [-π, π]; both ends stay unchanged."""
     return apply(NORMALISE, angle)
 
 
@@ -134,7 +134,7 @@ def angle_between(start: Vector, end: Vector) -> Value:
 
 
 def corners(position: Vector, heading: Value, width: Value, length: Value) -> list[Vector]:
-    """Return the corners of an oriented rectangle, anticlockwise from the front right."""
+    """Return the corners of an oriented rectangle, counterclockwise from the front right."""
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
     return [position + Vector(width * x, length * y).rotated(heading) for x, y in signs]
 
@@ -145,7 +145,7 @@ def coordinates(points: Iterable[Vector]) -> list[Value]:
 
 
 def vector_by(function: Callable[..., tuple[Any, Any]], *operands: Value) -> Vector:
-    """Return the vector whose x and y a function written for arrays computes at once."""
+    """Return the vector whose x and y a function for arrays computes together."""
     both = apply(Operation(quietly(function, tuple), function), *operands, kind="any")
     if isinstance(both, RandomExpr):
         return Vector(RandomExpr(x_of, (both,)), RandomExpr(y_of, (both,)))

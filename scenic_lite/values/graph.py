@@ -1,8 +1,8 @@
 """Random values: nodes of an expression graph, and the tape that evaluates many of them for N samples at once.
 
-A program is walked once. Wherever an operand is random the walk makes a `RandomExpr` node instead of a number; a `Tape`
+A program is walked once. If an operand is random, the walk creates a `RandomExpr` node instead of a number; a `Tape`
 then holds the nodes in topological order, so that N scenes cost one array operation per node, whatever N. Read next:
-`language.distributions`, which makes the columns; `scene.program`, which owns the tape.
+`language.distributions`, which creates the columns; `scene.program`, which owns the tape.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from scenic_lite.errors import ScenicError, SourceSpan
 from scenic_lite.values import operations
 from scenic_lite.values.operations import Operation, quietly, to_integers
 
-MOST_NUMBERS = 1 << 28  # alive at once while a tape runs: 2 GB
-Value = Any  # a number, text, container or one of the classes of `values`; or Random in their place
+MOST_NUMBERS = 1 << 28  # alive at once during a run of a tape: 2 GB
+Value = Any  # a number, text, container or one of the classes of `values`; or a random one
 
 
 def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Callable[[Any, Value], Value]]:
@@ -33,8 +33,8 @@ def both_ways(operation: Operation) -> tuple[Callable[[Any, Value], Value], Call
 class RandomExpr:
     """A value that differs from scene to scene: `operation` applied to `inputs`, elementwise over the N samples.
 
-    `kind` is "number", "truth", "text" or "any"; it lets mistakes be found while the program is loaded. `drawn` is the
-    column that shows this value, if one does.
+    `kind` is "number", "truth", "text" or "any", for finding mistakes while the program is loaded. `drawn` is the
+    column that represents this value, if one does.
     """
 
     __slots__ = ("drawn", "inputs", "kind", "operation")
@@ -84,10 +84,10 @@ class RandomExpr:
 class ThetaColumn(RandomExpr):
     """One column of θ, already scaled: `low + (θ + 1) / 2 · span`; the leaf of the graph.
 
-    `shown` is the node a person thinks of (a coordinate, the chosen value), `low` and `high` its limits in the
-    program's units; `owner` says to whom the value belongs until a variable gives it a better name. `pruning` may turn
-    it into a node of other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`,
-    its options, in the order in which the program lists them.
+    `shown` is the readable node (a coordinate, the chosen value), `low` and `high` its limits in the program's units;
+    `owner` is the owner of the value until a variable gives it a better name. `pruning` may turn it into a node of
+    other columns: then it has an operation. A choice has its `weights`, shares of θ, and `listed`, its options, in the
+    order of the program.
     """
 
     __slots__ = (
@@ -106,12 +106,12 @@ class ThetaColumn(RandomExpr):
         self.drawn = self
         self.name = ""
         self.owner: Any = None
-        self.options: tuple = ()  # of a choice among structured values, whose index is shown
+        self.options: tuple = ()  # of a choice of structured values, represented by its index
         self.listed: tuple = ()
         self.weights: tuple[float, ...] = ()
 
     def show(self, value: Value, low: float = -math.inf, high: float = math.inf) -> Value:
-        """Take a value and its limits (nan: they differ from scene to scene) for what is drawn; return the value."""
+        """Set the readable value and its limits (nan if they differ between scenes); return the value."""
         self.shown, self.low, self.high = value, low, high
         value.drawn = self
         return value
@@ -122,9 +122,9 @@ def is_number(value: Value) -> bool:
 
 
 def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
-    """Do `operation` to numbers at once, or make a new node of it if an operand is random.
+    """Apply `operation` to numbers at once, or create a node if an operand is random.
 
-    `kind` is what comes out, where the table of operations does not say it.
+    `kind` is the result's kind, if the table of operations does not give it.
     """
     if any(isinstance(operand, RandomExpr) for operand in operands):
         return RandomExpr(operation.array, operands, kind or operation.kind)
@@ -132,12 +132,12 @@ def apply(operation: Operation, *operands: Value, kind: str = "") -> Value:
 
 
 def number_by(function: Callable[..., Any], *operands: Value) -> Value:
-    """Return a number computed by a function written for arrays."""
+    """Return a number computed by a function for arrays."""
     return apply(Operation(quietly(function, float), function), *operands)
 
 
 def truth_by(test: Callable[..., Any], *operands: Value) -> Value:
-    """Return a test written for arrays, on numbers or random values."""
+    """Return the result of a test for arrays, on numbers or random values."""
     return apply(Operation(quietly(test, bool), test, kind="truth"), *operands)
 
 
@@ -150,7 +150,7 @@ def any_of(*truths: Value) -> Value:
 
 
 def arithmetic(operation: Operation, *operands: Value) -> Value:
-    """Do as `apply`, refusing operands that are no numbers (two texts may be added). Raises TypeError."""
+    """Apply an arithmetic operation, refusing operands other than numbers (texts may be added). Raises TypeError."""
     kinds = {kind_of(operand) for operand in operands}
     if kinds <= {"number", "truth"}:
         return apply(operation, *(as_number(operand) for operand in operands))
@@ -160,7 +160,7 @@ def arithmetic(operation: Operation, *operands: Value) -> Value:
 
 
 def as_number(value: Value) -> Value:
-    """Return a truth value counts as 0 or 1, as in Python; arrays of truth values would add otherwise."""
+    """Return a boolean as 0 or 1, as in Python; arrays of booleans would add differently."""
     return RandomExpr(to_integers, (value,)) if isinstance(value, RandomExpr) and value.kind == "truth" else value
 
 
@@ -193,7 +193,7 @@ class Table:
 
 
 def select(index: RandomExpr, options: tuple) -> RandomExpr:
-    """Return the random choice among numbers or texts, themselves random or not."""
+    """Return the random choice of numbers or texts, fixed or random."""
     kinds = {kind_of(option) for option in options}
     kind = kinds.pop() if len(kinds) == 1 else "any"
     if any(isinstance(option, RandomExpr) for option in options):
@@ -202,7 +202,7 @@ def select(index: RandomExpr, options: tuple) -> RandomExpr:
 
 
 def columns_of(*values: Value) -> Iterator[ThetaColumn]:
-    """Yield the columns that random values are computed from, each once."""
+    """Yield the columns from which random values are computed, each once."""
     seen: set[int] = set()
     stack = list(reversed(values))
     while stack:
@@ -216,7 +216,7 @@ def columns_of(*values: Value) -> Iterator[ThetaColumn]:
 
 
 class Tape:
-    """The nodes needed for some outputs, flat and in topological order; equal operations on equal inputs once."""
+    """The nodes needed for some outputs, flat and in topological order, with common subexpressions merged."""
 
     def __init__(self, outputs: Iterable[RandomExpr], columns: Iterable[ThetaColumn], limit: int) -> None:
         self.registers: list[Any] = []
@@ -237,14 +237,14 @@ class Tape:
         return self._slots.get(id(value))
 
     def keep(self, *values: Value) -> None:
-        """Keep what some values are after a run, though they are no outputs."""
+        """Keep the registers of some values after a run, though they are not outputs."""
         self._kept.update(self._slots[id(value)] for value in values if isinstance(value, RandomExpr))
         vars(self).pop("_schedule", None)
 
     def run(self, columns: Any) -> list[Any]:
         """Evaluate every node for columns [D, N] (scaled); return the registers, each [N], a constant, or None.
 
-        Only outputs and what is kept are there afterwards: whatever else the last reader has read makes room.
+        Only outputs and kept registers remain: all others are freed after their last reader.
         """
         steps, most = self._schedule
         if steps and len(columns[0]) * most > MOST_NUMBERS:
@@ -260,7 +260,7 @@ class Tape:
 
     @cached_property
     def _schedule(self) -> tuple[list[tuple[Callable[..., Any], tuple[int, ...], int, tuple[int, ...]]], int]:
-        """Return the steps, each with the registers that it is the last to read; and how many are alive at most."""
+        """Return the steps, each with the registers that it reads last; and the maximum number alive at once."""
         last = {slot: at for at, (_, inputs, out) in enumerate(self.steps) for slot in (out, *inputs)}
         dying: dict[int, list[int]] = {}
         for _, _, out in self.steps:
@@ -278,7 +278,7 @@ class Tape:
         return len(self.registers) - 1
 
     def _place(self, root: RandomExpr) -> int:
-        """Give `root` and all it is computed from a register, inputs first (without recursion: graphs may be deep)."""
+        """Allocate registers for `root` and its inputs, inputs first (without recursion: graphs may be deep)."""
         stack = [root]
         while stack:
             node = stack[-1]

@@ -19,11 +19,11 @@ from scenic_lite.values.graph import Value, all_of, apply, number_by, truth_by
 from scenic_lite.values.operations import LESS_EQUAL, NORMALISE
 from scenic_lite.values.regions import Point2, Region, VectorField
 
-NEAR = 1e-6  # a point so near a polyline or a point lies on it
+NEAR = 1e-6  # distance at which a point belongs to a polyline or a point
 
 
 class ThinRegion(Region):
-    """A region without area: a point lies on it if it is near enough, and no object fits into it."""
+    """A region without area: a point belongs to it if it is near enough, and no object fits into it."""
 
     columns = 1
     tolerance = NEAR
@@ -36,12 +36,12 @@ class ThinRegion(Region):
 
 
 class PolylineRegion(ThinRegion):
-    """Chains of segments. Its orientation is the heading of each segment, unless another is given."""
+    """Chains of segments. Its orientation is the heading of each segment, unless another one is given."""
 
     dimension = 1
 
     def __init__(self, chains: Sequence[Any], orientation: VectorField | bool | None = True) -> None:
-        """Take chains [n, 2] of two points or more. `orientation` True: along the segments; None: there is none."""
+        """Create from chains [n, 2] of two points or more. `orientation` True: along the segments; None: none."""
         self.chains = [np.array(chain, dtype=float) for chain in chains]
         self.starts = np.concatenate([chain[:-1] for chain in self.chains])  # [S, 2]
         self.steps = np.concatenate([np.diff(chain, axis=0) for chain in self.chains])
@@ -77,7 +77,7 @@ class PolylineRegion(ThinRegion):
         return number_by(self._heading, u) if self.own_direction else super().heading_of(point, u)
 
     def nearest(self, x: Any, y: Any) -> tuple[Any, Any, Any]:
-        """Return the nearest segment of each point, how far along it, and the distance."""
+        """Return the nearest segment of each point, the position along it, and the distance."""
         dx, dy = np.asarray(x)[..., None] - self.starts[:, 0], np.asarray(y)[..., None] - self.starts[:, 1]
         square = np.maximum(self.lengths * self.lengths, 1e-300)
         along = np.clip((dx * self.steps[:, 0] + dy * self.steps[:, 1]) / square, 0.0, 1.0)  # [..., S]
@@ -105,7 +105,7 @@ class PolylineRegion(ThinRegion):
         return vector_by(lambda x, y: self._point_of(*self.nearest(x, y)[:2]), point.x, point.y)
 
     def along(self, distance: Value, normalized: bool = False) -> Vector:
-        """Return the point so far along the polyline from its start (or that share of its length)."""
+        """Return the point at this distance along the polyline (or at that share of its length)."""
         return vector_by(lambda u: self.at(np.clip(u, 0.0, 1.0)), distance if normalized else distance / self.length)
 
     def __add__(self, other: Value) -> PolylineRegion:
@@ -115,7 +115,7 @@ class PolylineRegion(ThinRegion):
         return PolylineRegion([*self.chains, *other.chains])
 
     def vertices(self) -> list[Point2]:
-        """Return its points in order; where one chain ends as the next begins, once."""
+        """Return its points in order; a point shared by consecutive chains once."""
         points: list[Point2] = []
         for chain in self.chains:
             own = [(x, y) for x, y in chain.tolist()]
@@ -131,12 +131,12 @@ class PolylineRegion(ThinRegion):
 
 
 class PointSetRegion(ThinRegion):
-    """Some points, each drawn equally often."""
+    """A set of points, drawn with equal probabilities."""
 
     dimension = 0
 
     def __init__(self, points: Any, orientation: VectorField | None = None, tolerance: float = NEAR) -> None:
-        """Take points [n, 2]."""
+        """Create from points [n, 2]."""
         if not len(points):
             raise ScenicError("value", "the region is empty")
         self.points = np.array(points, dtype=float)
@@ -162,7 +162,7 @@ class PointSetRegion(ThinRegion):
 
 
 class GridRegion(PointSetRegion):
-    """The free cells of a grid of obstacles: a point lies in it if the nearest grid point is free.
+    """The free cells of a grid of obstacles: a point belongs to it if the nearest grid point is free.
 
     grid [Y, X] of 0 (free) and 1 (obstacle), the lowest row first; `step` and `origin` are (x, y).
     """
@@ -190,7 +190,7 @@ class GridRegion(PointSetRegion):
         return truth_by(self._free, point.x, point.y)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return the corners are free, and no obstacle's grid point lies in the rectangle."""
+        """Return whether the corners are free and no obstacle's grid point is in the rectangle."""
         unobstructed = truth_by(self._unobstructed, *coordinates(corners))
         return all_of(*(self.contains(corner) for corner in corners), unobstructed)
 

@@ -1,10 +1,10 @@
-"""The operations on numbers: one table, a row each, which answers whatever is asked about an operation.
+"""The operations on numbers: one table, with all properties of an operation in its row.
 
-A row says how the operation is done to Python's numbers (`scalar`, which raises as Python does) and to arrays [N]
-(`array`, which gives nan instead), by which opcode the machine does it, whether it keeps integers and where it fails.
-The `math` module of the language, the emitter of the compiler and the checks of arithmetic read this table: a new
-operation is a row here and, if a running match is to compute it, a row in `dynamics.machine.opcodes` and a branch in
-`vm`. Read next: `values.graph`, which applies them.
+A row gives the operation on Python's numbers (`scalar`, which raises as Python does) and on arrays [N] (`array`, which
+gives nan instead), the opcode of the virtual machine, whether it keeps integers, and where it fails. The `math` module
+of the language, the compiler's emitter and the checks of arithmetic read this table: a new operation is a row of this
+table and, if a running match computes it, a row of `dynamics.machine.opcodes` and a branch in `vm`. Read next:
+`values.graph`, which applies them.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ import numpy as np
 from scenic_lite.values import formulas
 from scenic_lite.values.formulas import TURN
 
-KEPT, ALWAYS = "kept", "always"  # of integers an integer; an integer of whatever
+KEPT, ALWAYS = "kept", "always"  # integers give an integer; always an integer
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Operation:
-    """One operation; those that are made outside the table have the first two columns only.
+    """One operation; operations created outside the table have only the first two fields.
 
     Attributes:
-        scalar, array: how it is done to numbers and to arrays [N].
-        name: what it is called; of a function of Python's module `math` the name that it has there.
-        arity: how many operands it takes, 0 for any number.
-        opcode: by which opcode the machine does it; "" if it does not.
+        scalar, array: the operation on numbers and on arrays [N].
+        name: its name; for a function of Python's module `math` the name in that module.
+        arity: the number of operands, 0 for any number.
+        opcode: the machine's opcode; "" if it has none.
         integers: KEPT, ALWAYS or "", a fraction unless proven otherwise.
-        fails: (result, *operands), arrays [N] -> [N] where there is no such number; None: there always is one.
-        kind: what it gives, "number", "truth", "text" or "any".
-        swapped: the opcode takes the two operands the other way round.
+        fails: (result, *operands), arrays [N] -> [N] where the result does not exist; None: it always exists.
+        kind: the kind of the result, "number", "truth", "text" or "any".
+        swapped: the opcode takes the two operands in reverse order.
     """
 
     scalar: Callable[..., Any]
@@ -55,7 +55,7 @@ def zero_divisor(_result: Any, _dividend: Any, divisor: Any) -> Any:
 
 
 def not_finite(result: Any, *operands: Any) -> Any:
-    """Return where finite operands give no finite result; an infinite operand is no fault of the operation."""
+    """Return where finite operands give no finite result; an infinite operand is not a fault of the operation."""
     mask = is_infinite(result)
     for operand in operands:
         mask = mask & ~is_infinite(operand)
@@ -63,24 +63,24 @@ def not_finite(result: Any, *operands: Any) -> Any:
 
 
 def is_infinite(values: Any) -> Any:
-    """Return where numbers are infinite or none; False for what is no number."""
+    """Return where numbers are infinite or NaN; False for other values."""
     array = np.asarray(values)
     return ~np.isfinite(array) if array.dtype.kind == "f" else np.zeros(array.shape, dtype=bool)
 
 
-# ------------------------------------------------------------ how they are done
+# ------------------------------------------------------------ implementations
 def array_power(base: Any, exponent: Any) -> Any:
-    """Return powers: those of integers with a fixed exponent are integers, all others fractions, whatever the row."""
+    """Return powers: an integer for integers with a fixed exponent, else a fraction, whatever the row."""
     if isinstance(exponent, int) and exponent >= 0 and base.dtype.kind == "i":
         return np.power(base, exponent)
     return np.float_power(base, exponent)
 
 
 def real_power(base: Any, exponent: Any) -> Any:
-    """Return `base ** exponent`. Raises ValueError where that is no real number, as of -2 ** 0.5."""
+    """Return `base ** exponent`. Raises ValueError if that is not a real number, as for -2 ** 0.5."""
     result = base**exponent
     if isinstance(result, complex):
-        raise ValueError(f"({base:g}) ** {exponent:g} is no real number")
+        raise ValueError(f"({base:g}) ** {exponent:g} is not a real number")
     return result
 
 
@@ -89,7 +89,7 @@ def array_round(value: Any) -> Any:
 
 
 def to_integers(value: Any) -> Any:
-    """Truncate to int64; what is no finite number becomes the least of them."""
+    """Truncate to int64; numbers that are not finite become the least one."""
     return np.where(np.isfinite(value), value, -(2.0**63)).astype(np.int64)
 
 
@@ -100,7 +100,7 @@ def array_select(index: Any, *options: Any) -> Any:
 
 
 def quietly(function: Callable[..., Any], kind: Callable[[Any], Any]) -> Callable[..., Any]:
-    """Return the same function on numbers; what is infinite is in no region, and no reason for a warning."""
+    """Return the same function on numbers; an infinite number is in no region, and causes no warning."""
 
     def of_numbers(*numbers: Any) -> Any:
         with np.errstate(all="ignore"):
@@ -186,7 +186,7 @@ SECTOR_MEETS = Operation(
     "SECTOR_MEETS", kind="truth")
 # fmt: on
 
-# Functions of one number that nobody asks for but programs; those that are always finite do not mind being asked.
+# Functions of one number that only programs use; those that are always finite have no failure test.
 RARER = ["cbrt", "exp2", "expm1", "log1p", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh"]
 OPERATIONS = (
     *(constant for constant in list(globals().values()) if isinstance(constant, Operation)),

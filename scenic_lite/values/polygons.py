@@ -1,6 +1,6 @@
 """Regions of any shape, and regions made of regions: polygons, intersections, differences, unions.
 
-Fixed regions are combined once. Regions that differ from scene to scene are combined in every scene (so that a point
+Fixed regions are combined once. Regions that differ between scenes are combined in every scene (so that a point
 drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection. Read next:
 `values.shapes`, the geometry; `scene.pruning`.
 """
@@ -33,15 +33,15 @@ from scenic_lite.values.regions import (
 from scenic_lite.values.shapes import shapely
 
 MOST_CORNERS = 5000  # of one region
-FEW_EDGES = 60  # up to here plain arrays find faster than shapely whether an edge meets a rectangle
-BLOCK = 1 << 15  # numbers in one array, so that they stay in the processor's cache
+FEW_EDGES = 60  # up to this number plain arrays are faster than shapely at finding edges that meet a rectangle
+BLOCK = 1 << 15  # numbers in one array, to fit into the processor's cache
 
 
 class PolygonalRegion(Region):
-    """A fixed polygon or several, with holes or without."""
+    """A fixed polygon or several, with or without holes."""
 
     def __init__(self, shape: Any, orientation: VectorField | None = None) -> None:
-        """Take a valid shapely Polygon or MultiPolygon, not empty."""
+        """Create from a valid shapely Polygon or MultiPolygon, not empty."""
         self._shape = shape
         self.orientation = orientation
 
@@ -95,8 +95,8 @@ class Slabs:
     """Uniform points of a fixed shape from two uniform numbers: the first gives x, the second y.
 
     The shape is cut at the x of every corner into S vertical slabs, in each of which it is a stack of up to K
-    trapezoids. x is the inverse of the share of the area left of it, y divides what lies on the vertical line through
-    x. So both grow with their numbers, and near numbers give near points wherever the shape is not interrupted.
+    trapezoids. x is the inverse of the share of the area left of it, y divides the part of the vertical line inside the
+    shape. So both grow with their numbers, and near numbers give near points except across gaps in the shape.
     """
 
     def __init__(self, edges: Any) -> None:
@@ -137,7 +137,7 @@ class Slabs:
 
 
 def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
-    """Return a uniform point of each shape: [N], [N], [N] -> x [N], y [N]; nan where it is empty."""
+    """Return a uniform point of each shape: [N], [N], [N] -> x [N], y [N]; nan if it is empty."""
     shapes, u, v = np.broadcast_arrays(shapes, u, v)
     points = np.full((2, len(shapes), 1), np.nan)
     for i, shape in enumerate(shapes):
@@ -148,7 +148,7 @@ def points_of(shapes: Any, u: Any, v: Any) -> tuple[Any, Any]:
 
 
 class Holds:
-    """Whether points, or rectangles, lie in a fixed shape, boundaries included."""
+    """Whether points, or rectangles, are in a fixed shape, boundaries included."""
 
     def __init__(self, shape: Any) -> None:
         self.shape = shapes.widened(shape)
@@ -158,16 +158,16 @@ class Holds:
         return shapely.intersects_xy(self.shape, x, y)
 
     def rectangles(self, *numbers: Any) -> Any:
-        """Return whether rectangles lie inside, given x and y of the corners in turn, [N] or scalars."""
+        """Return whether rectangles are inside, given x and y of the corners in turn, [N] or scalars."""
         corners = shapes.points_from(np.broadcast_arrays(*(np.asarray(number, dtype=float) for number in numbers)))
-        known = np.isfinite(corners).all(axis=(-2, -1))  # what stands nowhere is in no shape
+        known = np.isfinite(corners).all(axis=(-2, -1))  # undefined positions are in no shape
         return known & shapely.covers(self.shape, shapely.polygons(np.where(known[..., None, None], corners, 0.0)))
 
 
 class ShapeRegion(Region):
-    """A shape that differs from scene to scene: random corners, or what random regions have in common.
+    """A shape that differs between scenes: random corners, or the intersection of random regions.
 
-    `shape` is a node of polygons, or of polylines where `dimension` is 1. A scene in which it is empty is rejected when
+    `shape` is a node of polygons, or of polylines if `dimension` is 1. A scene in which it is empty is rejected when
     a point is drawn from it.
     """
 
@@ -210,8 +210,8 @@ def polygon_through(corners: list[Vector], orientation: VectorField | None = Non
 def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
     """Return the intersection, with the orientation of `a` if it has one, else of `b`.
 
-    Dialect 2 draws from `b`, and rejects by `a`, where both are random rectangles, discs or sectors: so that those
-    which overlap more are the likelier ones.
+    Dialect 2 draws from `b`, and rejects by `a`, if both are random rectangles, discs or sectors: so larger overlaps
+    are more likely.
     """
     for region, other in ((a, b), (b, a)):
         if isinstance(region, Everywhere) or isinstance(other, Nowhere):
@@ -229,7 +229,7 @@ def common_part(a: Region, b: Region, dialect: int = 3) -> Region:
 
 
 def remainder(a: Region, b: Region) -> Region:
-    """Return what is in `a` and not in `b`; of a polyline it has no orientation."""
+    """Return the part of `a` outside `b`; a polyline loses its orientation."""
     if isinstance(b, Everywhere):
         return Nowhere()
     if isinstance(b, Nowhere) or isinstance(a, Nowhere):
@@ -242,12 +242,12 @@ def remainder(a: Region, b: Region) -> Region:
 
 
 def outside(region: Region, hole: Region) -> Region:
-    """Return the points of a region that another does not hold; others that are drawn are rejected."""
+    """Return the points of a region outside another one; other drawn points are rejected."""
     return Filtered(region, lambda point: apply(NOT, hole.contains(point)))
 
 
 def union(a: Region, b: Region) -> Region:
-    """Return a region uniform over the whole, also where the two overlap; each part keeps its orientation."""
+    """Return a region uniform over the union, also if the two overlap; each part keeps its orientation."""
     for region, other in ((a, b), (b, a)):
         if isinstance(region, Everywhere) or isinstance(other, Nowhere):
             return region
@@ -268,7 +268,7 @@ def combined(
 
 
 def region_of(shape: Value, orientation: VectorField | None = None, dimension: int = 2) -> Region:
-    """Return the region of a shape: whatever it turned out to be if it is fixed, else one of a known dimension."""
+    """Return the region of a shape: by its dimension if it is fixed, else by the expected one."""
     if isinstance(shape, RandomExpr):
         return ShapeRegion(shape, orientation, dimension)
     if shape.is_empty:
@@ -283,7 +283,7 @@ def region_of(shape: Value, orientation: VectorField | None = None, dimension: i
 
 
 def chosen_points(points: PointSetRegion, other: Region, kept: bool) -> Region:
-    """Return the points of a set that lie in another region, or those that do not."""
+    """Return the points of a set inside another region, or those outside."""
     inside = [other.contains(point) for point in points.vectors()]
     if any(isinstance(truth, RandomExpr) for truth in inside):
         return Filtered(points, other.contains) if kept else outside(points, other)
@@ -302,7 +302,7 @@ def meet(a: Region, b: Region) -> Value:
 
 
 def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
-    """Return whether all of `b` lies in `a`, or within `tolerance` of it."""
+    """Return whether all of `b` is in `a`, or within `tolerance` of it."""
     if isinstance(a, Everywhere) or isinstance(b, Nowhere):
         return True
     if isinstance(a, Nowhere | GridRegion) or isinstance(b, Everywhere):
@@ -312,7 +312,7 @@ def holds(a: Region, b: Region, tolerance: float = 0.0) -> Value:
 
 
 def grown(region: Region, by: Value) -> Region:
-    """Return the region and all points within a distance of it (for a negative one, what is so deep inside)."""
+    """Return the region and all points within a distance of it (for a negative one, its interior at that depth)."""
     return region_of(apply(shapes.GROWN, region.shape(), by))
 
 
@@ -320,7 +320,7 @@ def boundary(region: Region) -> Region:
     """Return the boundary of a fixed polygon, as polylines."""
     shape = region.shape()
     if isinstance(shape, RandomExpr):
-        raise ScenicError("unsupported", "this can be asked of a fixed region only")
+        raise ScenicError("unsupported", "only fixed regions support this")
     return PolylineRegion([line.coords for line in shapely.get_parts(shape.boundary)])
 
 

@@ -1,8 +1,8 @@
-"""Regions of the plane: where points are drawn from and objects must stay; rectangles, discs and sectors.
+"""Regions of the plane: for drawing points and containing objects; rectangles, discs and sectors.
 
-Every region makes a point of two uniform numbers (so a point costs two columns of θ; one on a line), and says whether
-points and rectangles lie in it. Read next: `values.lines`, those without area;
-`values.polygons`, those of any shape; `language.fields`.
+Every region maps two uniform numbers to a point (so a point takes two columns of θ; one on a line), and tests whether
+it contains points and rectangles. Read next: `values.lines`, regions without area; `values.polygons`, regions of any
+shape; `language.fields`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Point2 = tuple[float, float]
 
 
 class VectorField:
-    """A heading for every point; `heading_at` is given a vector. Followed in steps no longer than `longest_step`."""
+    """A heading for every point, by `heading_at(vector)`. Followed in steps no longer than `longest_step`."""
 
     def __init__(
         self, name: str, heading_at: Callable[[Vector], Value], least_steps: int = 4, longest_step: float | None = 5.0
@@ -34,18 +34,18 @@ class VectorField:
 
 
 class Region:
-    """What every region can do."""
+    """The interface of all regions."""
 
     orientation: VectorField | None = None
     columns = 2  # of θ, for a point drawn from it
     dimension = 2
 
     def scales(self) -> list[tuple[float, float]]:
-        """Return offset and span of the numbers that `point` wants, for each column."""
+        """Return offset and span of the arguments of `point`, for each column."""
         return [(0.0, 1.0)] * self.columns
 
     def point(self, u: Value, v: Value) -> Vector:
-        """Return the point for two uniform numbers, scaled as `scales` says."""
+        """Return the point for two uniform numbers, scaled as `scales` specifies."""
         raise NotImplementedError
 
     def heading_of(self, point: Vector, u: Value) -> Value:
@@ -56,19 +56,19 @@ class Region:
         raise NotImplementedError
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return whether a whole rectangle lies inside, given its corners; touching the boundary is allowed."""
+        """Return whether a rectangle is inside, given its corners; it may touch the boundary."""
         return all_of(*(self.contains(corner) for corner in corners))
 
     def distance(self, point: Vector) -> Value:
-        """Return the distance from a point, 0 inside. Raises ScenicError where it is endless."""
+        """Return the distance from a point, 0 inside. Raises ScenicError for an unbounded region."""
         return number_by(shapes.distances, self.shape(), point.x, point.y)
 
     def shape(self) -> Value:
-        """Return its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError where it has none."""
+        """Return its shapely geometry (arcs as polygons), or a node of them. Raises ScenicError if it has none."""
         raise ScenicError("unsupported", f"{type(self).__name__} cannot be combined with another region here")
 
     def bounds(self) -> tuple[float, float, float, float] | None:
-        """Return low x, high x, low y, high y; None if random or endless."""
+        """Return low x, high x, low y, high y; None if random or unbounded."""
         try:
             points = np.concatenate(self.outlines())
         except ScenicError:
@@ -77,11 +77,11 @@ class Region:
         return float(low_x), float(high_x), float(low_y), float(high_y)
 
     def outlines(self) -> list[Any]:
-        """Return its boundary as lines, each [n, 2]. Raises ScenicError where it is random or endless."""
+        """Return its boundary as lines, each [n, 2]. Raises ScenicError if it is random or unbounded."""
         raise ScenicError("unsupported", f"{type(self).__name__} has no fixed outline")
 
     def vertices(self) -> list[Point2] | None:
-        """Return the points of a polyline, which can be counted and walked through; None for other regions."""
+        """Return the points of a polyline, which can be counted and iterated; None for other regions."""
         return None
 
     def fixed(self) -> bool:
@@ -89,7 +89,7 @@ class Region:
         return all(is_number(part) for part in self.parameters())
 
     def parameters(self) -> tuple[Value, ...]:
-        """Return what it is made of, and may be random."""
+        """Return its parts that may be random."""
         return ()
 
 
@@ -106,7 +106,7 @@ class RectangularRegion(Region):
     def scales(self) -> list[tuple[float, float]]:
         if not self.fixed():
             return [(0.0, 1.0)] * 2
-        if self.heading == 0:  # straight into the program's coordinates, so that no operation is left to do
+        if self.heading == 0:  # directly in the program's coordinates, which saves operations
             x, y = self.position.x, self.position.y
             return [(x - self.width / 2, self.width), (y - self.length / 2, self.length)]
         return [(-self.width / 2, self.width), (-self.length / 2, self.length)]
@@ -153,7 +153,7 @@ class SectorRegion(Region):
         return apply(IN_SECTOR, delta.x, delta.y, reach, self.heading, self.angle)
 
     def contains_corners(self, corners: list[Vector]) -> Value:
-        """Return whether a rectangle lies inside, also where the sector is more than half a disc and so not convex."""
+        """Return whether a rectangle is inside, also for a sector of more than half a disc, which is not convex."""
         if is_number(self.angle) and (self.angle <= math.pi or self.angle >= TURN):
             return super().contains_corners(corners)
         return truth_by(shapes.holds_shapes, self.shape(), apply(shapes.POLYGON, *coordinates(corners)))
@@ -195,7 +195,7 @@ class Nowhere(Region):
 class Filtered(Region):
     """The points of `region` that pass a test: drawn from `region`, and scenes that fail are rejected.
 
-    For intersections and differences that have no shape. Drawing adds `test` to the program's requirements.
+    It is used for intersections and differences without a shape. Drawing adds `test` to the program's requirements.
     """
 
     def __init__(self, region: Region, test: Callable[[Vector], Value]) -> None:
@@ -223,7 +223,7 @@ class Filtered(Region):
 def patched(
     name: str, pieces: Sequence[tuple[Region, Callable[[Vector], Value]]], default: Value = None
 ) -> VectorField:
-    """Return the field that has the heading of the first piece whose region holds the point; nan outside all."""
+    """Return the field with the heading of the first piece whose region contains the point; nan outside all."""
 
     def heading_at(point: Vector) -> Value:
         result = math.nan if default is None else default
@@ -238,6 +238,6 @@ def patched(
 
 
 def patchwork(regions: Sequence[Region], default: Value = None) -> VectorField | None:
-    """Return the orientation of the first region that holds the point; None if no region has one."""
+    """Return the orientation of the first region that contains the point; None if no region has one."""
     pieces = [(region, region.orientation.heading_at) for region in regions if region.orientation is not None]
     return patched("Union", pieces, default) if pieces else None

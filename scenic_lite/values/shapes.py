@@ -1,7 +1,7 @@
-"""Shapes: the geometries of shapely behind regions, fixed or one for each of N samples.
+"""Shapes: shapely's geometries of regions, fixed or one for each of N samples.
 
-The only importer of shapely, which is loaded where a program first needs a polygon. A shape that differs from scene to
-scene is a node whose value is an array [N] of geometries. Read next: `values.polygons`.
+Only this module imports shapely, when a program first needs a polygon. A shape that differs between scenes is a node
+whose value is an array [N] of geometries. Read next: `values.polygons`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from scenic_lite.values.formulas import ARC_SEGMENTS, CLOSENESS, sector_rings
 from scenic_lite.values.operations import Operation
 
-COARSE = 64  # segments of a circle that differs from scene to scene
+COARSE = 64  # segments of a circle that differs between scenes
 
 
 class DeferredModule:
-    """A module that is loaded when something of it is wanted first."""
+    """A module that is loaded on first use."""
 
     def __init__(self, name: str) -> None:
         self._name = name
@@ -33,9 +33,9 @@ shapely: Any = DeferredModule("shapely")
 
 
 def shaping(build: Callable[..., Any]) -> Operation:
-    """Return an operation that makes shapes as `build` does of arrays [N].
+    """Return an operation that creates shapes by `build` from arrays [N].
 
-    They are empty where numbers are not finite or geometry fails.
+    Shapes are empty if numbers are not finite or geometry fails.
     """
 
     def one(row: tuple) -> Any:
@@ -71,7 +71,7 @@ def sectors(x: Any, y: Any, radius: Any, heading: Any, angle: Any) -> Any:
 
 
 def polygons_of(*numbers: Any) -> Any:
-    """Return [N] polygons from the x and y of each corner in turn; empty where they cross themselves."""
+    """Return [N] polygons from the x and y of each corner in turn; empty if they cross themselves."""
     made = shapely.polygons(points_from(np.broadcast_arrays(*numbers)))
     return np.where(shapely.is_valid(made), made, shapely.Polygon())
 
@@ -82,7 +82,7 @@ def points_from(rows: Any) -> Any:
 
 
 def flat(shapes: Any) -> Any:
-    """Reduce collections of mixed dimensions to the parts of the highest: what a uniform point falls into."""
+    """Reduce collections of mixed dimensions to the parts of the highest one, which a uniform point falls into."""
     mixed = shapely.get_type_id(shapes) == 7
     if not np.any(mixed):
         return shapes
@@ -99,12 +99,12 @@ def distances(shape: Any, x: Any, y: Any) -> Any:
 
 
 def buffered(shape: Any, by: Any) -> Any:
-    """Return a shape and all that is within a distance of it."""
+    """Return a shape and everything within a distance of it."""
     return shapely.buffer(shape, by, quad_segs=ARC_SEGMENTS // 4)
 
 
 def widened(shape: Any) -> Any:
-    """Return a shape together with what counts as its boundary."""
+    """Return a shape together with its boundary."""
     return shapely.buffer(shape, CLOSENESS, join_style="mitre")
 
 
@@ -113,12 +113,12 @@ def holds_points(shape: Any, x: Any, y: Any) -> Any:
 
 
 def holds_shapes(shape: Any, other: Any) -> Any:
-    """Return whether shapes lie in shapes, boundaries included."""
+    """Return whether shapes are in shapes, boundaries included."""
     return shapely.covers(widened(shape), other)
 
 
 def moved(shape: Any, x: float, y: float) -> Any:
-    """Return a fixed shape somewhere else."""
+    """Return a fixed shape, translated."""
     return shapely.transform(shape, lambda points: points + (x, y))
 
 

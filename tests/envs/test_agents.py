@@ -119,7 +119,7 @@ def test_all_but_the_keeper_needs_exactly_one_keeper() -> None:
 
 
 def test_there_must_be_an_agent() -> None:
-    with pytest.raises(ValueError, match="there must be an agent"):
+    with pytest.raises(ValueError, match="at least one agent is needed"):
         FootballConfig(control="none")
 
 

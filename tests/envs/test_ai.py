@@ -10,7 +10,7 @@ from pitch import OPEN, play, position, take_over
 
 from regista.envs.football.ai.attack import push_of_rivals
 from regista.envs.football.ai.decide import choose_command
-from regista.envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, lay_traps
+from regista.envs.football.ai.defence import RACE, goes_for_led_ball, guarding_place, set_defensive_lines
 from regista.envs.football.ai.formation import formation_slots
 from regista.envs.football.ai.positions import take_position
 from regista.envs.football.config import FootballConfig
@@ -214,7 +214,7 @@ def test_opponents_see_where_the_last_line_will_be(run: float, line: float) -> N
     """As documented they lead its run by 0.24 s, but as it was a reaction time ago."""
     matches = alone([*KEEPERS, *FOUR, (10.0, 0.0, RIGHT, CB), (2.0, -13.0, RIGHT, CF)], (-20.0, 0.0), n=1)
     matches["players"]["vx"][:, 6] = run
-    lay_traps(matches[0])
+    set_defensive_lines(matches[0])
     assert matches["second_last"][0, RIGHT] == pytest.approx(line, abs=0.1)
 
 

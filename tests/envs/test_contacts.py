@@ -26,7 +26,7 @@ from regista.envs.football.constants import (
     SPRINT,
     STAND,
 )
-from regista.envs.football.control.keys import may_slide
+from regista.envs.football.control.actions import may_slide
 from regista.envs.football.rules.fouls import YELLOW_FROM
 from regista.envs.football.simulator import step_everybody
 from regista.envs.football.skills.contacts import kick_mates_ball

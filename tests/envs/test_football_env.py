@@ -379,7 +379,7 @@ def test_slips_that_loading_finds_are_warned_of_once_each(make):
     assert heads == [
         "<program>:1:7: nothing reads the parameter 'game_durration'",
         "<program>:2:24: LeftCM has no property 'behaviour'",
-        "<program>:8:20: the behavior Slip stands without brackets",
+        "<program>:8:20: the behavior Slip is written without brackets",
         '<program>:6:5: the behavior "HoldPosition" is named here, but not run',
     ]
     assert {each.category for each in found} == {UserWarning}

@@ -28,7 +28,7 @@ def test_every_whole_number_has_its_limits() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
-        ("num_players", 22, r"matches\[1\]\.num_players is 22; it must be 6, as the program has it"),
+        ("num_players", 22, r"matches\[1\]\.num_players is 22; it must be 6, as in the program"),
         ("carrier", 6, r"matches\[1\]\.carrier is 6; it must be a whole number from -1 to 5"),
         ("score", (0, -1), r"matches\[1\]\.score\[1\] is -1; it must be a whole number from 0 to 1,000,000,000"),
         ("save_x", np.nan, r"matches\[1\]\.save_x is nan; it must be a number from -1e\+09 to 1e\+09"),

@@ -9,7 +9,7 @@ from pitch import OPEN, play, position, take_over
 from regista.envs.football.ai.keeper import bisector_foot, boldness
 from regista.envs.football.constants import CM, DIRECTION_RIGHT, DIRECTION_TOP_RIGHT, GK, LEFT, RIGHT, SHOT, SPRINT
 from regista.envs.football.physics.ball import advance_ball
-from regista.envs.football.skills.hands import parry, sticks
+from regista.envs.football.skills.hands import is_caught, parry
 from regista.envs.football.skills.saves import foresee_shot, save_chance
 
 
@@ -174,7 +174,7 @@ def test_what_is_old_and_slow_sticks(speed: float, age: float, least: float, mos
     """Measured: none of 542 saves before 0.55 s, a third of 80 at 0.8 s, 57 of 59 after 1.2 s."""
     matches = position([(30.0, 0.0, LEFT, CM), (53.0, 0.0, RIGHT, GK)], (52.5, 0.0), OPEN, range(200))
     matches["kick_age"] = age
-    assert least <= np.mean([sticks(match, speed) for match in matches]) <= most
+    assert least <= np.mean([is_caught(match, speed) for match in matches]) <= most
 
 
 def test_from_far_nearly_everything_is_saved() -> None:

@@ -281,7 +281,7 @@ def test_a_fault_inside_a_function_is_told_where_the_program_calls_it() -> None:
     owner = "player_with_ball(simulation().game_ds, ball)"
     text = HEAD.format(question=f"round(get_closest_player_info({owner}, [ego])[1])", scene=EAST)
     compiled = compile_program(load(text, FOOTBALL), FOOTBALL_WORLD)
-    rows = [row for row, note in compiled.listing.notes.items() if note.startswith("None is no object")]
+    rows = [row for row, note in compiled.listing.notes.items() if note.startswith("None is not an object")]
     registers = compiled.start.copy()
     registers[[FAULT, FAULT_ROW]] = PROGRAM_ERROR, rows[0]
     told = compiled.fault(registers)

@@ -29,7 +29,7 @@ PAIR = "ego = LeftCM at 0 @ 0\nBall at 5 @ 5\n"
         (PAIR + "Object at 9 @ 9", "<program>:3:1: Object is neither a player nor the ball"),
         (
             "ego = RightCM at 0 @ 0\nBall at 5 @ 5",
-            "<program>: the learner plays on the left, and this program has no left player",
+            "<program>: agents play on the left, and this program has no left player",
         ),
         (PAIR + "Player at 0 @ 3", "<program>:3:1: Player is in no team (use a Left... or Right... class)"),
         (
@@ -81,7 +81,7 @@ def test_a_random_role_is_drawn_for_each_match():
         ("right_team_difficulty = math.inf - math.inf", "a number from 0 to 1, not nan"),
         (
             "defending = Uniform(True, False)",
-            "True or False, not a random value: it says what success is, in all matches of a program",
+            "True or False, not a random value: it defines success in all matches of a program",
         ),
     ],
 )

@@ -147,8 +147,8 @@ def test_what_does_not_fit_is_refused_in_one_sentence() -> None:
     with pytest.raises(ValueError, match="unknown minigame '4v4'; known are 1v1Restricted"):
         minigames.parallel_env("4v4")
     env = FootballParallelEnv(MATCH, "2")
-    with pytest.raises(RuntimeError, match=r"there is no match; call reset\(\) before step\(\)"):
+    with pytest.raises(RuntimeError, match=r"no match is running; call reset\(\) before step\(\)"):
         env.step({"agent_0": 0, "agent_1": 0})
     env.reset(seed=0)
-    with pytest.raises(ValueError, match=r"needs an action of each of agent_0, agent_1, got agent_0$"):
+    with pytest.raises(ValueError, match=r"needs an action for each of agent_0, agent_1, got agent_0$"):
         env.step({"agent_0": 0})

@@ -73,11 +73,11 @@ def test_a_film_has_a_frame_per_step(tmp_path, suffix):
 
 
 def test_what_is_no_film_is_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"ends in \.gif, \.webp or \.mp4"):
+    with pytest.raises(ValueError, match=r"must end in \.gif, \.webp or \.mp4"):
         write_video(tmp_path / "film.avi", [np.zeros((10, 10, 3), np.uint8)])
     with pytest.raises(ValueError, match="no frame"):
         write_video(tmp_path / "film.gif", [])
-    with pytest.raises(ValueError, match="no folder"):
+    with pytest.raises(ValueError, match="does not exist"):
         write_video(tmp_path / "nowhere" / "film.gif", [np.zeros((10, 10, 3), np.uint8)])
 
 

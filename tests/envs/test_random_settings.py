@@ -143,7 +143,7 @@ REFUSED = {
     "right_team_difficulty = Range(0, 2)": "must be a number from 0 to 1, not 2.0",
     "left_team_difficulty = Uniform(0.5, 'hard')": "must be a number from 0 to 1, not 'hard'",
     "offsides = Uniform(1, 2)": "must be True or False, not ",
-    "defending = Uniform(True, False)": "must be True or False, not a random value: it says what success is",
+    "defending = Uniform(True, False)": "must be True or False, not a random value: it defines success",
     "game_duration = 0": "must be a whole number of steps, 1 to 1,000,000, not 0",
     "right_team_difficulty = 2": "must be a number from 0 to 1, not 2",
 }

@@ -64,10 +64,10 @@ def test_foreign_and_damaged_files_are_refused(tmp_path):
     data = (tmp_path / "match.npz").read_bytes()
     for name, content in (("cut", data[: len(data) // 2]), ("text", b"hello"), ("empty", b"")):
         (tmp_path / f"{name}.npz").write_bytes(content)
-        with pytest.raises(RecordError, match=f"{name}.npz is no record of a match"):
+        with pytest.raises(RecordError, match=f"{name}.npz is not a record of a match"):
             load_record(tmp_path / f"{name}.npz")
     np.savez(tmp_path / "other.npz", a=np.arange(3))
-    with pytest.raises(RecordError, match="does not say 'regista match record'"):
+    with pytest.raises(RecordError, match="its format is not 'regista match record'"):
         load_record(tmp_path / "other.npz")
     with pytest.raises(FileNotFoundError):
         load_record(tmp_path / "none.npz")
@@ -86,7 +86,7 @@ def changed(tmp_path, **changes):
 
 def test_a_replay_that_comes_out_differently_says_so(tmp_path):
     path = changed(tmp_path, actions=lambda actions: np.full_like(actions, 5))
-    with pytest.raises(RecordError, match="came out differently"):
+    with pytest.raises(RecordError, match="differ from the recorded ones"):
         list(replay(path))
 
 
@@ -94,10 +94,13 @@ def test_a_replay_that_comes_out_differently_says_so(tmp_path):
     ("changes", "message"),
     [
         ({"actions": lambda a: a + 100}, "the record is damaged: action 1"),
-        ({"last": lambda a: a["step"]}, "by other code: its matches have other fields"),
+        ({"last": lambda a: a["step"]}, "by another version of the code: its matches have other fields"),
         ({"simulator": lambda a: a + 1}, "changed.npz was recorded on simulator version 2; version 1 cannot replay it"),
-        ({"program": lambda a: "ego = LeftCM at"}, "cannot be set up again"),
-        ({"program": lambda a: str(a) + "LeftGK at -99 @ 0\n"}, "cannot be set up again|came out differently"),
+        ({"program": lambda a: "ego = LeftCM at"}, "cannot load the record's program"),
+        (
+            {"program": lambda a: str(a) + "LeftGK at -99 @ 0\n"},
+            "cannot load the record's program|differ from the recorded ones",
+        ),
         ({"config": lambda a: "{"}, "is damaged"),
         ({"config": lambda a: '{"colour": 1}'}, "is damaged"),
     ],

@@ -55,7 +55,10 @@ def test_without_scenic_it_says_what_to_install():
     code = "import sys; sys.modules['scenic'] = None\nimport regista.envs.scenic3"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 1
-    assert "ImportError: programs for Scenic itself need it and greenlet: pip install 'regista[scenic3]'" in done.stderr
+    assert (
+        "ImportError: programs of the original Scenic need scenic and greenlet: pip install 'regista[scenic3]'"
+        in done.stderr
+    )
 
 
 def drawn(scene):
@@ -128,7 +131,7 @@ def test_theta_that_break_a_requirement_are_refused(load):
     theta = np.zeros((2, program.dim))
     theta[0, column] = -0.9
     assert program.valid(theta).tolist() == [False, True]
-    with pytest.raises(ValueError, match=r"is no valid scene of .*requirement on line"):
+    with pytest.raises(ValueError, match=r"is not a valid scene of .*requirement on line"):
         program.scene(theta[0], 0)
     report = program.report(200, np.random.default_rng(0))
     assert 0.6 < report.valid / report.tried < 0.85

@@ -152,7 +152,7 @@ def test_scenarios_of_several_parts_are_played(make):
 @needed
 def test_without_an_ego_it_says_who_might_act(make):
     upomdp = make("param render = False\nmodel scenic.simulators.newtonian.model\nnew Object at (Range(0, 1), 0)", 1)
-    with pytest.raises(LevelError, match=r"the program has no ego; name the object that acts by `Role.agent`"):
+    with pytest.raises(LevelError, match=r"the program has no ego; override `Role.agent` to return the object"):
         upomdp.reset(seed=0)
 
 

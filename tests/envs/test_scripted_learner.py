@@ -8,12 +8,12 @@ from regista.envs.football.constants import (
     BUILTIN_AI,
     DIRECTION_BOTTOM_LEFT,
     DIRECTION_TOP_LEFT,
-    NO_KEY,
+    NO_ACTION,
     RELEASE_DIRECTION,
     SHOT,
     SLIDING,
 )
-from regista.envs.football.control.keys import key_of_wish
+from regista.envs.football.control.actions import desired_action
 from regista.envs.football.physics.motion import SLIDE
 from regista.envs.football.state import MATCH
 from regista.envs.football.vector_env import FootballVectorEnv
@@ -209,7 +209,7 @@ def test_the_built_in_players_wish_is_told_as_the_nearest_key(side):
     [
         ({"kick": SHOT, "desired_vx": 8.0}, SHOT),  # as when he takes a set piece
         ({"is_sliding": True, "down_wait": SLIDE.time}, SLIDING),
-        ({"down_wait": 0.3, "desired_vx": 8.0}, NO_KEY),
+        ({"down_wait": 0.3, "desired_vx": 8.0}, NO_ACTION),
         ({"desired_vx": 0.2}, RELEASE_DIRECTION),
         ({"desired_vx": -3.0, "desired_vy": -3.1}, DIRECTION_BOTTOM_LEFT),
         ({"desired_vx": -3.0, "desired_vy": 3.1}, DIRECTION_TOP_LEFT),
@@ -219,7 +219,7 @@ def test_wishes_of_built_in_players_as_keys(fields, told):
     player = np.zeros(1, MATCH).view(np.recarray)[0].players[0]
     for name, value in fields.items():
         player[name] = value
-    assert key_of_wish(player, 0) == told
+    assert desired_action(player, 0) == told
 
 
 def test_what_a_program_did_last_is_repeated_where_actions_stick():

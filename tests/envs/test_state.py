@@ -48,7 +48,7 @@ def test_settings_may_differ_between_matches() -> None:
     [
         (np.zeros((1, 2, 3)), np.zeros((1, 2)), [0, 1], "positions must be"),
         (np.zeros((2, 2, 2)), np.zeros((1, 2)), [0, 1], "positions must be"),
-        (np.zeros((1, 3, 2)), np.zeros((1, 2)), [0, 1], "3 players, but teams"),
+        (np.zeros((1, 3, 2)), np.zeros((1, 2)), [0, 1], "3 players, teams"),
         (np.zeros((1, 23, 2)), np.zeros((1, 2)), [0] * 23, "1 to 22 players, not 23"),
     ],
 )

@@ -91,7 +91,7 @@ def test_what_is_no_factor_is_refused(name: str) -> None:
 def test_a_spread_that_is_none_is_refused() -> None:
     with pytest.raises(ValueError, match=r"engine_spread must be 0 or more and at most 0\.99"):
         FootballConfig(engine_spread=1.5)
-    with pytest.raises(ValueError, match="engine_spread is of our simulator"):
+    with pytest.raises(ValueError, match="engine_spread needs engine 'regista'"):
         FootballConfig(engine_spread=0.1, engine="grf")
 
 

@@ -24,7 +24,7 @@ from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.scenic.scripted_step import command_players
 from regista.envs.football.scenic.world import FOOTBALL_WORLD
 from regista.envs.football.scenic.world_fields import FACTS, FIELDS
-from regista.envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, seen_by, write_world
+from regista.envs.football.scenic.world_table import NUM_FIELDS, THE_BALL, heading, in_team_frame, write_world
 from scenic_lite import ScenicError, load
 from scenic_lite.core.types import Instance, ScenicClass
 from scenic_lite.core.world import packed
@@ -88,9 +88,9 @@ def test_who_owns_the_ball_is_known_of_the_player_and_of_the_ball() -> None:
 
 
 def test_the_right_team_sees_the_pitch_from_the_other_end() -> None:
-    assert [seen_by(RIGHT, action) for action in range(20)] == [0, 5, 6, 7, 8, 1, 2, 3, 4, *range(9, 20)]
-    assert [seen_by(LEFT, action) for action in range(20)] == list(range(20))
-    assert all(seen_by(RIGHT, seen_by(RIGHT, action)) == action for action in range(20))
+    assert [in_team_frame(RIGHT, action) for action in range(20)] == [0, 5, 6, 7, 8, 1, 2, 3, 4, *range(9, 20)]
+    assert [in_team_frame(LEFT, action) for action in range(20)] == list(range(20))
+    assert all(in_team_frame(RIGHT, in_team_frame(RIGHT, action)) == action for action in range(20))
     matches = position(THREE, (0.0, 0.0))
     matches["players"]["direction"] = 4
     objects, _ = tables(matches)

@@ -26,7 +26,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import BehaviorCall, Instance
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation.calls import scenario_frame
@@ -109,7 +109,7 @@ class Scenario:
         self.subs: list[Scenario] = []
         self.running = False
         self._monitors: list[Thread] = []
-        self._temporal: list[tuple[Watched, Check]] = []
+        self._temporal: list[tuple[EpisodeStatement, Check]] = []
         self._overridden: dict[tuple[Instance, str], Value] = {}
         self._elapsed = 0
         self._limit: float | None = None
@@ -127,7 +127,7 @@ class Scenario:
         """Check the guards and execute the setup, inside the parent."""
         assert self.compose is not None
         state = self.episode.state
-        state.forget_watched()
+        state.clear_episode_statements()
         before = len(state.objects)
         with self.current():
             try:
@@ -184,7 +184,7 @@ class Scenario:
         thread.start()
         self._monitors.append(thread)
 
-    def add_temporal(self, watched: Watched) -> None:
+    def add_temporal(self, watched: EpisodeStatement) -> None:
         """Watch a temporal requirement from the next step on."""
         self._temporal.append((watched, Check(formula_of(watched.tree.condition))))
 
@@ -234,7 +234,7 @@ class Scenario:
             label = self._condition_met("scenario")
             return None if label is None else self.stop(label)
 
-    def _scope_of(self, watched: Watched) -> Scope:
+    def _scope_of(self, watched: EpisodeStatement) -> Scope:
         return self.episode.scope(watched.scope)
 
     def _condition_met(self, extent: str) -> str | None:

@@ -16,7 +16,7 @@ from typing import Any
 
 from scenic_lite.core.per_sample import Bindings
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import Instance
 from scenic_lite.errors import ScenicError
 from scenic_lite.evaluation import statements as loading
@@ -85,7 +85,7 @@ def require(episode: Episode, scope: Scope, node: nodes.Require) -> None:
     """Reject the episode unless `require[p] c` holds now; a temporal one is watched by the scenario from now on."""
     label = node.name or source_text(scope, node)
     if is_temporal(node.condition):
-        watched = Watched(node, scope.place(node), scope, label, Bindings(scope))
+        watched = EpisodeStatement(node, scope.place(node), scope, label, Bindings(scope))
         if episode.scenario.running:
             episode.scenario.add_temporal(watched)
         else:

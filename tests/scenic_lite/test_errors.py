@@ -178,7 +178,7 @@ CASES = {
     "an operand that is None": (
         "nobody = None\nego = LeftCM at 0 @ 0\nx = distance from nobody to ego",
         """
-        <program>:3:5: None is no object, number or vector
+        <program>:3:5: None is not an object, a number or a vector
             x = distance from nobody to ego
                 ^^^^^^^^^^^^^^^^^^^^^^^^^^^
         """,
@@ -186,7 +186,7 @@ CASES = {
     "an operand of a specifier that is None": (
         "nobody = None\nego = LeftCM at 0 @ 0\nLeftCB left of ego by nobody",
         """
-        <program>:3:8: None is no object, number or vector
+        <program>:3:8: None is not an object, a number or a vector
             LeftCB left of ego by nobody
                    ^^^^^^^^^^^^^^^^^^^^^
         """,
@@ -269,7 +269,7 @@ CASES = {
         ego = new x at 3 @ 4
         """,
         """
-        <program>:2:11: a number is no class to make an object of
+        <program>:2:11: a number is not a class of objects
             ego = new x at 3 @ 4
                       ^
         """,

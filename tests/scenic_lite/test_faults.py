@@ -27,7 +27,7 @@ def sampled(text: str):
         ("require[0.5] 1 / x > 0", 3, 13, "division by zero"),
         ("import math\nparam y = math.sqrt(x - 0.5)", 4, 10, "math domain error"),
         ("import math\nparam y = math.log(x, 2)", 4, 10, "math domain error"),
-        ("param y = (x - 0.5) ** 0.5", 3, 10, "no real number"),
+        ("param y = (x - 0.5) ** 0.5", 3, 10, "not a real number"),
         (BRANCHING + "require f(x) > 0", 5, 15, "division by zero"),
     ],
 )

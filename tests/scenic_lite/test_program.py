@@ -343,7 +343,7 @@ def test_copies_of_a_program_are_the_program_and_pickling_says_what_to_do_instea
     program = load("ego = new Object at Range(0, 1) @ 2", dialect=3)
     assert copy.copy(program) is program
     assert copy.deepcopy({"it": program})["it"] is program
-    with pytest.raises(TypeError, match="load it there"):
+    with pytest.raises(TypeError, match="pass the text of"):
         pickle.dumps(program)
 
 

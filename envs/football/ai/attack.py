@@ -1,7 +1,7 @@
-"""Built-in players on the ball: shoot, pass, or dribble where a field of forces leads; at a free ball, play it at once.
+"""Built-in players on the ball: shoot, pass, or dribble along a field of forces; a free ball may be played first-time.
 
-The order of decisions and the forces are those documented of Google Research Football. Read next: `ai.shooting`,
-`ai.passing`; `ai.support`, for their mates.
+The order of decisions and the forces are documented by Google Research Football. Read next: `ai.shooting`,
+`ai.passing`; `ai.support`, for their teammates.
 """
 
 from __future__ import annotations
@@ -23,27 +23,27 @@ from regista.kernels.rng import uniform
 
 
 class Forces(NamedTuple):
-    """What draws and pushes who dribbles; the goal pulls with 1."""
+    """The forces on a dribbler, relative to the goal's pull of 1."""
 
-    centre_pull: float = 0.72  # of the way across that the pull leads to the middle; the rest keeps his lane
+    centre_pull: float = 0.72  # share of the lateral way that the pull leads to the middle; the rest keeps the lane
     rivals_range: float = 10.0  # m
-    rivals_push: float = 2.6  # of an opponent at no distance,
+    rivals_push: float = 2.6  # of an opponent at distance 0,
     rivals_most: float = 1.0  # and of all of them together
     lines_range: float = 20.0  # m
     lines_push: float = 4.0
-    beside_goal: float = 12.0  # m beside the goal from where its line pushes in full
+    beside_goal: float = 12.0  # m beside the goal, from where on its line pushes in full
     speed: float = 8.0  # m/s for a force of 1
 
 
 class FreeBall(NamedTuple):
-    """A free ball that is played without stopping it."""
+    """Playing a free ball first-time."""
 
-    at_once: float = 0.25  # s before he meets it: from then on he decides whether to
-    volley_fits: float = 0.3  # chance per step that his stride lets him shoot it
+    at_once: float = 0.25  # s before the contact, from when on the player decides whether to
+    volley_fits: float = 0.3  # chance per step that the stride allows a shot
 
 
-# Documented of Google Research Football, but `rivals_push`, `lines_push` and `rivals_most`, which are fitted; checked
-# by `lab.benchmarks --suite grf`, families matches and academy.
+# Documented by Google Research Football, except `rivals_push`, `lines_push` and `rivals_most`, which are fitted;
+# checked by `lab.benchmarks --suite grf`, families matches and academy.
 FORCES, FREE_BALL = Forces(), FreeBall()
 
 
@@ -63,10 +63,9 @@ def play_ball(match, i):
 
 @kernel
 def meet_free_ball(match, i):
-    """Run for a free ball, at which i is his team's first, and just before it comes decide whether to shoot it or pass
-    it on without stopping it.
+    """Run for a free ball, at which i is first of the team, and just before the contact decide on a first-time kick.
 
-    In the original's matches two of five shots and a fifth of the passes are played like that.
+    In GRF's matches two of five shots and a fifth of the passes are played like that.
     """
     player = match.players[i]
     chase(match, i, player.top_speed)
@@ -81,15 +80,15 @@ def meet_free_ball(match, i):
 
 @kernel
 def kicks_himself(match, player):
-    """Return whether a player may kick: in a team with agents the ball waits for one of them, but for whom an agent has
-    left to the built-in AI.
+    """Return whether a player may kick: in a team with agents only the players that agents have left to the built-in
+    AI.
     """
     return match.num_agents[player.team] == 0 or player.agent != NOBODY
 
 
 @kernel
 def run_by_forces(match, player):
-    """Dribble where the goal pulls and opponents and lines push, at the gait that suits the force."""
+    """Dribble where the forces of goal, opponents and lines lead, at the gait that fits the force."""
     force_x, force_y = pull_of_goal(player)
     push_x, push_y = push_of_rivals(match, player)
     force_x += push_x + push_of_goal_line(player)
@@ -101,7 +100,7 @@ def run_by_forces(match, player):
 
 @kernel
 def carrying_speed(player, desired):
-    """Return the speed in m/s with the ball that suits a desired one; he never stands."""
+    """Return the speed in m/s with the ball for a desired one; a dribbler never stands."""
     if desired < GAIT_CHOICE.walks:
         return DRIBBLE_SPEED
     return RUN_SPEED if desired < GAIT_CHOICE.runs else player.top_speed
@@ -109,7 +108,7 @@ def carrying_speed(player, desired):
 
 @kernel
 def pull_of_goal(player):
-    """Return a force of 1 towards the goal, or rather towards a place nearer to the player's own lane."""
+    """Return a force of 1 towards a place between the goal and the player's own lane."""
     to_x, to_y = attacked_goal_x(player.team) - player.x, -FORCES.centre_pull * player.y
     distance = length(to_x, to_y) + 1e-9
     return to_x / distance, to_y / distance
@@ -117,11 +116,11 @@ def pull_of_goal(player):
 
 @kernel
 def push_of_rivals(match, player):
-    """Return the force away from the opponents around.
+    """Return the force away from nearby opponents.
 
-    How hard each pushes was fitted where there were one or two. Those of a whole team would add up to more than the
-    goal pulls, and nobody would come near it: so all of them together push no harder than the goal pulls. A single one
-    nearer than 6.2 m pushes as hard as that, too; straight ahead he and the goal then leave only aside to go.
+    The push of an opponent was fitted with one or two opponents. The sum over a whole team would exceed the pull of the
+    goal, so that nobody would come near it: so the sum is at most the pull of the goal. A single opponent nearer than
+    6.2 m reaches that limit, too; straight ahead the forces then cancel, and the dribbler goes aside.
     """
     force_x, force_y = 0.0, 0.0
     for j in range(match.num_players):
@@ -141,7 +140,7 @@ def push_of_rivals(match, player):
 
 @kernel
 def push_of_goal_line(player):
-    """Return the force away from the goal lines, but not before the goal."""
+    """Return the force away from the goal lines, except in front of the goal."""
     beside = min(max((abs(player.y) - GOAL_HALF_WIDTH) / FORCES.beside_goal, 0.0), 1.0)
     return beside * push_of_line(HALF_LENGTH, player.x)
 

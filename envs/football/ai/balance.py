@@ -1,8 +1,8 @@
-"""How a match leans: who has had more of the ball, and where it has been, over the last seconds.
+"""The balance of a match: each team's share of possession, and where the ball has been, over the last seconds.
 
-A team's hold on the ball follows, slowly, how much sooner it can be there than the other team: 0.5 the others have it,
-1.5 this team has. So Google Research Football has it, and all its players without the ball act on it. Read next:
-`ai.formation`.
+A team's share of possession slowly follows how much sooner it can be at the ball than the other team, from 0.5 (the
+others have the ball) to 1.5 (this team has it). This is Google Research Football's law, and all of its players without
+the ball depend on it. Read next: `ai.formation`.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from regista.envs.football.physics.pitch import forward
 from regista.envs.football.state import BALL_MEMORY
 from regista.kernels.jit import kernel
 
-NO_HOLD, FULL_HOLD = 0.5, 1.5
-HOLD_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
-HOLD_TIME = 2.0  # s in which a hold follows what is so now
-LEAN_STEPS = 60  # steps over which the lean of the match is averaged
+NO_POSSESSION, FULL_POSSESSION = 0.5, 1.5
+POSSESSION_SLACK = 1.5  # s added to both teams' times to the ball before they are compared
+POSSESSION_TIME = 2.0  # s, time constant with which possession follows the present
+TREND_STEPS = 60  # steps over which the possession trend is averaged
 PACE_TIME = 6.0  # s over which a player's speed is averaged
 
 
 @kernel
 def remember(match):
-    """Take down where the ball is, who has more of it, and how fast everybody has run."""
+    """Update the averages of the ball's position, of possession, and of every player's speed."""
     remember_ball(match)
-    follow_hold(match)
+    update_possession_share(match)
     for i in range(match.num_players):
         player = match.players[i]
         speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
@@ -34,15 +34,15 @@ def remember(match):
 
 @kernel
 def remember_ball(match):
-    """Add the ball's place to the sums from which `mean_ball` takes its averages; a restart forgets them."""
+    """Add the ball's position to the sums for `mean_ball`; a restart clears them."""
     if match.game_mode != NORMAL:
         match.remembered = 0
     match.remembered += 1
-    here, before = match.remembered % BALL_MEMORY, (match.remembered - 1) % BALL_MEMORY
+    now, before = match.remembered % BALL_MEMORY, (match.remembered - 1) % BALL_MEMORY
     if match.remembered == 1:
         match.ball_sums[before, 0], match.ball_sums[before, 1] = 0.0, 0.0
-    match.ball_sums[here, 0] = match.ball_sums[before, 0] + match.ball.x
-    match.ball_sums[here, 1] = match.ball_sums[before, 1] + match.ball.y
+    match.ball_sums[now, 0] = match.ball_sums[before, 0] + match.ball.x
+    match.ball_sums[now, 1] = match.ball_sums[before, 1] + match.ball.y
 
 
 @kernel
@@ -55,8 +55,8 @@ def mean_ball(match, seconds, axis):
 
 
 @kernel
-def follow_hold(match):
-    """Let both teams' holds on the ball follow who can be there first; whoever holds it or restarts has it."""
+def update_possession_share(match):
+    """Update both teams' shares of possession by who can be first at the ball; a keeper or taker has all of it."""
     sure = NOBODY
     if match.keeper_holding != NOBODY:
         sure = match.players[match.keeper_holding].team
@@ -64,19 +64,19 @@ def follow_hold(match):
         sure = match.restart_team
     for team in (LEFT, RIGHT):
         if sure != NOBODY:
-            match.hold[team] = FULL_HOLD if sure == team else NO_HOLD
+            match.hold[team] = FULL_POSSESSION if sure == team else NO_POSSESSION
             continue
-        now = (match.arrival[1 - team] + HOLD_SLACK) / (match.arrival[team] + HOLD_SLACK)
-        now = min(max(now, NO_HOLD), FULL_HOLD)
-        match.hold[team] += (now - match.hold[team]) * (1.0 - math.exp(-STEP / HOLD_TIME))
-    lean = match.hold[LEFT] - match.hold[RIGHT]
-    match.lean += (lean - match.lean) / min(match.remembered, LEAN_STEPS)
+        now = (match.arrival[1 - team] + POSSESSION_SLACK) / (match.arrival[team] + POSSESSION_SLACK)
+        now = min(max(now, NO_POSSESSION), FULL_POSSESSION)
+        match.hold[team] += (now - match.hold[team]) * (1.0 - math.exp(-STEP / POSSESSION_TIME))
+    difference = match.hold[LEFT] - match.hold[RIGHT]
+    match.lean += (difference - match.lean) / min(match.remembered, TREND_STEPS)
 
 
 @kernel
-def lean_towards(match, team):
-    """Return by how much the block of `team` leans forward for who has had the ball in the last seconds: -1 to 1.
+def possession_trend(match, team):
+    """Return by how much the block of `team` moves forward for the possession of the last seconds: -1 to 1.
 
-    Forward without the ball: measured, in scenes where a defender's slot alone decides where he stands.
+    It moves forward without the ball: measured in scenes where a defender's position depends on the slot alone.
     """
     return -forward(team) * match.lean

@@ -1,6 +1,6 @@
-"""The built-in AI: what both teams see of the match, then one decision per player and step for all without a command.
+"""The built-in AI: shared perception of both teams, then one decision per step for each player without a command.
 
-Decisions of a team (slots, markers, runs) are made anew every few steps. Read next: `ai.balance`, `ai.positions`,
+Team decisions (slots, markers, runs) are made every few steps. Read next: `ai.balance`, `ai.positions`,
 `ai.marking`; then `ai.keeper`, `ai.attack`.
 """
 
@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from regista.envs.football.ai.attack import meet_free_ball, play_ball
 from regista.envs.football.ai.balance import remember
-from regista.envs.football.ai.defence import goes_for_led_ball, lay_traps, must_move, tackle, tackles
-from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_posts, follow_ball
+from regista.envs.football.ai.defence import goes_for_led_ball, must_move, set_defensive_lines, tackle, tackles
+from regista.envs.football.ai.formation import EXCHANGED_EVERY, exchange_slots, follow_ball
 from regista.envs.football.ai.keeper import choose_keeper_command
-from regista.envs.football.ai.marking import choose_hunters, choose_markers, hunts
+from regista.envs.football.ai.marking import choose_markers, choose_pressers, presses
 from regista.envs.football.ai.positions import take_position
 from regista.envs.football.ai.run_speed import REACTION, reaction_time
 from regista.envs.football.ai.support import choose_runners
@@ -21,31 +21,31 @@ from regista.envs.football.skills.steering import go_for_ball
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-MARKED_EVERY, MARKED_AT = 4, 3  # steps; which of them: at first nobody is marked
-SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of who has been the first at a free ball; s, added to both
-LATE, LATE_SHARE = 0.2, 2.0  # s if he marks nobody, and times the opponents' time to a free ball: later, he lets it be
+MARKED_EVERY, MARKED_AT = 4, 3  # steps: period and phase; nobody is marked at first
+SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of the first player so far at a free ball; s, added to both
+LATE, LATE_SHARE = 0.2, 2.0  # s, if marking nobody, and ratio to the opponents' time: later, a player stays away
 
 
 @kernel
 def read_game(match):
-    """See for both teams who has or gets the ball, and every few steps who belongs where and marks whom."""
+    """Find for both teams who has or gets the ball, and every few steps slots and markers."""
     count_possession(match)
     find_team_in_possession(match)
     remember(match)
     follow_ball(match)
-    lay_traps(match)
+    set_defensive_lines(match)
     on_ball = first_at_ball(match)
     if on_ball != NOBODY and match.step % EXCHANGED_EVERY == 0:
-        exchange_posts(match, on_ball)
+        exchange_slots(match, on_ball)
     if match.step % MARKED_EVERY == MARKED_AT:
         choose_markers(match)
     choose_runners(match)
-    choose_hunters(match)
+    choose_pressers(match)
 
 
 @kernel
 def count_possession(match):
-    """Count for how long the last player on the ball has had it."""
+    """Count how long the last carrier has had the ball."""
     match.carry_age += 1
     if match.carrier != NOBODY and match.carrier != match.last_carrier:
         match.last_carrier, match.carry_age = match.carrier, 0
@@ -53,9 +53,7 @@ def count_possession(match):
 
 @kernel
 def find_team_in_possession(match):
-    """Find the team that has the ball or will be first at it; a free ball stays the team's until the other is clearly
-    sooner.
-    """
+    """Find the team that has the ball or will be first at it; of a free ball only a clearly sooner team takes over."""
     team = match.team_in_possession
     if match.carrier != NOBODY:
         match.team_in_possession = match.players[match.carrier].team
@@ -75,7 +73,7 @@ def choose_command(match, i):
     if player.role == GK:
         choose_keeper_command(match, i)
     elif unaware_of_kick(match, player):
-        return  # he goes on with what he was doing
+        return  # the last decision stays in force
     elif match.carrier == i:
         play_ball(match, i)
     elif goes_for_free_ball(match, i):
@@ -84,7 +82,7 @@ def choose_command(match, i):
         return
     elif match.team_in_possession != player.team and tackles(match, player):
         tackle(match, i)
-    elif hunts(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):
+    elif presses(match, i) and must_move(player, match.players[man_on_ball(match, 1 - player.team)]):
         go_for_ball(match, i, player.top_speed)
     else:
         take_position(match, i)
@@ -92,7 +90,7 @@ def choose_command(match, i):
 
 @kernel
 def unaware_of_kick(match, player):
-    """Return whether the ball has just been kicked and a player has not reacted to that yet."""
+    """Return whether the ball has just been kicked and the player has not reacted yet."""
     if match.carrier != NOBODY or match.kick_age > player.reaction_time * REACTION.unskilled + 0.5 * STEP:
         return False
     return match.kick_age < reaction_time(player) + (uniform(match) - 0.5) * STEP
@@ -100,10 +98,10 @@ def unaware_of_kick(match, player):
 
 @kernel
 def goes_for_free_ball(match, i):
-    """Return whether player i runs for a free ball: first of his team at it, and not much later than the opponents.
+    """Return whether player i runs for a free ball: first of the team at it, and not much later than the opponents.
 
-    Where an opponent is already so near it that he could be said to own it, touched or not, he may not be later; who
-    marks somebody leaves a ball sooner.
+    If an opponent is near enough to count as the owner, touched or not, the player may not be later; a player who marks
+    somebody gives up a ball sooner.
     """
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:

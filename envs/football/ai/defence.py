@@ -1,7 +1,7 @@
-"""Built-in players against an opponent: stay between him and the goal, hunt him, tackle, and keep the line.
+"""Built-in players against an opponent: stay between opponent and goal, press, tackle, and keep the line.
 
-As measured of Google Research Football, a lone defender retreats before a carrier, staying between him and the
-goal, and attacks the ball only near it or near his own goal. Read next: `ai.positions`, where all this is put together;
+As measured in Google Research Football, a lone defender retreats before a carrier, staying between carrier and goal,
+and attacks the ball only near it or near the own goal. Read next: `ai.positions`, which combines all this;
 `ai.keeper`.
 """
 
@@ -26,72 +26,72 @@ class Duel(NamedTuple):
 
     slide_near: float = 0.7  # m to the ball, at least
     slide_far: float = 1.6  # m, at most
-    slide_cosine: float = 0.7  # how nearly straight ahead it lies
-    slide_loose: float = 1.4  # m from the carrier to the ball, for which he needs more than 0.26 s
+    slide_cosine: float = 0.7  # cosine of the angle to the ball
+    slide_loose: float = 1.4  # m from the carrier to the ball, which takes the carrier more than 0.26 s
     tackle_range: float = 2.0  # m to a ball
-    coming: float = 1.5  # m/s at which it comes: whoever it comes to tries for it
+    coming: float = 1.5  # m/s at which it comes: the player tries for it
 
 
 class Race(NamedTuple):
-    """Who is sooner at a led ball: his run fades while a circle that he reaches grows around it, as `Run` says."""
+    """Who is sooner at a led ball: speed fades while a circle of reach grows around the player, as in `Run`."""
 
-    longest: float = 1.5  # s: who needs longer is not asked
+    longest: float = 1.5  # s: a slower player is not considered
     nearest: float = 12.0  # m to the ball, the same
-    on_his_way: float = 0.3  # s since the carrier has played it, from when on he is on his way to the next touch,
-    touches_every: float = 0.7  # s, which comes so long after the last
-    in_time: float = 0.99  # of the carrier's time by his, from where on he goes for it,
-    patience: float = 0.2  # s that both are longer than they are
+    on_his_way: float = 0.3  # s since the carrier's last touch, after which the carrier is on the way to the next one,
+    touches_every: float = 0.7  # s between touches
+    in_time: float = 0.99  # of the carrier's time by the player's, above which the player goes for it,
+    patience: float = 0.2  # s added to both
 
 
 class Guard(NamedTuple):
     """Staying between an opponent and the goal."""
 
-    lead: float = 0.5  # s by which the opponent's run is led, as it was a reaction time ago
-    own_lead: float = 0.14  # s by which his own is
+    lead: float = 0.5  # s by which the opponent's run is extrapolated from a reaction time ago
+    own_lead: float = 0.14  # s for the player's own run
     shot_from: float = 24.0  # m to the goal: from where the opponent on the ball shoots,
-    danger_from: float = 8.0  # and from where any other is dangerous
-    nearest: float = 0.4  # m in front of him at least
-    buffer: float = 4.0  # m nearer than he is to where he will shoot
-    late: float = 0.7  # share of the m by which a guard is too late that he falls back
-    rounds_from: float = 3.0  # m to an opponent in his way back: from there on he runs round him,
-    clear_by: float = 1.5  # m beside him,
-    abreast: float = 0.3  # m, until he is abreast of him
-    most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the hold on the ball
+    danger_from: float = 8.0  # and from where another opponent is dangerous
+    nearest: float = 0.4  # m in front of the opponent at least
+    buffer: float = 4.0  # m nearer than the opponent to where the shot will be
+    late: float = 0.7  # share of the m of delay by which a late guard falls back
+    rounds_from: float = 3.0  # m to an opponent on the way back, from where on the player runs round,
+    clear_by: float = 1.5  # m beside the opponent,
+    abreast: float = 0.3  # m, until abreast
+    most: tuple[float, ...] = (1.9, 1.5, 1.3)  # how much backs, midfield, forwards guard, less the share of possession
     curve: float = 0.7
 
 
 class Meet(NamedTuple):
-    """Where a hunter meets the opponent on his way to the goal."""
+    """Where a presser meets the opponent on the way to the goal."""
 
-    stride: float = 0.8  # m beyond where both are equally far
-    lead: float = 0.14  # s, the opponent's run
-    deep: float = 0.5  # m deeper than he is, which do not count,
-    wide: float = 0.8  # m aside for each m deeper: from there on he must move
-
-
-class Trap(NamedTuple):
-    """The line behind which nobody falls back but with the ball."""
-
-    start: float = 40.0  # m from the own goal, where the line is held,
-    force: float = 6.0  # and where it is held at the last
-    fall_back: float = 25.0  # m before the ball, while that is far
-    future: float = 0.7  # s of the ball's way
-    caution: float = 4.0  # m before the opponent on the ball,
-    rival_lead: float = 0.15  # s, his run
-    slack: float = 4.0  # m that a mate may be behind the line
-    seen_lead: float = 0.24 - 0.11  # s by which opponents lead their runs, whom they see a reaction time ago
-    soft: float = 2.0  # m before the line, from where on places are pressed together
+    stride: float = 0.8  # m beyond the point at equal distance
+    lead: float = 0.14  # s by which the opponent's run is extrapolated
+    deep: float = 0.5  # m deeper than the opponent, which do not count,
+    wide: float = 0.8  # m aside for each m deeper: beyond that the presser must move
 
 
-# Documented of Google Research Football; families tackles, academy and matches of `lab.benchmarks --suite grf`.
-DUEL, RACE, GUARD, MEET, TRAP = Duel(), Race(), Guard(), Meet(), Trap()
+class DefensiveLine(NamedTuple):
+    """The defensive line, behind which nobody falls back without the ball."""
+
+    start: float = 40.0  # m from the own goal to the line,
+    force: float = 6.0  # and to the last place where it is held
+    fall_back: float = 25.0  # m in front of the ball while that is far
+    future: float = 0.7  # s by which the ball is extrapolated
+    caution: float = 4.0  # m in front of the opponent on the ball,
+    rival_lead: float = 0.15  # s by which that opponent's run is extrapolated
+    slack: float = 4.0  # m that a teammate may be behind the line
+    seen_lead: float = 0.24 - 0.11  # s by which opponents extrapolate runs that they see a reaction time late
+    soft: float = 2.0  # m in front of the line in which positions are compressed
+
+
+# Documented by Google Research Football; families tackles, academy and matches of `lab.benchmarks --suite grf`.
+DUEL, RACE, GUARD, MEET, DEFENSIVE_LINE = Duel(), Race(), Guard(), Meet(), DefensiveLine()
 
 
 @kernel
 def tackles(match, player):
-    """Return whether a player tries for a led ball that comes to him, from where he is not behind it.
+    """Return whether a player in front of a led ball that comes closer tries for it.
 
-    Who marks the carrier waits for that until he has come close to where he will shoot.
+    A marker of the carrier waits until the carrier is close to the shooting position.
     """
     ball = match.ball
     dx, dy = ball.x - player.x, ball.y - player.y
@@ -107,11 +107,11 @@ def tackles(match, player):
 
 @kernel
 def goes_for_led_ball(match, i):
-    """Let player i, the first of his team at a ball that an opponent leads, go for it if he is as soon at it; return
-    whether he does.
+    """Let player i, first of the team at a ball that an opponent leads, go for it if as soon as the carrier; return
+    whether it does.
 
-    The original has its one designated player do so, whomever he marks. After each touch of a sprinter a back 6 m
-    before him is sooner at the ball for a moment: he then stops, and lets it come.
+    In GRF the team's one designated player does so, whomever it marks. After each touch of a sprinter a back 6 m in
+    front is sooner at the ball for a moment, stops, and lets it come.
     """
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.keeper_holding != NOBODY or match.chaser[player.team] != i:
@@ -123,12 +123,12 @@ def goes_for_led_ball(match, i):
     mine = meeting_time(ball, ahead, player)
     if mine >= RACE.longest:
         return False
-    his = meeting_time(ball, ahead, carrier)
+    theirs = meeting_time(ball, ahead, carrier)
     if carrier.stride < 0.0:
-        his = min(his, -carrier.stride)  # he is about to play it
+        theirs = min(theirs, -carrier.stride)  # about to play it
     elif carrier.stride > RACE.on_his_way:
-        his = min(his, max(RACE.touches_every - carrier.stride, 0.0))
-    in_time = (his + RACE.patience) / (mine + RACE.patience)
+        theirs = min(theirs, max(RACE.touches_every - carrier.stride, 0.0))
+    in_time = (theirs + RACE.patience) / (mine + RACE.patience)
     if in_time < RACE.in_time:
         return False
     if in_time < AWAIT.in_time or not awaits_carrier(match, player, mine):
@@ -139,8 +139,8 @@ def goes_for_led_ball(match, i):
 
 @kernel
 def awaits_carrier(match, player, time):
-    """Let a player who is at a led ball in `time` s, clearly sooner than its carrier, meet it where that suits where he
-    would dribble; return whether it comes to him.
+    """Let a player who is clearly sooner than the carrier at a led ball, in `time` s, meet it on the way of a dribble;
+    return whether the ball comes closer.
     """
     run_by_forces(match, player)
     ux, uy = toward(player.desired_vx, player.desired_vy)
@@ -149,7 +149,7 @@ def awaits_carrier(match, player, time):
 
 @kernel
 def tackle(match, i):
-    """Run at a led ball, and slide where only that reaches it."""
+    """Run at a led ball; slide if only a slide reaches it."""
     player = match.players[i]
     go_for_ball(match, i, player.top_speed)
     if may_slide(match, player):
@@ -158,7 +158,7 @@ def tackle(match, i):
 
 @kernel
 def may_slide(match, player):
-    """Return whether a slide reaches a ball that is loose for long enough; teams with agents leave that to them."""
+    """Return whether a slide reaches a ball that is loose for long enough; in teams with agents only agents slide."""
     ball, carrier = match.ball, match.players[match.carrier]
     if match.num_agents[player.team] != 0 or apart(ball, carrier) < DUEL.slide_loose:
         return False
@@ -170,9 +170,9 @@ def may_slide(match, player):
 
 @kernel
 def must_move(player, rival):
-    """Return whether a player has to move to meet an opponent, who does not simply run into him.
+    """Return whether a player has to move to meet an opponent, who otherwise runs into the player.
 
-    They would meet on the opponent's way to the goal, where both are equally far, or just beyond.
+    They would meet on the opponent's way to the goal at equal distance, or just beyond.
     """
     goal_x = own_goal_x(player.team)
     way_x, way_y = goal_x - rival.x, -rival.y
@@ -188,7 +188,7 @@ def must_move(player, rival):
 
 @kernel
 def guard_share(match, player):
-    """Return how much a player guards whom he marks, 0 to 1: the more the less of the ball his team has."""
+    """Return how closely a player guards the marked opponent, 0 to 1: more with less possession."""
     attacker = MINDSET[match.players[player.post].role]
     share = GUARD.most[LINE[player.role]] - attacker - match.hold[player.team]
     return share**GUARD.curve if 0.0 < share < 1.0 else min(max(share, 0.0), 1.0)
@@ -196,9 +196,9 @@ def guard_share(match, player):
 
 @kernel
 def guarding_place(match, player, x, y):
-    """Return where a player who belongs at (x, y) guards the opponent whom he marks: nearer to where he will shoot.
+    """Return where a player of slot (x, y) guards the marked opponent: nearer to the opponent's shooting position.
 
-    Where that opponent will be is led so far that a guard goes back before a sprinter rather than into him.
+    The opponent's position is extrapolated so far that a guard retreats before a sprinter rather than runs into one.
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
@@ -211,7 +211,7 @@ def guarding_place(match, player, x, y):
     if ahead * (from_x + way / to_goal * (goal_x - from_x)) < line:
         way = to_goal * (ahead * line - from_x) / (goal_x - from_x + math.copysign(1e-9, goal_x))
     spot_x, spot_y = from_x + way / to_goal * (goal_x - from_x), from_y * (1.0 - way / to_goal)
-    way = abs(way)  # who is past the line is met where he would have crossed it, behind his back
+    way = abs(way)  # an opponent past the line is met where it was crossed
     off = length(spot_x - x, spot_y - y) + 1e-9
     share = min(max(off - way + GUARD.buffer, 0.0) / off, 1.0)
     x, y = x + share * (spot_x - x), y + share * (spot_y - y)
@@ -224,55 +224,56 @@ def guarding_place(match, player, x, y):
 
 @kernel
 def run_round(player, rival, x, y):
-    """Run round an opponent who is in the way to (x, y); return whether one is."""
+    """Run round an opponent in the way to (x, y); return whether there is one."""
     dx, dy = x - player.x, y - player.y
     distance = length(dx, dy) + 1e-9
     to_x, to_y = rival.x - player.x, rival.y - player.y
     along, across = (to_x * dx + to_y * dy) / distance, (to_x * dy - to_y * dx) / distance
     if not GUARD.abreast < along < min(distance, GUARD.rounds_from) or abs(across) > GUARD.clear_by:
         return False
-    aside = math.copysign(GUARD.clear_by, across)  # to the side on which he is not
+    aside = math.copysign(GUARD.clear_by, across)  # to the free side
     x, y = rival.x - aside * dy / distance, rival.y + aside * dx / distance
     go(player, x + dx / distance - player.x, y + dy / distance - player.y, player.top_speed)
     return True
 
 
 @kernel
-def lay_traps(match):
-    """Set both teams' lines behind which nobody falls back, where the deepest danger is, and who is second-last."""
+def set_defensive_lines(match):
+    """Set both teams' defensive lines and second-last players."""
     for team in (LEFT, RIGHT):
         match.trap[team] = -deepest_danger(match, team)
 
 
 @kernel
 def deepest_danger(match, team):
-    """Return how deep in a team's half, in m from the middle, its line is: by ball, carrier, and slow mates."""
+    """Return how deep in a team's half, in m from the middle, its line is: by ball, carrier, and slow teammates."""
     depth = -forward(team)
     ball = depth * match.ball.x
-    near = between(ball, HALF_LENGTH - TRAP.start - TRAP.fall_back, HALF_LENGTH - TRAP.force)
-    deepest = max(HALF_LENGTH - TRAP.start, ball + TRAP.fall_back * (1.0 - near))
-    deepest = max(deepest, ball + TRAP.future * depth * match.ball.vx)
+    low = HALF_LENGTH - DEFENSIVE_LINE.start - DEFENSIVE_LINE.fall_back
+    near = between(ball, low, HALF_LENGTH - DEFENSIVE_LINE.force)
+    deepest = max(HALF_LENGTH - DEFENSIVE_LINE.start, ball + DEFENSIVE_LINE.fall_back * (1.0 - near))
+    deepest = max(deepest, ball + DEFENSIVE_LINE.future * depth * match.ball.vx)
     on_ball = man_on_ball(match, 1 - team)
     if on_ball != NOBODY:
         rival = match.players[on_ball]
-        deepest = max(deepest, depth * (rival.x + TRAP.rival_lead * rival.vx) + TRAP.caution)
+        deepest = max(deepest, depth * (rival.x + DEFENSIVE_LINE.rival_lead * rival.vx) + DEFENSIVE_LINE.caution)
     last, second, led_last, led_second = -math.inf, -math.inf, -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]
         if player.team == team and not player.has_left:
-            here = depth * player.x
-            last, second = max(last, here), max(second, min(last, here))
-            here += TRAP.seen_lead * depth * player.vx
-            led_last, led_second = max(led_last, here), max(led_second, min(led_last, here))
+            now = depth * player.x
+            last, second = max(last, now), max(second, min(last, now))
+            soon = now + DEFENSIVE_LINE.seen_lead * depth * player.vx
+            led_last, led_second = max(led_last, soon), max(led_second, min(led_last, soon))
     match.second_last[team] = led_second
-    return max(deepest, max(second, ball, 0.0) - TRAP.slack)
+    return max(deepest, max(second, ball, 0.0) - DEFENSIVE_LINE.slack)
 
 
 @kernel
-def held_up(match, team, x):
-    """Return x of a place in m, pressed together before the line behind which nobody falls back."""
+def held_by_line(match, team, x):
+    """Return x of a position in m, compressed in front of the defensive line."""
     depth = -forward(team)
-    start = -match.trap[team] - TRAP.soft
+    start = -match.trap[team] - DEFENSIVE_LINE.soft
     if depth * x <= start:
         return x
-    return depth * (start + TRAP.soft * min((depth * x - start) / (2.0 * TRAP.soft), 1.0))
+    return depth * (start + DEFENSIVE_LINE.soft * min((depth * x - start) / (2.0 * DEFENSIVE_LINE.soft), 1.0))

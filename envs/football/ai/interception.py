@@ -1,6 +1,6 @@
-"""How surely opponents intercept a ball that is played along a lane.
+"""How likely opponents are to intercept a ball that is played along a lane.
 
-The law and its numbers are those documented of Google Research Football. Read next: `ai.passing`.
+The law and its numbers are documented by Google Research Football. Read next: `ai.passing`.
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from regista.kernels.jit import kernel
 class Interception(NamedTuple):
     """When an opponent is at a lane before the ball."""
 
-    lead: float = 0.2  # s by which his run is led
-    lane_end: float = 1.2  # of the lane's length, up to where he endangers it
+    lead: float = 0.2  # s by which the opponent's run is extrapolated
+    lane_end: float = 1.2  # of the lane's length, up to which the opponent is dangerous
     ball_delay: float = 0.7  # s that a pass takes to the end of its lane, whatever its length,
-    ball_time: float = 0.03  # s/m, and by it
-    speed: float = 8.0  # m/s, his
-    start: float = 1.0  # m more to go
-    in_time: float = 0.5  # s of danger if he and the ball are there at once
+    ball_time: float = 0.03  # s/m, and per length
+    speed: float = 8.0  # m/s, the opponent's
+    start: float = 1.0  # m added to the opponent's way
+    in_time: float = 0.5  # s of danger if opponent and ball arrive at once
 
 
-# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, families passes and matches.
+# Documented by Google Research Football; checked by `lab.benchmarks --suite grf`, families passes and matches.
 INTERCEPTION = Interception()
 
 
 @kernel
 def danger(match, team, from_x, from_y, x, y, overhead, faster):
-    """Sum over the opponents of `team` of how surely each is at the lane to (x, y) before the ball, from 0.
+    """Sum over the opponents of `team` how likely each is at the lane to (x, y) before the ball, from 0.
 
-    Along its first part, the share `overhead`, the ball is out of their reach; it is `faster` than a pass.
+    Along the first part of the lane, the share `overhead`, the ball is out of reach; it is `faster` than a pass.
     """
     dx, dy = x - from_x, y - from_y
     distance = length(dx, dy) + 1e-9

@@ -1,6 +1,6 @@
-"""The built-in goalkeeper: where he stands, when he comes out, and his kick-out.
+"""The built-in goalkeeper: positioning, leaving the goal, and kick-outs.
 
-As documented of Google Research Football. Read next: `skills.saves`.
+As documented by Google Research Football. Read next: `skills.saves`.
 """
 
 from __future__ import annotations
@@ -28,65 +28,65 @@ from regista.kernels.jit import kernel
 class Stand(NamedTuple):
     """Where a keeper waits."""
 
-    high_line: float = 10.0  # m before the goal line while the ball is in the other half
-    foot: float = 0.7  # m before the goal line: the line from which his place is measured, on the way to the ball,
+    high_line: float = 10.0  # m in front of the goal line while the ball is in the other half
+    foot: float = 0.7  # m in front of the goal line: the start of the line to the ball on which the keeper stands,
     least: float = 0.7  # m from there at least
-    urgency: float = 2.6  # 1/s: wanted speed per distance to go
-    still: float = 0.5  # m/s, slower he stands
-    on_way: float = 1.0  # m off the way to the ball: nearer, he goes back at a run, looking at it
-    advance: float = 0.3  # share of the way to the ball while his team has it
+    urgency: float = 2.6  # 1/s: desired speed per distance
+    still: float = 0.5  # m/s, below which the keeper stands
+    on_way: float = 1.0  # m off the way to the ball, within which the keeper runs back facing the ball
+    advance: float = 0.3  # share of the way to the ball while the keeper's team has it
 
 
 class ComeOut(NamedTuple):
-    """When he leaves his goal, and how far."""
+    """When a keeper leaves the goal, and how far."""
 
-    claim_margin: float = 0.15  # s by which he must be first at a loose ball
+    claim_margin: float = 0.15  # s by which the keeper must be first at a loose ball
     claim_range: float = 30.0  # m from the goal line to it
     shot_from: float = 20.0  # m to the goal: from where an opponent on the ball shoots,
-    second_shot_from: float = 24.0  # m, and another
-    rival_lead: float = 0.32  # s by which opponents' runs are led,
-    mate_lead: float = 0.24  # s, mates',
-    ball_lead: float = 0.6  # s, and the ball at least; further the longer he needs to it:
+    second_shot_from: float = 24.0  # m, and another opponent
+    rival_lead: float = 0.32  # s by which opponents' runs are extrapolated,
+    mate_lead: float = 0.24  # s for teammates
+    ball_lead: float = 0.6  # s for the ball at least; more the longer the keeper's way to it:
     ball_lead_more: float = 0.2  # s per s
-    committed: float = 5.0  # m to a led ball, from where on no mate spares him going through with it
-    too_late: float = 1.0  # m by which a mate is further from there: too late
-    second_share: float = 0.7  # of the way out that another free attacker as near takes away
+    committed: float = 5.0  # m to a led ball, within which the keeper goes through with it despite teammates
+    too_late: float = 1.0  # m by which a teammate is further away: too late
+    second_share: float = 0.7  # share of the way out that another free attacker at equal distance takes away
     on_ball: float = 0.6  # weight of the ball against the opponent who has it,
-    off_ball: float = 0.4  # or will
+    off_ball: float = 0.4  # or will have it
     stops_short: float = 0.5  # m
-    slide_lead: float = 0.2  # s by which he and the ball are led,
-    dive_lead: float = 0.35  # s, where he may use his hands,
-    slide_near: float = 1.2  # m between them then: an opponent's ball to which he throws himself
-    dive_keeps: float = 0.9  # share of his speed, in a step of that, at least
-    unshielded: float = 0.4  # cosine at its carrier between the ways to it and to him, at least
-    given_up: float = -0.4  # s, `save_wait` of a shot that is no longer expected
+    slide_lead: float = 0.2  # s by which keeper and ball are extrapolated,
+    dive_lead: float = 0.35  # s, if the keeper may use hands,
+    slide_near: float = 1.2  # m between them then, within which the keeper dives at an opponent's ball
+    dive_keeps: float = 0.9  # share of the speed that the keeper keeps in a step of that, at least
+    unshielded: float = 0.4  # cosine at the carrier between the ways to the ball and to the keeper, at least
+    given_up: float = -0.4  # s, `save_wait` at which a shot is no longer expected
 
 
 class SlideOut(NamedTuple):
-    """When a keeper without hands slides at a carrier's feet, as measured at the start of 19 slides."""
+    """When a keeper without hands slides at a carrier's feet, measured at the start of 19 slides."""
 
-    lead: float = 0.2  # s by which he and the ball are led,
+    lead: float = 0.2  # s by which keeper and ball are extrapolated,
     nearest: float = 0.9  # m between them then, at least,
     farthest: float = 1.6  # and at most
     body_nearest: float = 2.4  # m to the carrier, at least,
     body_farthest: float = 3.8  # and at most
-    frontal: float = 0.85  # cosine at the carrier between the ways to the ball and to him, at least
-    fresh: float = 0.15  # s since the carrier has played it, at most: he does not get to it sooner
+    frontal: float = 0.85  # cosine at the carrier between the ways to the ball and to the keeper, at least
+    fresh: float = 0.15  # s since the carrier's touch, at most: the carrier cannot reach the ball sooner
 
 
 class KickOut(NamedTuple):
-    """To whom he sends the ball, and when."""
+    """Kick-outs: to whom, and when."""
 
-    free: float = 10.0  # m from the nearest opponent: a mate to whom the ball may go
-    least: float = 8.0  # m to a free mate
+    free: float = 10.0  # m from the nearest opponent: a free teammate
+    least: float = 8.0  # m to a free teammate
     most: float = 40.0  # m
-    longest: float = 40.0  # steps, then it goes to the nearest mate all the same
-    overdue: float = 30.0  # steps beyond which a commanded keeper kicks out by himself
-    lead: float = 0.4  # s by which a mate's run is led
-    upfield: float = 30.0  # m when there is no mate
+    longest: float = 40.0  # steps, after which it goes to the nearest teammate
+    overdue: float = 30.0  # steps after which a commanded keeper kicks out automatically
+    lead: float = 0.4  # s by which a teammate's run is extrapolated
+    upfield: float = 30.0  # m, without a teammate
 
 
-# Documented of Google Research Football; leads are fitted: `lab.benchmarks --suite grf`, family keeper.
+# Documented by Google Research Football; lead times are fitted: `lab.benchmarks --suite grf`, family keeper.
 STAND, OUT, SLIDE_OUT, KICK_OUT = Stand(), ComeOut(), SlideOut(), KickOut()
 FARTHEST_ROLL = 1.0 / MEAN_DRAG  # m; `rolled` gives at most half of it
 
@@ -122,7 +122,7 @@ def choose_keeper_command(match, i):
 
 @kernel
 def kick_out_if_overdue(match, i):
-    """Make a commanded keeper kick the ball out when he has held it for too long."""
+    """Make a commanded keeper kick the ball out after holding it for too long."""
     if match.keeper_holding == i:
         match.hold_wait -= 1
         if match.hold_wait < -KICK_OUT.overdue and match.players[i].kick == 0:
@@ -131,7 +131,7 @@ def kick_out_if_overdue(match, i):
 
 @kernel
 def distribute(match, i):
-    """Kick the ball out once the nearest mate has no opponent near him, or the ball has been held for too long."""
+    """Kick the ball out once the nearest teammate is free, or after holding it for too long."""
     mate = nearest_mate(match, i, 0.0)
     if mate == NOBODY or not opposed(match, mate, KICK_OUT.free) or match.hold_wait < HOLD_STEPS - KICK_OUT.longest:
         kick_out(match, i)
@@ -139,7 +139,7 @@ def distribute(match, i):
 
 @kernel
 def kick_out(match, i):
-    """Kick or throw the ball high to the nearest free mate some way off, else to the nearest, or simply upfield."""
+    """Kick or throw the ball high to the nearest free teammate at a distance, else to the nearest, else upfield."""
     player = match.players[i]
     ahead = forward(player.team)
     player.aim_x, player.aim_y = player.x + ahead * KICK_OUT.upfield, player.y
@@ -155,7 +155,7 @@ def kick_out(match, i):
 
 @kernel
 def nearest_mate(match, i, free):
-    """Return player i's nearest mate, but not a very near one, who has no opponent within `free` m, -1 if none."""
+    """Return player i's nearest teammate with no opponent within `free` m and not too close, -1 if none."""
     player = match.players[i]
     best, nearest = NOBODY, math.inf
     for j in range(match.num_players):
@@ -181,7 +181,7 @@ def opposed(match, j, within):
 
 @kernel
 def goes_for_loose_ball(match, i):
-    """Return whether keeper i leaves his goal for a ball that nobody leads: he is the first at it."""
+    """Return whether keeper i, first at a loose ball, leaves the goal for it."""
     player, ball = match.players[i], match.ball
     goal_x = own_goal_x(player.team)
     if match.carrier != NOBODY:
@@ -199,7 +199,7 @@ def goes_for_loose_ball(match, i):
 
 @kernel
 def throws_himself(match, i):
-    """Return whether an opponent's ball is about to be within keeper i's reach, with nothing between them."""
+    """Return whether an opponent's ball is about to be within keeper i's reach, with nothing in between."""
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
         return False
@@ -215,9 +215,7 @@ def throws_himself(match, i):
 
 @kernel
 def slides_out(match, i):
-    """Return whether keeper i, without hands, throws himself at the feet of an opponent who has just knocked the ball
-    on; teams with agents leave slides to them.
-    """
+    """Return whether keeper i, without hands, slides at the feet of an opponent after a touch; agents' teams do not."""
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.num_agents[player.team] != 0 or player.down_wait > 0.0 or has_hands(match, i):
         return False
@@ -238,7 +236,7 @@ def slides_out(match, i):
 
 @kernel
 def lunge(match, i):
-    """Throw keeper i into a slide to where the ball will be played next."""
+    """Start a slide of keeper i to where the ball will be played next."""
     player, ball, lead = match.players[i], match.ball, SLIDE_OUT.lead
     carrier = match.players[match.carrier]
     to_x = ball.x - player.x + lead * (ball.vx - player.vx + carrier.vx)
@@ -252,7 +250,7 @@ def lunge(match, i):
 
 @kernel
 def throw(match, i):
-    """Run to where keeper i meets the ball; a dive to it does not stop before it."""
+    """Run to where keeper i meets the ball; a dive does not stop there."""
     player = match.players[i]
     chase(match, i, player.top_speed)
     want, speed = length(player.desired_vx, player.desired_vy), OUT.dive_keeps * length(player.vx, player.vy)
@@ -262,7 +260,7 @@ def throw(match, i):
 
 @kernel
 def lone(match, i):
-    """Return whether keeper i's team has no other player: every loose ball is his, once play has begun."""
+    """Return whether keeper i is alone in the team: then every loose ball is the keeper's, once play has begun."""
     mates = 0
     for j in range(match.num_players):
         mates += match.players[j].team == match.players[i].team and not match.players[j].has_left
@@ -271,10 +269,9 @@ def lone(match, i):
 
 @kernel
 def boldness(match, i):
-    """Return the share of the way to the ball that keeper i goes to meet an opponent whom no mate can stop before he
-    shoots.
+    """Return the share of the way to the ball by which keeper i comes out to an opponent about to shoot.
 
-    0 if one can, 1 if only that opponent is dangerous, less the more an attacker next to him is.
+    It is 0 if a teammate can stop the opponent, 1 if only that opponent is dangerous, and less if another one is near.
     """
     team = match.players[i].team
     goal_x = own_goal_x(team)
@@ -296,9 +293,7 @@ def boldness(match, i):
 
 @kernel
 def ways_to_shot(match, i, j, range_of_shot):
-    """Return how far in m opponent j is from where he will shoot, and how far the nearest mate of keeper i is from
-    there.
-    """
+    """Return how far in m opponent j is from the shooting position, and how far keeper i's nearest teammate is."""
     rival = match.players[j]
     goal_x = own_goal_x(match.players[i].team)
     x, y = rival.x + OUT.rival_lead * rival.vx, rival.y + OUT.rival_lead * rival.vy
@@ -315,7 +310,7 @@ def ways_to_shot(match, i, j, range_of_shot):
 
 @kernel
 def nearest_to_goal(match, team, but):
-    """Return the player of `team`, except one, who is nearest to the goal that it attacks; -1 none."""
+    """Return the player of `team`, except one, nearest to the goal that it attacks; -1 none."""
     goal_x = -own_goal_x(team)
     best, least = NOBODY, math.inf
     for j in range(match.num_players):
@@ -342,12 +337,12 @@ def come_out(match, i, share):
 
 @kernel
 def stand(match, i):
-    """Stand on the line that halves the angle between ball and posts, or high while the ball is far."""
+    """Stand on the bisector of the angle from the ball to the posts, or high while the ball is far."""
     player = match.players[i]
     goal_x = own_goal_x(player.team)
     x, y = match.ball.x, match.ball.y
     near = x * goal_x > -HALF_LENGTH * FARTHEST_ROLL or fall_time(match.ball) > 0.0
-    if x * goal_x > 0.0 or (near and match.ball.vx * goal_x > 0.0):  # else it stays in the other half
+    if x * goal_x > 0.0 or (near and match.ball.vx * goal_x > 0.0):  # else the ball stays in the other half
         x, y = led_ball(match, i)
     if x * goal_x <= 0.0:
         hurry_to(player, goal_x - math.copysign(STAND.high_line, goal_x), 0.0, player.top_speed)
@@ -358,7 +353,7 @@ def stand(match, i):
 
 @kernel
 def led_ball(match, i):
-    """Return where keeper i sees the ball: where it rolls or flies to meanwhile."""
+    """Return where keeper i expects the ball, extrapolated along its roll or flight."""
     ball, ahead = match.ball, look_ahead(match.ball)
     time = OUT.ball_lead + OUT.ball_lead_more * time_to_meet(match, i, ahead)
     share = travelled(ahead, time) / max(ahead.speed, 1e-9)
@@ -367,9 +362,9 @@ def led_ball(match, i):
 
 @kernel
 def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
-    """Go this share of the way to a place, from before the goal, where it halves the angle from the ball to the posts.
+    """Go this share of the way to a point, from the bisector of the angle from the ball to the posts.
 
-    Back towards the goal on that way he only runs, unless the place is behind him.
+    On the way back towards the goal the keeper only runs, unless the point is behind.
     """
     goal_x = own_goal_x(player.team)
     foot_x = goal_x - math.copysign(STAND.foot, goal_x)
@@ -388,7 +383,7 @@ def guard_goal(player, ball_x, ball_y, to_x, to_y, share):
 
 @kernel
 def hurry_to(player, x, y, most):
-    """Want to be at a place, as fast as it is far but at most at this speed."""
+    """Desire a velocity towards a point, proportional to the distance but at most this speed."""
     dx, dy = x - player.x, y - player.y
     distance = length(dx, dy)
     speed = min(STAND.urgency * distance, most)

@@ -1,6 +1,6 @@
-"""Who looks after whom: the most dangerous opponents are marked, the one on the ball is hunted by two at most.
+"""Marking: the most dangerous opponents are marked; at most two players press the one on the ball.
 
-As documented of Google Research Football. Read next: `ai.defence`, for what markers and hunters do.
+As documented by Google Research Football. Read next: `ai.defence`, for what markers and pressers do.
 """
 
 from __future__ import annotations
@@ -18,44 +18,44 @@ from regista.kernels.jit import kernel
 
 
 class Danger(NamedTuple):
-    """Who is most dangerous: who is nearest to a place between goal and ball."""
+    """Which opponents are most dangerous: those nearest to a point between goal and ball."""
 
     marked: int = 3  # opponents
     goal: float = 0.8  # weight of the goal against the ball
-    depth: float = 2.0  # m before the goal's line
+    depth: float = 2.0  # m in front of the goal line
     on_ball: float = 5.8  # m by which the opponent on the ball counts as nearer
 
 
 class Quality(NamedTuple):
-    """How well somebody can mark an opponent."""
+    """How well a player can mark an opponent."""
 
-    lead: float = 0.1  # s of both runs
-    behind: float = 0.5  # m, an opponent no further past him is not past
+    lead: float = 0.1  # s by which both runs are extrapolated
+    behind: float = 0.5  # m, up to which an opponent counts as not yet past
     ahead: float = 2.0  # m, the best distance
     far_ahead: float = 60.0  # m off it, the worst
     wide_least: float = 4.0  # m aside, the worst near the goal
     wide_most: float = 14.0  # m, and far from it
-    passed: float = 0.6  # of the quality, for who is passed
-    share: float = 0.8  # of the quality against nearness
+    passed: float = 0.6  # of the quality, if the opponent is past
+    share: float = 0.8  # weight of quality against nearness
 
 
-class Hunt(NamedTuple):
-    """Going for the opponent on the ball."""
+class Press(NamedTuple):
+    """Pressing the opponent on the ball."""
 
-    range: float = 10.0  # m to him,
-    range_defender: float = 10.0  # and so much more for a defender
-    lead: float = 0.1  # s by which his run is led, to find who is nearest
-    rival_lead: float = 0.12  # s, his run for his distance
-    own_lead: float = 0.04  # s, one's own run
+    range: float = 10.0  # m to the opponent,
+    range_defender: float = 10.0  # and this much more for a defender
+    lead: float = 0.1  # s by which the opponent's run is extrapolated, to find the nearest players
+    rival_lead: float = 0.12  # s, the opponent's run for the distance
+    own_lead: float = 0.04  # s, the presser's own run
 
 
-# Documented of Google Research Football; families matches and academy of `lab.benchmarks --suite grf`.
-DANGER, QUALITY, HUNT = Danger(), Quality(), Hunt()
+# Documented by Google Research Football; families matches and academy of `lab.benchmarks --suite grf`.
+DANGER, QUALITY, PRESS = Danger(), Quality(), Press()
 
 
 @kernel
 def choose_markers(match):
-    """Give both teams' markers the most dangerous opponents, whoever has the ball: he may lose it."""
+    """Assign the most dangerous opponents to both teams' markers, also while the team has the ball: it may lose it."""
     for i in range(match.num_players):
         match.players[i].marked_opponent = NOBODY
     for team in (LEFT, RIGHT):
@@ -64,7 +64,7 @@ def choose_markers(match):
 
 @kernel
 def mark_the_dangerous(match, team):
-    """Let the free defenders of `team` who are best placed for it mark the most dangerous opponents."""
+    """Let the best placed free defenders of `team` mark the most dangerous opponents."""
     taken = 0
     for _ in range(DANGER.marked):
         rival = most_dangerous(match, team, taken)
@@ -78,9 +78,9 @@ def mark_the_dangerous(match, team):
 
 @kernel
 def most_dangerous(match, team, taken):
-    """Return the opponent of `team` nearest to a place between its goal and the ball, the bits `taken` apart.
+    """Return the opponent of `team` nearest to a point between its goal and the ball, except the bits `taken`.
 
-    Who is on the ball counts as nearer than he is; a keeper counts like everybody. -1: none.
+    The player on the ball counts as nearer; a keeper counts like everybody. -1: none.
     """
     x = DANGER.goal * (own_goal_x(team) - math.copysign(DANGER.depth, own_goal_x(team)))
     x, y = x + (1.0 - DANGER.goal) * match.ball.x, (1.0 - DANGER.goal) * match.ball.y
@@ -112,10 +112,7 @@ def best_marker(match, team, rival):
 
 @kernel
 def marking_quality(player, rival):
-    """Return how well a player marks an opponent, 0 to 1: best from a little way in front of him, seen from the goal.
-
-    Who is past him he marks badly.
-    """
+    """Return how well a player marks an opponent, 0 to 1: best a little goalside, worse if the opponent is past."""
     x, y = player.x + QUALITY.lead * player.vx, player.y + QUALITY.lead * player.vy
     dx, dy = rival.x + QUALITY.lead * rival.vx - x, rival.y + QUALITY.lead * rival.vy - y
     to_x, to_y = own_goal_x(player.team) - x, -y
@@ -130,8 +127,8 @@ def marking_quality(player, rival):
 
 
 @kernel
-def choose_hunters(match):
-    """Find the two players nearest to the opponent on the ball, of a team that is not: they alone may hunt him."""
+def choose_pressers(match):
+    """Find both teams' pressers: without the ball, the two players nearest to the opponent on the ball."""
     for team in (LEFT, RIGHT):
         match.hunter[team, 0], match.hunter[team, 1] = NOBODY, NOBODY
         on_ball = man_on_ball(match, 1 - team)
@@ -142,7 +139,7 @@ def choose_hunters(match):
 @kernel
 def find_nearest_two(match, team, rival):
     """Write the two players of `team` nearest to where an opponent will be in a moment."""
-    x, y = rival.x + HUNT.lead * rival.vx, rival.y + HUNT.lead * rival.vy
+    x, y = rival.x + PRESS.lead * rival.vx, rival.y + PRESS.lead * rival.vy
     first, second = math.inf, math.inf
     for i in range(match.num_players):
         player = match.players[i]
@@ -157,8 +154,8 @@ def find_nearest_two(match, team, rival):
 
 
 @kernel
-def hunts(match, i):
-    """Return whether player i goes for the opponent on the ball: near, free, and one of the two nearest."""
+def presses(match, i):
+    """Return whether player i presses the opponent on the ball: near, free, and one of the two nearest."""
     player = match.players[i]
     team = player.team
     on_ball = man_on_ball(match, 1 - team)
@@ -167,14 +164,14 @@ def hunts(match, i):
     if player.marked_opponent != NOBODY or (match.hunter[team, 0] != i and match.hunter[team, 1] != i):
         return False
     rival = match.players[on_ball]
-    dx = rival.x + HUNT.rival_lead * rival.vx - player.x - HUNT.own_lead * player.vx
-    dy = rival.y + HUNT.rival_lead * rival.vy - player.y - HUNT.own_lead * player.vy
-    return length(dx, dy) < hunting_range(match, player)
+    dx = rival.x + PRESS.rival_lead * rival.vx - player.x - PRESS.own_lead * player.vx
+    dy = rival.y + PRESS.rival_lead * rival.vy - player.y - PRESS.own_lead * player.vy
+    return length(dx, dy) < pressing_range(match, player)
 
 
 @kernel
-def hunting_range(match, player):
-    """Return from how far in m a player hunts: defenders from further, the tired, the breathless and the weak less."""
+def pressing_range(match, player):
+    """Return the distance in m within which a player presses: more for defenders, less when tired or unskilled."""
     attacker = MINDSET[match.players[player.post].role]
     fresh = 1.0 - 0.5 * player.tiredness - 0.5 * min(player.mean_speed / EFFORT.sprint, 1.0)
-    return (HUNT.range + HUNT.range_defender * (1.0 - attacker)) * fresh * player.skill
+    return (PRESS.range + PRESS.range_defender * (1.0 - attacker)) * fresh * player.skill

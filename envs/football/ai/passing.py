@@ -1,7 +1,7 @@
-"""Passes of the built-in AI: to whom, which kind, and when; and the clearance of a defender under pressure.
+"""Passes of the built-in AI: receiver, kind, and timing; and the clearance of a defender under pressure.
 
-As documented of Google Research Football: what is gained times the odds that it arrives, with more patience the
-shorter he has had the ball. Read next: `skills.kicks`, which carries passes out.
+As documented by Google Research Football: the gain times the probability of arrival, with more patience shortly after
+getting the ball. Read next: `skills.kicks`, which executes passes.
 """
 
 from __future__ import annotations
@@ -19,41 +19,41 @@ from regista.kernels.jit import kernel
 
 
 class Worth(NamedTuple):
-    """What a pass is worth, and from when it is played. No length is the greatest: the original passes to any mate."""
+    """The worth of a pass, and the worth from which it is played. There is no maximum length."""
 
-    ground_least: float = 4.0  # m to the mate of any pass
+    ground_least: float = 4.0  # m to the receiver of any pass
     high_least: float = 12.0  # m, of a high one
-    better: float = 0.1  # by how much a mate's situation must be better
-    gain_most: float = 4.0  # more is not worth more
-    at_once: float = 0.25  # least gain times odds just after he got the ball,
-    in_time: float = 0.035  # the same from some time on:
+    better: float = 0.1  # by how much the receiver's situation must be better
+    gain_most: float = 4.0  # a larger gain counts no more
+    at_once: float = 0.25  # least gain times odds just after getting the ball,
+    in_time: float = 0.035  # the same after a while:
     patience: float = 50.0  # steps
-    first_time: float = 0.2  # the same for a ball that he would not stop
-    keeper_share: float = 0.7  # of its worth that a pass to the own keeper has
-    high_loss: float = 0.55  # of the odds
-    lead: float = 0.4  # s by which a mate's run is led
+    first_time: float = 0.2  # the same for a first-time pass
+    keeper_share: float = 0.7  # factor of the worth of a pass to the own keeper
+    high_loss: float = 0.55  # factor of the odds
+    lead: float = 0.4  # s by which a receiver's run is extrapolated
     long_lead: float = 0.2  # of the distance, towards the goal
-    overhead: float = 0.6  # share of its way that a high pass is out of reach
-    onside: float = -1.8  # m: he misjudges by this much who is offside
+    overhead: float = 0.6  # share of its way on which a high pass is out of reach
+    onside: float = -1.8  # m: error in judging offside
 
 
 class Panic(NamedTuple):
     """Clearances."""
 
-    mindset: float = 0.25  # who is less of an attacker clears
+    mindset: float = 0.25  # a player less attacking than this clears
     range: float = 30.0  # m to the own goal
     near: float = 2.5  # m to an opponent
     cleared: float = 38.0  # m
 
 
-# Documented of Google Research Football; odds and patience are fitted: `lab.benchmarks --suite grf`, family matches.
+# Documented by Google Research Football; odds and patience are fitted: `lab.benchmarks --suite grf`, family matches.
 WORTH, PANIC = Worth(), Panic()
 DECIDED_EVERY = 2  # steps
 
 
 @kernel
 def consider_pass(match, i):
-    """Ask for the best pass if it is worth it by now, or for a clearance; return whether a kick was asked for."""
+    """Request the best pass if it is worth it by now, or a clearance; return whether a kick was requested."""
     player = match.players[i]
     if (match.step + player.shirt) % DECIDED_EVERY != 0:
         return False
@@ -65,13 +65,13 @@ def consider_pass(match, i):
 
 @kernel
 def consider_first_time_pass(match, i):
-    """Ask for the best pass of a ball that has yet to come, if it is a good one."""
+    """Request the best first-time pass of an approaching ball, if it is a good one."""
     best_pass(match, i, WORTH.first_time)
 
 
 @kernel
 def best_pass(match, i, threshold):
-    """Ask for the pass with the greatest worth above `threshold`; return whether there is one."""
+    """Request the pass with the greatest worth above `threshold`; return whether there is one."""
     player = match.players[i]
     own = position_value(match, player, player.x, player.y)
     line = onside_line(match, player.team)
@@ -98,9 +98,9 @@ def best_pass(match, i, threshold):
 
 @kernel
 def best_kind(match, player, mate, own, gain):
-    """Compare a pass to a mate's feet, into his run, and through the air: kind, worth, and where it is aimed.
+    """Compare a pass to a teammate's feet, into the run, and through the air: kind, worth, and target.
 
-    `own` is the player's own situation, `gain` what the mate's is better.
+    `own` rates the player's own situation, `gain` is the teammate's advantage over it.
     """
     distance = apart(mate, player)
     x, y = mate.x + WORTH.lead * mate.vx, mate.y + WORTH.lead * mate.vy
@@ -120,7 +120,7 @@ def best_kind(match, player, mate, own, gain):
 
 @kernel
 def into_run(player, mate, distance):
-    """Return the place ahead of a mate to which a through ball goes."""
+    """Return the point ahead of a teammate to which a through ball goes."""
     to_x, to_y = attacked_goal_x(player.team) - mate.x, -mate.y
     share = WORTH.long_lead * distance / max(length(to_x, to_y), 1.0)
     return mate.x + WORTH.lead * mate.vx + share * to_x, mate.y + WORTH.lead * mate.vy + share * to_y
@@ -128,20 +128,20 @@ def into_run(player, mate, distance):
 
 @kernel
 def ground_odds(match, player, x, y):
-    """Return the odds in [0, 1] that a pass along the ground from a player to (x, y) gets past his opponents."""
+    """Return the odds in [0, 1] that a ground pass from a player to (x, y) gets past the opponents."""
     return max(1.0 - danger(match, player.team, match.ball.x, match.ball.y, x, y, 0.0, 1.0), 0.0)
 
 
 @kernel
 def high_odds(match, player, x, y):
-    """Return the odds in [0, 1] that a high pass to (x, y) comes down where no opponent is."""
+    """Return the odds in [0, 1] that a high pass to (x, y) comes down away from opponents."""
     risk = danger(match, player.team, match.ball.x, match.ball.y, x, y, WORTH.overhead, 1.0)
     return max(1.0 - WORTH.high_loss - risk, 0.0)
 
 
 @kernel
 def clear_in_panic(match, i):
-    """Kick the ball high and far, under pressure near the own goal, as a defender; return whether."""
+    """Clear the ball high and far, as a defender under pressure near the own goal; return whether."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
     attacker = MINDSET[match.players[player.post].role]
@@ -156,6 +156,6 @@ def clear_in_panic(match, i):
 
 @kernel
 def ask_kick(player, kick, x, y):
-    """Ask for a kick to a chosen place."""
+    """Request a kick to a given target."""
     player.kick, player.kick_held, player.kick_ready = kick, 1, True
     player.is_aimed, player.aim_x, player.aim_y, player.kick_mate = True, x, y, NOBODY

@@ -1,6 +1,6 @@
-"""How good it is to have the ball somewhere: ground gained, room ahead, room around.
+"""The value of having the ball at a position: ground gained, room ahead, room around.
 
-Read next: `ai.passing`, which compares mates by it.
+Read next: `ai.passing`, which compares teammates by it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from regista.kernels.jit import kernel
 
 
 class Value(NamedTuple):
-    """What a place is worth."""
+    """The value of a position."""
 
     progress_least: float = 2.0  # weight of ground, for a defender
     progress_most: float = 8.0  # and at the front
@@ -27,20 +27,20 @@ class Value(NamedTuple):
     around_range: float = 10.0  # m
 
 
-# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, family matches.
+# Documented by Google Research Football; checked by `lab.benchmarks --suite grf`, family matches.
 VALUE = Value()
 
 
 @kernel
 def eagerness(match, player):
-    """Return the weight of ground gained for a player: the more of an attacker, the greater."""
+    """Return a player's weight of ground gained: larger for attackers."""
     attacker = MINDSET[match.players[player.post].role]
     return VALUE.progress_least + (VALUE.progress_most - VALUE.progress_least) * attacker
 
 
 @kernel
 def position_value(match, player, x, y):
-    """Rate for a player's team that the ball is at (x, y), with the weight that the player himself gives to ground."""
+    """Rate the ball at (x, y) for a player's team, with the player's own weight of ground gained."""
     goal_x = attacked_goal_x(player.team)
     to_x, to_y = goal_x - x, -y
     to_goal = length(to_x, to_y) + 1e-9

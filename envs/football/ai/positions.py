@@ -1,15 +1,15 @@
-"""Where a built-in player without the ball wants to be: his slot, where he helps the ball, whom he guards, the line.
+"""Where a built-in player without the ball wants to be: slot, support of the ball, marking, defensive line.
 
-The stages are Google Research Football's, the same whether his team has the ball or not: what changes is how much each
-counts, by the team's hold on the ball. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
+The stages are Google Research Football's and the same with and without the ball: the share of possession determines
+their weights. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from regista.envs.football.ai.defence import guard_share, guarding_place, held_up, run_round
-from regista.envs.football.ai.formation import LINE, between, post_place, slot_place, smooth
+from regista.envs.football.ai.defence import guard_share, guarding_place, held_by_line, run_round
+from regista.envs.football.ai.formation import LINE, between, slot_position, slot_position_for, smooth
 from regista.envs.football.ai.run_speed import head_for
 from regista.envs.football.ai.support import runs_behind, support_share, supporting_place
 from regista.envs.football.constants import CF, NOBODY
@@ -19,23 +19,23 @@ from regista.kernels.jit import kernel
 
 
 class Own(NamedTuple):
-    """How far a player keeps to his own slot rather than to the one that he has exchanged for it, far from the ball."""
+    """How far a player far from the ball keeps to the own slot rather than to the exchanged one."""
 
     share: tuple[float, ...] = (1.0, 0.9, 0.8)  # backs, midfield, forwards
-    near: float = 15.0  # m to the player on the ball: up to here he takes the exchanged one,
-    far: float = 20.0  # from here on his own
+    near: float = 15.0  # m to the player on the ball: up to here the exchanged slot counts,
+    far: float = 20.0  # from here on the own slot
 
 
-# Documented of Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
+# Documented by Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 OWN = Own()
-STRIDE = 3  # steps that a stride lasts, at whose end a player chooses anew; when that is differs between shirts,
-NEAR_BALL = 10.0  # m to the ball: nearer he does not wait for that
+STRIDE = 3  # steps of a stride, at whose end a player chooses a new target; the phase differs between shirts,
+NEAR_BALL = 10.0  # m to the ball, within which a player does not wait for it
 
 
 @kernel
 def take_position(match, i):
-    """Head for where player i wants to be, as he chose it at the end of his last stride; near the ball, or if he marks
-    the carrier, at once.
+    """Head for player i's target, chosen at the end of the last stride; near the ball or when marking the carrier,
+    chosen now.
     """
     player = match.players[i]
     rival = man_on_ball(match, 1 - player.team)
@@ -54,7 +54,7 @@ def take_position(match, i):
 
 @kernel
 def choose_place(match, i):
-    """Set where player i wants to be."""
+    """Set player i's target."""
     player = match.players[i]
     first = first_at_ball(match)
     if first == NOBODY:
@@ -71,22 +71,22 @@ def choose_place(match, i):
             guard_x, guard_y = guarding_place(match, player, x, y)
             x, y = x + share * (guard_x - x), y + share * (guard_y - y)
     if player.role != CF:
-        x = held_up(match, player.team, x)
+        x = held_by_line(match, player.team, x)
     player.place_x, player.place_y = x, y
 
 
 @kernel
 def own_place(match, i, first):
-    """Return the place of player i's slot: near the ball of the one that he has for now, far off of his own."""
+    """Return the position of player i's slot: near the ball the exchanged one, far from it the own."""
     player = match.players[i]
     far = between(apart(player, match.players[first]), OWN.near, OWN.far)
     if player.post == i:
-        return slot_place(match, i, first)
+        return slot_position(match, i, first)
     if far == 0.0:
-        return post_place(match, player, player.post, first)
+        return slot_position_for(match, player, player.post, first)
     share = smooth(OWN.share[LINE[player.role]] * far, 1.0)
-    x, y = slot_place(match, i, first)
+    x, y = slot_position(match, i, first)
     if share < 1.0:
-        post_x, post_y = post_place(match, player, player.post, first)
-        x, y = post_x + share * (x - post_x), post_y + share * (y - post_y)
+        slot_x, slot_y = slot_position_for(match, player, player.post, first)
+        x, y = slot_x + share * (x - slot_x), slot_y + share * (y - slot_y)
     return x, y

@@ -1,4 +1,4 @@
-"""How fast a built-in player goes where he wants to be: walking, running or sprinting, and lazily far from the ball.
+"""How fast a built-in player goes to the target: walking, running or sprinting, and more slowly far from the ball.
 
 Read next: `ai.support`, `ai.defence`.
 """
@@ -15,43 +15,43 @@ from regista.kernels.jit import kernel
 
 
 class Effort(NamedTuple):
-    """What a player spends on being where he should be."""
+    """How much effort a player makes to be in position."""
 
-    urgency: float = 2.6  # 1/s: wanted speed per distance to go
+    urgency: float = 2.6  # 1/s: desired speed per distance
     sprint: float = 8.0  # m/s that count in full,
-    overflow: float = 0.1  # and share of what is wanted beyond
+    overflow: float = 0.1  # and share of the desired speed above
     lazy_from: float = 20.0  # m to the opponent on the ball
     lazy_to: float = 65.0
-    from_tired: float = 0.8  # share of `lazy_from` that the tired lose
+    from_tired: float = 0.8  # share of `lazy_from` that tired players lose
     to_tired: float = 0.5
-    least_lazy: float = 0.5  # share of the laziness that does not depend on his role
-    breath: float = 1.2  # of what he has left after running for long
+    least_lazy: float = 0.5  # share of the laziness that does not depend on the role
+    breath: float = 1.2  # share of the speed left when out of breath
     breath_curve: float = 0.66
 
 
 class GaitChoice(NamedTuple):
-    """Which of the body's gaits suits a desired speed: up to so many m/s he ..."""
+    """Which gait of the body fits a desired speed: the upper limits of ..."""
 
     stands: float = 1.8  # m/s
     walks: float = 4.2  # m/s
-    runs: float = 6.0  # m/s; above it he sprints
+    runs: float = 6.0  # m/s; a sprint above
 
 
 class Reaction(NamedTuple):
-    """By how much he is behind with what he sees of others."""
+    """Reaction times: the delay with which a player sees others."""
 
     unskilled: float = 0.16  # s, at difficulty 0
     skilled: float = 0.06  # s, at difficulty 1
     skill_range: float = 0.7  # of `skill`, from difficulty 0 to 1
 
 
-# Documented of Google Research Football; family matches of `lab.benchmarks --suite grf`.
+# Documented by Google Research Football; family matches of `lab.benchmarks --suite grf`.
 EFFORT, GAIT_CHOICE, REACTION = Effort(), GaitChoice(), Reaction()
 
 
 @kernel
 def head_for(match, player, x, y, rival):
-    """Want to be at (x, y), with the effort that this and the distance to the opponent `rival` on the ball need."""
+    """Desire a velocity to (x, y), with an effort that depends on the distance to the opponent `rival` on the ball."""
     dx, dy = x - player.x, y - player.y
     desired = EFFORT.urgency * math.sqrt(dx * dx + dy * dy)
     if desired >= GAIT_CHOICE.stands:
@@ -61,7 +61,7 @@ def head_for(match, player, x, y, rival):
 
 @kernel
 def lazy_speed(match, player, desired, rival):
-    """Return what is left in m/s of a desired speed far from the action, by the role, and when out of breath."""
+    """Return the desired speed in m/s reduced far from the action, by role, and when out of breath."""
     fresh = 1.0 - player.tiredness
     start = EFFORT.lazy_from * (1.0 - EFFORT.from_tired * player.tiredness)
     end = EFFORT.lazy_to * (1.0 - EFFORT.to_tired * (1.0 - fresh))
@@ -75,14 +75,14 @@ def lazy_speed(match, player, desired, rival):
         speed = max(speed, DRIBBLE_SPEED)
     slowest = EFFORT.sprint * (1.0 - lazy)
     if speed <= slowest or gait_speed(player, speed) == gait_speed(player, slowest):
-        return speed  # for whose gait anybody has breath enough: a power is dear
+        return speed  # a gait for which nobody is out of breath: a power is slow
     breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
     return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 
 
 @kernel
 def gait_speed(player, desired):
-    """Return the speed in m/s of the body's gaits that is nearest to a desired one."""
+    """Return the speed in m/s of the gait nearest to a desired one."""
     if desired < GAIT_CHOICE.stands:
         return 0.0
     if desired < GAIT_CHOICE.walks:
@@ -92,7 +92,7 @@ def gait_speed(player, desired):
 
 @kernel
 def go(player, dx, dy, speed):
-    """Want to move along (dx, dy) at this speed."""
+    """Desire a velocity along (dx, dy) at this speed."""
     size = math.sqrt(dx * dx + dy * dy)
     share = speed / size if size > 0.05 else 0.0
     player.desired_vx, player.desired_vy = share * dx, share * dy
@@ -100,6 +100,6 @@ def go(player, dx, dy, speed):
 
 @kernel
 def reaction_time(player):
-    """Return the seconds by which a player is behind with what he sees of others."""
+    """Return the reaction time of a player in s."""
     ease = (player.skill - (1.0 - REACTION.skill_range)) / REACTION.skill_range
     return player.reaction_time * (REACTION.unskilled + (REACTION.skilled - REACTION.unskilled) * ease)

@@ -1,9 +1,9 @@
-"""Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots, and play is on again.
+"""Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots; then play goes on.
 
-A restart shows for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick, corner
-or free kick, 6 or 7 at a penalty, the step in which play stopped included. An agent's taker waits for a pass or a
-shot of the agent's; after 20 steps he passes of his own accord. Meanwhile everybody else stands. Read next:
-`rules.restarts`, where everybody has been put.
+A restart is shown for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick, corner
+or free kick, 6 or 7 at a penalty, including the step in which play stopped. An agent's taker waits for a pass or a shot
+of the agent; after 20 steps the AI passes. Meanwhile everybody else stands. Read next:
+`rules.restarts`, which places the players.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from regista.envs.football.constants import (
     STEP,
     THROW_IN,
 )
-from regista.envs.football.control.keys import is_kick, press_key, release_keys
+from regista.envs.football.control.actions import is_kick, release_sticky_actions, update_sticky_actions
 from regista.envs.football.physics.pitch import attacked_goal_x, forward
 from regista.envs.football.physics.possession import forget_kick, lose_ball
 from regista.envs.football.physics.vectors import apart, length, toward
@@ -38,12 +38,12 @@ from regista.kernels.rng import uniform
 
 
 class Taker(NamedTuple):
-    """How long a restart takes, and how its taker goes at the ball."""
+    """How long a restart takes, and how its taker runs up."""
 
     quicker: float = 0.4  # how often the built-in taker is one step quicker
     patience: int = 20  # steps that an agent's taker waits
-    line_wait: float = 0.4  # s after a set piece for which side lines do not count
-    at_ball: float = 0.5  # m from him to the ball when he kicks
+    line_wait: float = 0.4  # s after a set piece during which side lines do not count
+    at_ball: float = 0.5  # m from taker to ball at the kick
 
 
 class Throw(NamedTuple):
@@ -51,36 +51,35 @@ class Throw(NamedTuple):
 
     height: float = 2.0  # m
     least: float = 10.8  # m/s
-    gain: float = 0.42  # m/s per m to the mate
+    gain: float = 0.42  # m/s per m to the receiver
     most: float = 17.2  # m/s
     lift: float = 2.4  # m/s upwards
     lob_lift: float = 4.2  # m/s, of a high one
 
 
 class Choice(NamedTuple):
-    """What the built-in taker chooses."""
+    """Choices of the built-in taker."""
 
-    shot_range: float = 28.0  # m from a free kick to the goal, and less than 45° off its middle: it is shot
-    corner: float = 3.0  # m off the middle of the goal, the aim
+    shot_range: float = 28.0  # m from a free kick to the goal, if less than 45° off its middle, for a shot
+    corner: float = 3.0  # m off the middle of the goal, the target
     crowded: float = 2.0  # m to the nearest opponent: a bad receiver,
     free: float = 10.0  # m, a perfect one
     gain: float = 0.01  # rating per m up the pitch
-    throw_far: float = 25.0  # m: mates further away are not looked for at a throw-in,
+    throw_far: float = 25.0  # m: receivers further away are not considered at a throw-in,
     pass_far: float = 60.0  # m, nor otherwise
     high_from: float = 24.0  # m: passed high
 
 
-# Timing is counted in the original's matches, the choice is documented of it: `lab.benchmarks --suite grf`, family
-# matches.
-SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps that a restart shows at most, by mode
+# Timing is counted in GRF's matches, the choice is documented by GRF: `lab.benchmarks --suite grf`, family matches.
+SHOWN = (0, 0, 6, 6, 6, 3, 7)  # steps for which a restart is shown at most, by mode
 TAKER, THROW, CHOICE = Taker(), Throw(), Choice()
 
 
 @kernel
 def wait_for_restart(match):
-    """Spend a step of a restart that is due: the taker decides, runs up, and in the last one kicks.
+    """Spend a step of a restart: the taker decides, runs up, and in the last step kicks.
 
-    Return whether play still waits for him.
+    Return whether play still waits.
     """
     taker = match.taker
     if taker == NOBODY:
@@ -88,9 +87,9 @@ def wait_for_restart(match):
     match.restart_wait += 1
     for i in range(match.num_players):
         if match.players[i].action == BUILTIN_AI:
-            release_keys(match, i)
+            release_sticky_actions(match, i)
         else:
-            press_key(match.players[i], match.players[i].action)
+            update_sticky_actions(match.players[i], match.players[i].action)
     decide_restart(match, taker)
     if match.restart_kick == NOBODY:
         return True
@@ -104,7 +103,7 @@ def wait_for_restart(match):
 
 @kernel
 def decide_restart(match, taker):
-    """Let the taker choose his kick: the built-in player at once, an agent's by its button, or after a while."""
+    """Let the taker choose a kick: the built-in AI at once, an agent by its action, or the AI after a while."""
     player = match.players[taker]
     if player.action == BUILTIN_AI:
         if match.restart_kick == NOBODY:
@@ -125,7 +124,7 @@ def decide_restart(match, taker):
 
 @kernel
 def approach(match, taker):
-    """Let the taker run up so that he is at the ball when he is to kick it."""
+    """Let the taker run up, so as to be at the ball when it is to be kicked."""
     player, ball = match.players[taker], match.ball
     dx, dy = toward(ball.x - player.x, ball.y - player.y)
     speed = min(max(apart(ball, player) - TAKER.at_ball, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
@@ -144,13 +143,13 @@ def put_in_play(match, taker):
         throw(match, taker)
     else:
         leave_foot(match, taker, 1.0)
-    if mode not in (THROW_IN, CORNER):  # from these nobody is offside
+    if mode not in (THROW_IN, CORNER):  # without offside
         mark_offside(match, taker)
 
 
 @kernel
 def throw(match, i):
-    """Throw the ball to where player i means to, as far as arms can."""
+    """Throw the ball to player i's target, as far as arms can."""
     player, ball = match.players[i], match.ball
     ux, uy = toward(player.aim_x - ball.x, player.aim_y - ball.y)
     distance = length(player.aim_x - ball.x, player.aim_y - ball.y)
@@ -168,13 +167,13 @@ def throw(match, i):
 
 @kernel
 def choose_kick(match, taker):
-    """Decide for the built-in taker: a shot at a penalty or from a good free kick, else a pass to the best mate."""
+    """Decide for the built-in taker: a shot at a penalty or from a good free kick, else a pass to the best teammate."""
     player, ball = match.players[taker], match.ball
     goal_x = attacked_goal_x(player.team)
     mode = match.game_mode
     if mode == PENALTY or (mode == FREE_KICK and in_shooting_place(goal_x - ball.x, ball.y)):
         player.kick = SHOT
-        left = math.copysign(CHOICE.corner, goal_x)  # as he sees it: turned with the pitch
+        left = math.copysign(CHOICE.corner, goal_x)  # as the player sees it: rotated with the pitch
         player.aim_x, player.aim_y = goal_x, left if uniform(match) < 0.5 else -left
     else:
         mate = best_mate(match, taker, CHOICE.throw_far if mode == THROW_IN else CHOICE.pass_far)
@@ -190,13 +189,13 @@ def choose_kick(match, taker):
 
 @kernel
 def in_shooting_place(dx, y):
-    """Return whether a free kick dx m before the goal line is near enough and not too far out for a shot."""
+    """Return whether a free kick dx m in front of the goal line is near and central enough for a shot."""
     return length(dx, y) < CHOICE.shot_range and abs(y) < abs(dx)
 
 
 @kernel
 def best_mate(match, taker, farthest):
-    """Return the mate with the most room and the most ground gained, -1 if there is none in reach."""
+    """Return the teammate with the most room and the most ground gained, -1 if none is in reach."""
     team = match.players[taker].team
     ahead = forward(team)
     best, best_rating = NOBODY, -math.inf

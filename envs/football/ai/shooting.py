@@ -1,7 +1,6 @@
 """Shots of the built-in AI: from where, at which part of the goal, how hard.
 
-The law and its numbers are those documented of Google Research Football. Read next: `skills.kicks`, which carries
-shots out.
+The law and its numbers are documented by Google Research Football. Read next: `skills.kicks`, which executes shots.
 """
 
 from __future__ import annotations
@@ -23,38 +22,38 @@ from regista.kernels.rng import uniform
 class When(NamedTuple):
     """From where, and when, a shot is tried."""
 
-    spot: float = 7.0  # m before the goal:
+    spot: float = 7.0  # m in front of the goal:
     range: float = 12.7  # m around there
     chance: float = 0.5  # sqrt(odds) + U(0, 0.5) above this, in any frame, shoots
-    luck: float = 0.5  # that draw's most
-    sprinting: float = 6.0  # m/s: a sprinter who leads the ball
-    stride_fits: float = 0.5  # chance per step that he can shoot
+    luck: float = 0.5  # the maximum of that draw
+    sprinting: float = 6.0  # m/s: a sprinter with the ball
+    stride_fits: float = 0.5  # chance per step that the stride allows a shot
 
 
 class Lane(NamedTuple):
-    """The corners looked at, and the way there."""
+    """The corners that are considered, and the way there."""
 
     corner: float = 3.6  # m off the middle of the goal
-    aim: float = 3.5  # m off it, where a shot at that corner goes
-    lead: float = 0.12  # s of the shooter's run
+    aim: float = 3.5  # m off it, the target of a shot at that corner
+    lead: float = 0.12  # s by which the shooter's run is extrapolated
     faster: float = 3.0  # than a pass
 
 
 class Strike(NamedTuple):
-    """What a shot is asked to be."""
+    """The parameters of a requested shot."""
 
-    behind_line: float = 1.0  # m, where it is aimed
+    behind_line: float = 1.0  # m, the target
     run_lead: float = 0.2  # s
     aim_share: float = 0.7  # of the direction
-    run_share: float = 0.3  # taken off it, of the run at this speed:
+    run_share: float = 0.3  # taken off it for a run at this speed:
     full_speed: float = 8.0  # m/s
-    power_least: float = 0.7  # of the most, by luck
-    power_near: float = 0.6  # share of it from nowhere,
-    power_far: float = 0.4  # more from this far:
+    power_least: float = 0.7  # of the maximum, by luck
+    power_near: float = 0.6  # share of it from distance 0,
+    power_far: float = 0.4  # more from this distance:
     far: float = 32.0  # m to the goal
 
 
-# Documented of Google Research Football; checked by `lab.benchmarks --suite grf`, families matches and academy.
+# Documented by Google Research Football; checked by `lab.benchmarks --suite grf`, families matches and academy.
 WHEN, LANE, STRIKE = When(), Lane(), Strike()
 
 
@@ -74,7 +73,7 @@ def consider_shot(match, i):
         odds = lane_odds(match, player, goal_x, side * LANE.corner)
         if odds > best:
             best, best_y = odds, side * LANE.aim
-    luck = uniform(match) ** (1.0 / FRAMES)  # the best of a frame's draws each
+    luck = uniform(match) ** (1.0 / FRAMES)  # the maximum of the draws of all frames
     if math.sqrt(best) + WHEN.luck * luck < WHEN.chance:
         return False
     shoot(match, player, goal_x, best_y)
@@ -83,11 +82,11 @@ def consider_shot(match, i):
 
 @kernel
 def shoot(match, player, goal_x, y):
-    """Ask for a shot at y on the goal line: turned away from the run, which would drag it, and so often too far."""
+    """Request a shot at y on the goal line, turned away from the run, which would drag it, and so often too far."""
     miss = 1.0 - SHOT_SKILL[player.shirt % len(SHOT_SKILL)] * player.skill
     from_x, from_y = player.x + STRIKE.run_lead * player.vx, player.y + STRIKE.run_lead * player.vy
     line_x = goal_x + math.copysign(STRIKE.behind_line, goal_x)
-    miss *= (2.0 * uniform(match) - 1.0) * math.copysign(1.0, goal_x)  # turned with the pitch
+    miss *= (2.0 * uniform(match) - 1.0) * math.copysign(1.0, goal_x)  # rotated with the pitch
     ux, uy = toward(line_x - from_x, y + miss - from_y)
     run = STRIKE.run_share * length(player.vx, player.vy) / STRIKE.full_speed
     ux, uy = toward(STRIKE.aim_share * ux - run * player.facing_x, STRIKE.aim_share * uy - run * player.facing_y)

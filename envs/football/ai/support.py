@@ -1,6 +1,6 @@
-"""Coming free: a field of forces leads players from their slots to where they help the player on the ball, onside.
+"""Supporting runs: a field of forces moves players from their slots to where they support the ball, onside.
 
-As documented of Google Research Football; now and then one runs behind the defence. Read next: `ai.attack`, for the
+As documented by Google Research Football; sometimes one player runs behind the defense. Read next: `ai.attack`, for the
 player on the ball.
 """
 
@@ -18,32 +18,32 @@ from regista.kernels.jit import kernel
 
 
 class Forces(NamedTuple):
-    """The field: what pulls, what pushes, how strongly, how far."""
+    """The field of forces: pulls, pushes, their strengths and ranges."""
 
-    look_ahead: float = 0.1  # s by which all runs are led
-    step: float = 8.0  # m that a player is led at most
-    damped: float = 7.0  # m from what pulls: nearer the pull grows weaker
-    slot: float = 0.7  # his slot pulls,
-    slot_near: float = 0.3  # by this share close to it,
-    slot_far: float = 20.0  # and in full from m on
-    lane: float = 22.0  # m by which attackers' slots are pushed on, next to the lane
-    lane_aside: float = 8.0  # m from the middle, on the side where the ball is not
+    look_ahead: float = 0.1  # s by which all runs are extrapolated
+    step: float = 8.0  # m of the displacement at most
+    damped: float = 7.0  # m, below which a pull grows weaker
+    slot: float = 0.7  # the slot pulls,
+    slot_near: float = 0.3  # with this share close to it,
+    slot_far: float = 20.0  # and in full from here on, m
+    lane: float = 22.0  # m by which attackers' slots are moved forward, next to the lane
+    lane_aside: float = 8.0  # m from the middle, on the side without the ball
     lane_width: float = 30.0  # m
-    helper: float = 12.0  # m by which the nearest mate's slot is pushed on,
-    helper_least: float = 0.3  # and share of it for defenders
-    run: float = 2.0  # the goal pulls who runs behind the defence
-    rivals: int = 3  # opponents nearest to him push,
+    support: float = 12.0  # m by which the supporting player's slot is moved forward,
+    support_least: float = 0.3  # and share of it for defenders
+    run: float = 2.0  # the goal pulls a player who runs behind the defense
+    rivals: int = 3  # nearest opponents, which push,
     rival: float = 0.3
     rival_shadow: float = 2.0  # m behind them, seen from the ball
     rival_reach: float = 5.0  # m
     rival_curve: float = 0.7
-    run_reach: float = 2.0  # m, of opponents to who runs,
+    run_reach: float = 2.0  # m, of opponents to such a runner,
     run_share: float = 0.5  # of their push
-    mates: int = 5  # mates nearest to him push,
+    mates: int = 5  # nearest teammates, which push,
     mate: float = 0.4
     mate_reach: float = 10.5  # m
-    mates_from: float = 1.02  # hold on the ball from which mates push,
-    ball_from: float = 1.06  # and the ball's way does
+    mates_from: float = 1.02  # possession from which teammates push,
+    ball_from: float = 1.06  # and the ball's path does
     ball: float = 1.0
     ball_reach: float = 2.0  # m
     ball_curve: float = 0.5
@@ -53,46 +53,46 @@ class Forces(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Runs behind the defence."""
+    """Runs behind the defense."""
 
-    ahead: float = 26.0  # m before the player on the ball: who is nearest to there may run
+    ahead: float = 26.0  # m in front of the player on the ball: the player nearest to there may run
     within: float = 40.0  # m to the player on the ball
-    spot: float = 10.0  # m behind the runner is looked for opponents,
+    spot: float = 10.0  # m behind the runner, where opponents are counted,
     rivals: int = 4
     range: float = 15.0  # m
     push: float = 0.3
-    rating: float = 0.5  # from which he runs
+    rating: float = 0.5  # from which a player runs
     steps: int = 40
     share: tuple[float, ...] = (1.0, 0.9, 0.7)  # of the forces, from which a run of back, midfielder, forward counts
 
 
-# Documented of Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
+# Documented by Google Research Football; families academy and matches of `lab.benchmarks --suite grf`.
 FORCES, RUN = Forces(), Run()
-SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # hold above 0.5: from and to where the forces lead each line
+SHARE_FROM, SHARE_TO = (0.2, 0.1, 0.1), (0.9, 0.7, 0.6)  # possession above 0.5 in which each line's forces grow
 RIVAL_BY_ROLE = (1.0, 2.2, 2.2, 2.2, 2.0, 1.6, 1.6, 1.6, 1.2, 1.0)  # how strongly opponents push
-LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's push
-BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's way pushes
-ONSIDE = 0.08  # m before the line
-RUNS_EVERY, HELPER_EVERY = 5, 15  # steps
+LANE_SHARE = tuple(attacker**1.5 for attacker in MINDSET)  # of the lane's shift
+BALL_WAY = (0.2, 0.35, 0.5, 0.65)  # s ahead, where the ball's path pushes
+ONSIDE = 0.08  # m in front of the line
+RUNS_EVERY, SUPPORT_EVERY = 5, 15  # steps
 
 
 @kernel
 def support_share(match, player):
-    """Return the share of the way from his slot that a player is led by the forces."""
+    """Return the share of the way from the slot by which the forces move a player."""
     line = LINE[player.role]
     return between(match.hold[player.team] - 0.5, SHARE_FROM[line], SHARE_TO[line])
 
 
 @kernel
 def runs_behind(match, i, share):
-    """Return whether player i runs behind the defence."""
+    """Return whether player i runs behind the defense."""
     player = match.players[i]
     return match.runner[player.team] == i and share > RUN.share[LINE[player.role]]
 
 
 @kernel
 def supporting_place(match, i, x, y, carrier, runs):
-    """Return where the forces lead player i, whose slot is at (x, y), while a mate `carrier` is the one on the ball."""
+    """Return where the forces lead player i, whose slot is at (x, y), while the teammate `carrier` has the ball."""
     player, first = match.players[i], match.players[carrier]
     ahead = forward(player.team)
     at_x, at_y = player.x + FORCES.look_ahead * player.vx, player.y + FORCES.look_ahead * player.vy
@@ -120,7 +120,7 @@ def supporting_place(match, i, x, y, carrier, runs):
 
 @kernel
 def pulled(dx, dy, power):
-    """Return the pull of something so far away: a vector, weaker when it is near, and its weight."""
+    """Return the pull of something at (dx, dy): a vector, weaker when near, and its weight."""
     distance = math.sqrt(dx * dx + dy * dy) + 1e-9
     share = power * min(distance / FORCES.damped, 1.0) / distance
     return share * dx, share * dy, power
@@ -128,7 +128,7 @@ def pulled(dx, dy, power):
 
 @kernel
 def pushed(dx, dy, power, reach, curve):
-    """Return the push of something so far away, of which only what is in reach pushes: a vector, and its weight."""
+    """Return the push of something at (dx, dy), 0 out of reach: a vector, and its weight."""
     distance = math.sqrt(dx * dx + dy * dy)
     if distance >= reach:
         return 0.0, 0.0, 0.0
@@ -140,11 +140,11 @@ def pushed(dx, dy, power, reach, curve):
 
 @kernel
 def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
-    """Return the pull of player i's slot, which is pushed on for attackers near the lane and for the ball's helper."""
+    """Return the pull of player i's slot, moved forward near the lane and for the supporting player."""
     player = match.players[i]
     attacker = MINDSET[match.players[player.post].role]
     if match.helper[player.team] == i:
-        push = FORCES.helper * (FORCES.helper_least + (1.0 - FORCES.helper_least) * attacker)
+        push = FORCES.support * (FORCES.support_least + (1.0 - FORCES.support_least) * attacker)
     else:
         ahead = forward(player.team)
         lane_y = -ahead * (FORCES.lane_aside if ahead * carrier_y >= 0.0 else -FORCES.lane_aside)
@@ -157,7 +157,7 @@ def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
 
 @kernel
 def push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs):
-    """Return the push of the nearest opponents, from the shadows in which the player on the ball cannot reach him."""
+    """Return the push of the nearest opponents, from behind them as seen from the ball, where no pass arrives."""
     power = FORCES.rival * RIVAL_BY_ROLE[match.players[player.post].role] * (FORCES.run_share if runs else 1.0)
     reach = FORCES.run_reach if runs else FORCES.rival_reach
     push_x, push_y, pushes = 0.0, 0.0, 0.0
@@ -178,7 +178,7 @@ def push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs):
 
 @kernel
 def push_of_mates(match, i, at_x, at_y):
-    """Return the push of player i's mates in reach."""
+    """Return the push of player i's teammates in reach."""
     push_x, push_y, pushes = 0.0, 0.0, 0.0
     for j in range(match.num_players):
         mate = match.players[j]
@@ -193,7 +193,7 @@ def push_of_mates(match, i, at_x, at_y):
 
 @kernel
 def push_of_ball(match, at_x, at_y):
-    """Return the push of the way that the ball will go."""
+    """Return the push of the ball's path."""
     ball = match.ball
     push_x, push_y, pushes = 0.0, 0.0, 0.0
     for k in range(len(BALL_WAY)):
@@ -205,7 +205,7 @@ def push_of_ball(match, at_x, at_y):
 
 @kernel
 def pull_of_carrier(dx, dy):
-    """Return the pull of the mate on the ball, so far away, who pushes as well when he is near."""
+    """Return the pull of the teammate on the ball at (dx, dy), who also pushes when near."""
     distance = math.sqrt(dx * dx + dy * dy)
     if distance >= FORCES.carrier_far:
         return 0.0, 0.0, 0.0
@@ -216,13 +216,13 @@ def pull_of_carrier(dx, dy):
 
 @kernel
 def onside_line(match, team):
-    """Return how far forward in m a player of `team` may stand."""
+    """Return how far forward in m a player of `team` may stand without being offside."""
     return max(match.second_last[1 - team], forward(team) * match.ball.x, 0.0)
 
 
 @kernel
 def choose_runners(match):
-    """Let time pass for runs, and every half second let each team on the ball start one if nobody runs."""
+    """Count down runs, and every half second let each team on the ball start one if nobody runs."""
     for team in (LEFT, RIGHT):
         match.run_steps_left[team] -= 1
         if match.run_steps_left[team] <= 0:
@@ -230,7 +230,7 @@ def choose_runners(match):
         on_ball = man_on_ball(match, team)
         if on_ball == NOBODY:
             continue
-        if match.step % HELPER_EVERY == 0:
+        if match.step % SUPPORT_EVERY == 0:
             match.helper[team] = nearest_mate_to(match, on_ball, 1.5, False)
         if match.step % RUNS_EVERY == 0 and match.runner[team] == NOBODY and match.team_in_possession == team:
             start_run(match, team, on_ball)
@@ -238,7 +238,7 @@ def choose_runners(match):
 
 @kernel
 def start_run(match, team, on_ball):
-    """Send the mate best placed for it behind the defence, if he has room there."""
+    """Send the best placed teammate behind the defense, if there is room."""
     runner = nearest_mate_to(match, on_ball, RUN.ahead, True)
     if runner == NOBODY or apart(match.players[runner], match.players[on_ball]) > RUN.within:
         return
@@ -250,7 +250,7 @@ def start_run(match, team, on_ball):
 
 @kernel
 def room_to_run(match, player):
-    """Return how few opponents are behind a player, 1 none; the original looks behind him, not before."""
+    """Return how few opponents are behind a player, 1 none; GRF looks behind the player, not in front."""
     x, y = player.x - forward(player.team) * RUN.spot, 0.8 * player.y
     room = 1.0
     for j in range(match.num_players):
@@ -263,7 +263,7 @@ def room_to_run(match, player):
 
 @kernel
 def nearest_mate_to(match, i, ahead, is_free):
-    """Return the mate of player i who is nearest to so many m before him, -1 none; with `is_free` no agent's player."""
+    """Return player i's teammate nearest to `ahead` m in front, -1 none; with `is_free` not an agent's player."""
     player = match.players[i]
     x, y = player.x + forward(player.team) * ahead, player.y
     best, nearest = NOBODY, math.inf

@@ -1,9 +1,10 @@
-"""The player whom a single agent of Google Research Football has: its laws of handing him on, and the first step.
+"""The player that a single agent of Google Research Football controls: how control changes, and the first step.
 
-Each team has *designated* a player to win the ball; he is the active one as soon as he has it alone, or is three times
-sooner at it than the active one, keepers apart. A pass makes its receiver both. The sticky keys go with the agent; a
-kick or a slide stays with whom it was pressed for. An episode begins with a player who need not be near the ball (the
-keeper, in small teams), and the laws apply within its first step: so its kick or slide is usually lost.
+Each team has a *designated* player, who should win the ball. That player becomes the active one as soon as only that
+team owns the ball, or if the time to the ball is a third of the active player's; keepers are excepted. A pass makes
+its receiver both. Sticky actions move with the agent; a kick or a slide stays with its player. An episode begins with a
+player who need not be near the ball (the keeper, in small teams), and these rules apply within its first step: so a
+kick or slide of the first step is usually lost.
 Read next: `control.agents`, the other ways to get a player.
 """
 
@@ -13,32 +14,32 @@ import math
 from typing import NamedTuple
 
 from regista.envs.football.constants import ACTIVE, BUILTIN_AI, GK, IDLE, NOBODY, STEP
-from regista.envs.football.control.keys import is_button
+from regista.envs.football.control.actions import is_button
 from regista.envs.football.physics.possession import is_too_far, look_ahead, meeting_time, owns, time_if_before
 from regista.kernels.jit import kernel
 
 
 class Designation(NamedTuple):
-    """When another player of the team than the designated one is designated: clearly sooner at the ball."""
+    """When another player becomes the designated one: clearly sooner at the ball."""
 
-    patience: float = 0.5  # s that both times are longer than they are
-    rating: float = 0.8  # of his time by that of the designated one, below which he is
-    has_ball: float = 0.5  # what having the ball makes of that
-    is_active: float = 0.8  # what being moved by the agent makes of it
-    ahead: float = 0.1  # s before the first opponent: then there is less need, unless the agent moves him
+    patience: float = 0.5  # s added to both times
+    rating: float = 0.8  # ratio of the times, below which the designation changes
+    has_ball: float = 0.5  # factor of the ratio for the ball's owner
+    is_active: float = 0.8  # factor of the ratio for the agent's player
+    ahead: float = 0.1  # s before the first opponent: a change is less urgent then, unless the agent moves the player
     ahead_more: float = 0.2  # added to the rating then,
     ahead_times: float = 1.2  # which is also multiplied by this
 
 
-# Documented of Google Research Football, and checked by its own episodes' first steps.
+# Documented by Google Research Football, and checked against the first steps of its episodes.
 DESIGNATION = Designation()
-SOONER = 3.0  # times as soon at the ball as the active player: the designated one becomes it
-FIRST_PLAYERS = (0, 0, 0, 0, 0, 0, 5, 6)  # index of who is active when a match begins, by the size of the team
+SOONER = 3.0  # ratio of the times to the ball of the active and the designated player at which control changes
+FIRST_PLAYERS = (0, 0, 0, 0, 0, 0, 5, 6)  # index of the active player when a match begins, by the size of the team
 
 
 @kernel
 def settle_first_step(match):
-    """Let agents of this kind get their players before an episode's first step is played, and its sticky keys alone."""
+    """Let `active` agents get their players before the first step is played; only their sticky actions move along."""
     first = 0
     for team in range(2):
         if match.control[team] == ACTIVE:
@@ -54,23 +55,27 @@ def settle_first_step(match):
 
 @kernel
 def choose_active(match, team, agent):
-    """Give the only agent of a team the player whom Google Research Football would; its sticky keys go with it."""
+    """Give a team's only agent the player that Google Research Football would; sticky actions move along."""
     old = match.agents[agent]
     new = active_player(match, team, old)
     if new in (old, NOBODY):
         return
     match.agents[agent] = new
-    there = match.players[new]
-    there.agent = agent
+    new_player = match.players[new]
+    new_player.agent = agent
     if old != NOBODY:
-        here = match.players[old]
-        here.agent = NOBODY
-        there.direction, there.sprint, there.dribble = here.direction, here.sprint, here.dribble
+        old_player = match.players[old]
+        old_player.agent = NOBODY
+        new_player.direction, new_player.sprint, new_player.dribble = (
+            old_player.direction,
+            old_player.sprint,
+            old_player.dribble,
+        )
 
 
 @kernel
 def active_player(match, team, old):
-    """Return who takes the restart, or for whom a mate's pass has just been meant, else whom designation makes it."""
+    """Return the active player: the taker of a restart, else the receiver of a new pass, else by designation."""
     if match.taker != NOBODY and match.players[match.taker].team == team:
         match.designated[team] = match.taker
         return match.taker
@@ -92,7 +97,7 @@ def active_player(match, team, old):
 
 @kernel
 def is_passed_to(match, team):
-    """Return whether a pass to a player of the team has left a mate's foot in this step."""
+    """Return whether a pass to a player of the team has left a teammate's foot in this step."""
     if match.receiver == NOBODY or match.last_touch in (NOBODY, match.receiver) or match.kick_age > 1.5 * STEP:
         return False
     return match.players[match.receiver].team == team and match.players[match.last_touch].team == team
@@ -100,7 +105,7 @@ def is_passed_to(match, team):
 
 @kernel
 def designate(match, team, active):
-    """Choose whom the team designates: who is soonest at the ball, but only if clearly sooner than the present one."""
+    """Choose a team's designated player: the soonest at the ball, if clearly sooner than the present one."""
     ahead, present = look_ahead(match.ball), match.designated[team]
     is_there = present != NOBODY and not match.players[present].has_left
     best, soonest = first_of_team(match, team, present if is_there else NOBODY, ahead)
@@ -109,7 +114,7 @@ def designate(match, team, active):
     elif best != present:
         time = time_to_ball(match, match.players[present], ahead)
         rating = (soonest + DESIGNATION.patience) / (time + DESIGNATION.patience)
-        rating *= standing(match, best, active) / standing(match, present, active)
+        rating *= designation_factor(match, best, active) / designation_factor(match, present, active)
         if best != active:
             _, opponents = first_of_team(match, 1 - team, match.chaser[1 - team], ahead)
             if time < opponents - DESIGNATION.ahead:
@@ -120,9 +125,9 @@ def designate(match, team, active):
 
 @kernel
 def first_of_team(match, team, likely, ahead):
-    """Return the player of `team` who is soonest at the ball, -1 none, and in how many s.
+    """Return the player of `team` who is soonest at the ball, -1 none, and the time in s.
 
-    The `likely` one, -1 for none, is tried first: then most of the others are seen to be too far away.
+    The `likely` one, -1 for none, is tried first: this rules out most of the others quickly.
     """
     best, soonest = likely, math.inf
     if likely != NOBODY:
@@ -140,15 +145,15 @@ def first_of_team(match, team, likely, ahead):
 
 
 @kernel
-def standing(match, i, active):
-    """Return what speaks for player i as the designated one: the less the more."""
+def designation_factor(match, i, active):
+    """Return the factor of player i's time for designation: the smaller, the more suitable."""
     has_ball = DESIGNATION.has_ball if owns(match.ball, match.players[i]) else 1.0
     return has_ball * (DESIGNATION.is_active if i == active else 1.0)
 
 
 @kernel
 def opponents_own(match, team):
-    """Return whether an opponent of the team could be said to own the ball."""
+    """Return whether any opponent of the team counts as the owner of the ball."""
     count = 0
     for i in range(match.num_players):
         count += match.players[i].team != team and owns(match.ball, match.players[i])
@@ -157,5 +162,5 @@ def opponents_own(match, team):
 
 @kernel
 def time_to_ball(match, player, ahead):
-    """Return the seconds in which a player can be at the ball, once he is on his feet."""
+    """Return the time in s after which a player can be at the ball, including getting up."""
     return meeting_time(match.ball, ahead, player) + player.down_wait

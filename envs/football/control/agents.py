@@ -1,7 +1,7 @@
 """The agents' part of a step: their actions reach their players, and then each gets the player of its next action.
 
-The latter comes last in a step, so that what an agent observes belongs to the player whom its next action moves. Read
-next: `control.control_modes`, what the modes are called; `control.keys`, which turns actions into wanted velocities
+The latter comes last in a step, so that an agent's observation belongs to the player that its next action moves. Read
+next: `control.control_modes`, the names of the modes; `control.actions`, which turns actions into desired velocities
 and kicks.
 """
 
@@ -16,22 +16,22 @@ from regista.envs.football.constants import (
     BY_PROGRAM,
     CLOSEST,
     LEFT,
-    NO_KEY,
+    NO_ACTION,
     NOBODY,
     NUM_ACTIONS,
     RIGHT,
 )
+from regista.envs.football.control.actions import desired_action, main_action
 from regista.envs.football.control.active_player import choose_active
-from regista.envs.football.control.keys import key_of_command, key_of_wish
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
 
 @kernel
 def assign_actions(match, actions):
-    """Give the agents' players their actions `[A]`, and everybody else the built-in AI's.
+    """Give the agents' players their actions `[A]`, and all other players the built-in AI's.
 
-    An agent's BY_PROGRAM leaves its player to the program, or to the built-in AI where the program leaves him.
+    BY_PROGRAM leaves an agent's player to the program, or to the built-in AI if the program has no command.
     """
     for i in range(match.num_players):
         match.players[i].action = BUILTIN_AI
@@ -39,7 +39,7 @@ def assign_actions(match, actions):
         action = actions[agent]
         if match.engine.sticky_noise > 0.0 and match.step > 0 and uniform(match) < match.engine.sticky_noise:
             last = match.last_actions[agent]
-            action = action if last == NO_KEY else last
+            action = action if last == NO_ACTION else last
         match.last_actions[agent] = action
         if action == BY_PROGRAM:
             continue
@@ -48,49 +48,49 @@ def assign_actions(match, actions):
             action = 0
         if match.agents[agent] != NOBODY:
             player = match.players[match.agents[agent]]
-            player.action = seen_by(player.team, action)
+            player.action = in_team_frame(player.team, action)
 
 
 @kernel
-def press_commanded_keys(match):
-    """Let the agents that leave their players to the program press what it commands, one key a step as agents do."""
+def apply_commanded_actions(match):
+    """Let agents that leave their players to the program apply its commands, one action a step as agents do."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] == BY_PROGRAM and i != NOBODY and match.players[i].action != BUILTIN_AI:
             player = match.players[i]
-            player.action = key_of_command(player, player.action)
-            match.last_actions[agent] = seen_by(player.team, player.action)
+            player.action = main_action(player, player.action)
+            match.last_actions[agent] = in_team_frame(player.team, player.action)
 
 
 @kernel
-def note_wishes(match):
-    """Note as an agent's action what comes nearest to what the built-in AI wants, where it has decided."""
+def record_desired_actions(match):
+    """Record the nearest action to the built-in AI's decision as that of an agent whose player it moved."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] != BY_PROGRAM:
             continue
-        match.last_actions[agent] = NO_KEY
+        match.last_actions[agent] = NO_ACTION
         if i != NOBODY:
             player = match.players[i]
-            match.last_actions[agent] = seen_by(player.team, key_of_wish(player, match.step))
+            match.last_actions[agent] = in_team_frame(player.team, desired_action(player, match.step))
 
 
 @kernel
 def set_actions(match, actions):
-    """Give every player an action of his own, `actions` [P]: 0..18, BUILTIN_AI or STAND."""
+    """Give every player an action, `actions` [P]: 0..18, BUILTIN_AI or STAND."""
     for i in range(match.num_players):
         match.players[i].action = actions[i]
 
 
 @kernel
 def num_agents(match):
-    """Return A, of both teams."""
+    """Return A, the number of agents of both teams."""
     return match.num_agents[LEFT] + match.num_agents[RIGHT]
 
 
 @kernel
-def seen_by(team, action):
-    """Turn a direction, 1..8, for a right player, who sees the pitch from the other end; other actions stay."""
+def in_team_frame(team, action):
+    """Rotate a direction, 1..8, for a right player, who sees the pitch from the other end; keep other actions."""
     if team == RIGHT and 1 <= action <= 8:
         return (action + 3) % 8 + 1
     return action
@@ -98,7 +98,7 @@ def seen_by(team, action):
 
 @kernel
 def choose_controlled(match):
-    """Give each agent the player whom its next action moves."""
+    """Give each agent the player that its next action moves."""
     first = 0
     for team in range(2):
         if match.control[team] == CLOSEST:

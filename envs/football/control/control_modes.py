@@ -1,17 +1,16 @@
-"""Which players of a team the agents move: the modes by their names, and who is whose when a match begins.
+"""The control modes: which players of a team the agents move, and the assignment when a match begins.
 
-    closest1, closest2, closest3    the players closest to the ball, nearest first, chosen anew before every action
-    active                          one player, as a single agent of Google Research Football has him: on the ball or
-                                    much sooner at it, the receiver as soon as a pass leaves the foot. At the start it
-                                    is the keeper, or the player of a certain index; control goes to the ball within the
-                                    first step, whose kick or slide is then lost: see `control.active_player`
+    closest1, closest2, closest3    the players closest to the ball, nearest first, chosen again before every action
+    active                          one player, as for a single agent of Google Research Football: on the ball or
+                                    much sooner at it, the receiver as soon as a pass leaves the foot. At the start
+                                    it is the keeper, or the player of a fixed index; control goes to the ball within
+                                    the first step, whose kick or slide is then lost: see `control.active_player`
     a whole number N                the N closest at the start, nearest first; they stay
     all, allNonGK                   everybody, or everybody but the keeper, in the order of the program; they stay
-    none                            nobody: the built-in players have the team to themselves
+    none                            nobody: the built-in AI moves the whole team
 
-Where distances are equal the order of the program decides. Only `active` begins as the original does: the others are
-ours, or stay with their players, and an action always moves whom the observation before it showed. Read next:
-`control.agents`, who is whose from step to step.
+Ties are broken by the order of the program. Only `active` begins as GRF does. With all other modes an action always
+moves the player of the preceding observation. Read next: `control.agents`, the assignment in each step.
 """
 
 from __future__ import annotations
@@ -26,9 +25,7 @@ _KINDS = {"none": NO_AGENTS, "active": ACTIVE, "closest1": CLOSEST, "closest2": 
 
 
 def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
-    """Return the number of agents of a team whose players have these roles `[P]`. Raises ValueError if it cannot have
-    so many.
-    """
+    """Return the number of agents of a team with these roles `[P]`. Raises ValueError if it has too few players."""
     text, size = check_control(mode), len(roles)
     if text == "allNonGK":
         keepers = int(np.count_nonzero(roles == GK))
@@ -47,7 +44,7 @@ def count_agents(mode: str | int, roles: np.ndarray, team: int = LEFT) -> int:
 
 
 def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> None:
-    """Give the agents of matches MATCH `[N]` about to begin their players; `modes` of the left and the right team."""
+    """Give the agents of new matches MATCH `[N]` their players; `modes` of the left and the right team."""
     players = matches["players"][:, : matches["num_players"][0]]
     matches["agents"], matches["players"]["agent"] = NOBODY, NOBODY
     first = 0
@@ -57,7 +54,7 @@ def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> No
         count = count_agents(mode, players["role"][0, members], team)
         matches["num_agents"][:, team] = count
         matches["control"][:, team] = _KINDS.get(str(mode), FIXED)
-        if str(mode) == "active":  # the original counts players by their index
+        if str(mode) == "active":  # GRF counts players by their index
             members = members[np.argsort(players["shirt"][0, members])]
             matches["designated"][:, team] = members[0]
         chosen = _chosen(str(mode), players[:, members], matches["ball"])[:, :count]
@@ -69,7 +66,7 @@ def assign_agents(matches: np.ndarray, modes: tuple[str | int, str | int]) -> No
 
 
 def _chosen(mode: str, members: np.ndarray, ball: np.ndarray) -> np.ndarray:
-    """Return who of the members `[N, M]`, in the order of the program, comes first, second, ...: indices `[N, M]`."""
+    """Return the order of the members `[N, M]` by distance, ties in program order: indices `[N, M]`."""
     if mode == "active":
         size = members.shape[1]
         return np.full((len(members), 1), FIRST_PLAYERS[min(size, len(FIRST_PLAYERS) - 1)])

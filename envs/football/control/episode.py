@@ -1,4 +1,4 @@
-"""What ends an episode: a goal, the ball out of play, the other team's possession, or time; and whether it succeeded.
+"""What ends an episode: a goal, the ball out of play, a possession change, or time; and its success.
 
 Read next: `control.reward`.
 """
@@ -23,7 +23,7 @@ from regista.kernels.jit import kernel
 
 @kernel
 def end_episode(match):
-    """Set what ended the episode, if anything did; an event goes before the duration."""
+    """Set what ended the episode, if anything; an event takes precedence over the duration."""
     if match.goal != 0 and match.end_episode_on_score:
         match.ended = GOAL
     elif match.game_mode != NORMAL and match.end_episode_on_out_of_play:
@@ -40,9 +40,9 @@ def end_episode(match):
 
 @kernel
 def has_succeeded(match, defending):
-    """Return whether the agents' team has what it plays for: more goals than the other, or defending, none against it.
+    """Return whether the agents' team succeeds: more goals than the other, or when defending, none conceded.
 
-    That is the left team unless only the right one has agents.
+    The agents' team is the left one unless only the right one has agents.
     """
     own = RIGHT if match.num_agents[LEFT] == 0 and match.num_agents[RIGHT] > 0 else LEFT
     if defending:

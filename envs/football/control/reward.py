@@ -1,4 +1,4 @@
-"""What a step is worth to an agent: goals, checkpoints on the way to the opponents' goal, what the program pays.
+"""The reward of a step: goals, checkpoints on the way to the opponents' goal, the program's rewards.
 
 Read next: `batch`.
 """
@@ -17,16 +17,16 @@ UNIT_X, UNIT_Y = 100 * METRES_PER_X, 100 * METRES_PER_Y  # m per unit
 
 @kernel
 def clear_rewards(match):
-    """Forget what the step before has paid."""
+    """Clear the rewards of the last step."""
     match.checkpoint_reward[:] = 0.0
     match.program_reward = 0.0
 
 
 @kernel
 def agent_reward(match, agent, checkpoints):
-    """Reward of one agent for the last step: +1 or -1 for a goal, and if asked 0.1 per checkpoint newly passed.
+    """Return an agent's reward for the last step: +1 or -1 for a goal, with `checkpoints` 0.1 for each new one.
 
-    To that is added what the program's monitors have set `scenic_reward` to in this step.
+    The `scenic_reward` of the program's monitors is added.
     """
     total = side(match, agent) * match.goal + match.program_reward
     return total + match.checkpoint_reward[agent] if checkpoints else total
@@ -54,9 +54,9 @@ def side(match, agent):
 
 @kernel
 def pay_checkpoints(match):
-    """Pay each agent each checkpoint towards its goal once while its player owns the ball, the rest at a goal.
+    """Reward each agent once for each checkpoint while its player owns the ball, and for the rest at a goal.
 
-    As Google Research Football's wrapper: with the player whom the agent has after the step.
+    As in Google Research Football's wrapper, the agent's player after the step counts.
     """
     for agent in range(num_agents(match)):
         reached, forward = match.checkpoints[agent], side(match, agent)
@@ -72,5 +72,5 @@ def pay_checkpoints(match):
 
 @kernel
 def threshold(reached):
-    """Return the distance to the goal at which the next checkpoint lies, when so many are behind."""
+    """Return the distance to the goal of the next checkpoint after so many."""
     return FIRST_CHECKPOINT - reached * CHECKPOINT_SPAN / (CHECKPOINTS - 1)

@@ -1,1 +1,1 @@
-"""What agents observe."""
+"""The agents' observations."""

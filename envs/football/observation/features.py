@@ -1,8 +1,8 @@
-"""The `features` observation: a row of numbers for an MLP, as an agent's player sees the match.
+"""The `features` observation: a vector for an MLP, from the viewpoint of the agent's player.
 
-Everything is in the frame of his team, which attacks +x, and scaled so that typical values are about 1. The players
-after him come in a fixed order: mates, then opponents, each in the order of the match.
-Read next: `observation.observer`, the other ways to see a match.
+Everything is in the frame of the player's team, which attacks +x, and scaled so that typical values are about 1. The
+other players come in a fixed order: teammates, then opponents, each in the order of the match.
+Read next: `observation.observer`, the other representations.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING
 from regista.kernels.jit import kernel
 
@@ -25,10 +25,10 @@ OTHER_NAMES = ("dx", "dy", "along", "across", "vx", "vy", "near", "down", "keepe
 BASE_SIZE = sum(map(len, (SELF_NAMES, BALL_NAMES, OWNER_NAMES, GOAL_NAMES, COMMAND_NAMES, CLOCK_NAMES)))
 OTHER_SIZE = len(OTHER_NAMES)
 
-LIMIT = 6.0  # every entry lies in [-LIMIT, LIMIT]
+LIMIT = 6.0  # every entry is in [-LIMIT, LIMIT]
 NEARBY = 20.0  # m, unit of distances to others
 CLOSE = 4.0  # m, at which `near` is one half
-LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the learner to the goal's centre
+LANE_LENGTH, LANE_WIDTH = 10.0, 4.0  # m, units of `along` and `across` the line from the player to the goal's center
 SOON = 1.0  # s, unit of waits
 
 
@@ -56,7 +56,7 @@ def write_features(match, agent, row):
         row[:] = 0.0
         return
     me = match.players[i]
-    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
+    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch rotated by 180°
     at = _write_self(me, side, row, 0)
     at = _write_ball(match, me, side, row, at)
     at = _write_owner(match, i, row, at)
@@ -108,7 +108,7 @@ def _write_owner(match, i, row, at):
 
 @kernel
 def _way_to_goal(me, side):
-    """Return the unit vector from a player to the middle of the opponents' goal, and how far that is in m."""
+    """Return the unit vector from a player to the middle of the opponents' goal, and the distance in m."""
     dx, dy = HALF_LENGTH - side * me.x, -side * me.y
     distance = math.sqrt(dx * dx + dy * dy) + 1e-6
     return dx / distance, dy / distance, distance
@@ -128,7 +128,7 @@ def _write_goal(me, side, ux, uy, distance, row, at):
 def _write_command(me, row, at):
     row[at : at + 8] = 0.0
     if me.direction > 0:
-        row[at + seen_by(me.team, me.direction) - 1] = 1.0
+        row[at + in_team_frame(me.team, me.direction) - 1] = 1.0
     row[at + 8] = 1.0 if me.sprint else 0.0
     row[at + 9] = 1.0 if me.dribble else 0.0
     row[at + 10] = 1.0 if me.kick > 0 else 0.0
@@ -138,7 +138,7 @@ def _write_command(me, row, at):
 
 @kernel
 def _write_team(match, i, team, side, ux, uy, row, at):
-    """Write the players of a team but for player i, to whom the opponents' goal lies along u."""
+    """Write the players of a team except player i, for whom the opponents' goal lies along u."""
     me = match.players[i]
     for index in range(match.num_players):
         other = match.players[index]

@@ -1,4 +1,4 @@
-"""Write what the agents of one match see, by the number of its representation: the kernels of all of them.
+"""Write the observations of one match: dispatch to the kernel of the representation.
 
 Read next: `batch`, which calls this after each step.
 """
@@ -20,7 +20,7 @@ FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
 
 
 class View(NamedTuple):
-    """What kernels write the observations of N matches into; at most one of the arrays has entries."""
+    """The arrays into which kernels write the observations of N matches; at most one of them has entries."""
 
     vectors: np.ndarray  # [N, A, F] float32
     planes: np.ndarray  # [N, A, 72, 96, C] uint8
@@ -28,7 +28,7 @@ class View(NamedTuple):
 
 @kernel(inline=True)
 def observe(batch, index, view, kind):
-    """Write what the agents of match number `index` see."""
+    """Write the agents' observations of match number `index`."""
     match = batch.matches[index]
     for agent in range(num_agents(match)):
         if kind == FEATURES:
@@ -42,6 +42,6 @@ def observe(batch, index, view, kind):
 
 @kernel(inline=True)
 def remember_minimap(batch, index, kind):
-    """Remember what later observations of match number `index` need."""
+    """Store what later observations of match number `index` need."""
     if kind in (SMM, SMM_STACKED):
         remember(batch.matches[index], batch.minimap_places[index], batch.minimap_agents[index])

@@ -1,12 +1,12 @@
-"""What agents observe: each representation by its name, its space, and the arrays that `observe` writes it into.
+"""The representations of observations: names, spaces, and the arrays that `observe` writes.
 
     features       a vector for small networks, sized to the program's players     [F] float32      `features`
-    simple115      the original's vector                                           [115] float32    `simple115`
-    smm            its planes                                                      [72, 96, 4] uint8    `smm`
-    smm_stacked    those of the last four steps, oldest first                      [72, 96, 16] uint8   `smm`
-    raw            its dict                                                                         `raw`
+    simple115      GRF's vector                                                    [115] float32    `simple115`
+    smm            GRF's planes                                                    [72, 96, 4] uint8    `smm`
+    smm_stacked    the planes of the last four steps, oldest first                 [72, 96, 16] uint8   `smm`
+    raw            GRF's dict                                                                       `raw`
 
-One agent's observation has no axis for agents; several have one, and of `raw` there is a tuple of dicts.
+One agent's observation has no agent axis; several agents' has one, and `raw` gives a tuple of dicts.
 Read next: `observation.observe`.
 """
 
@@ -61,13 +61,13 @@ class Observer:
 
     @property
     def unit(self) -> np.ndarray | None:
-        """What counts as a large change of each entry of one agent's vector; see `UPOMDP.observation_unit`."""
+        """The size of a large change of each entry of one agent's vector; see `UPOMDP.observation_unit`."""
         if self.kind not in (FEATURES, SIMPLE115):
             return None
         return simple115_unit() if self.kind == SIMPLE115 else np.ones(features_size(self._players))
 
-    def room(self, count: int) -> View:
-        """Make fresh arrays for `count` matches, zero: kernels need not clear them, and the caller may keep them."""
+    def allocate(self, count: int) -> View:
+        """Allocate zeroed arrays for `count` matches: kernels need not clear them, and the caller may keep them."""
         vectors: tuple[int, ...] = (0,)
         planes: tuple[int, ...] = (0, 0, 0)
         if self.kind in (FEATURES, SIMPLE115):
@@ -78,13 +78,11 @@ class Observer:
         return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 
     def minimap_history(self, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Make room for what must be remembered of `count` matches, see `smm`."""
+        """Allocate the memory of `count` matches, see `smm`."""
         return empty_history(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)
 
     def read(self, view: View, matches: np.ndarray) -> Any:
-        """Return the observations `[N, ...]` to hand out, from what was written into `view`, or of matches MATCH
-        `[N]`.
-        """
+        """Return the observations `[N, ...]` for the caller, from the arrays in `view`, or from matches MATCH `[N]`."""
         if self.kind == RAW:
             dicts = [raw_observation(matches, agent, self._sizes, right) for agent, right in enumerate(self._rights)]
             return dicts[0] if self._agents == 1 else tuple(dicts)

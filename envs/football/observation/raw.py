@@ -1,7 +1,8 @@
-"""The `raw` observation: a match as Google Research Football's own dict describes it, for N matches at once.
+"""The `raw` observation: a match as Google Research Football's dict, for N matches at once.
 
-x and y in its units (x/54.4 m; y/83.6 m, pointing down), z in metres, directions per step. An agent of the right team
-sees the pitch turned by 180°, its own team as `left_team`. `row` gives the dict of one match with the original's types.
+x and y are in GRF's units (x/54.4 m; y/83.6 m, pointing down), z is in meters, directions are per step. An agent of the
+right team sees the pitch rotated by 180°, its own team as `left_team`. `row` gives the dict of one match with GRF's
+types.
 Read next: `vector_env`.
 """
 
@@ -20,7 +21,7 @@ MANY = 2**31  # goals, steps
 
 
 def raw_space(ours: int, theirs: int) -> Dict:
-    """Return the space of one agent's observation with so many players in its team and in the other one."""
+    """Return the space of one agent's observation with so many players in its own and in the other team."""
     real, whole = np.float64, np.int64
     spaces: dict[str, Space] = {
         "ball": Box(-FAR, FAR, (3,), real),
@@ -48,7 +49,7 @@ def raw_space(ours: int, theirs: int) -> Dict:
 def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], right: bool) -> dict[str, np.ndarray]:
     """Describe MATCH `[N]` to an agent of the left or the right team: a dict of arrays, each with N as its first axis.
 
-    `sizes` are the numbers of players of both teams. Nobody is -1.
+    `sizes` are the numbers of players of both teams. -1 stands for nobody.
     """
     ball, players = matches["ball"], matches["players"][:, : sum(sizes)]
     me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
@@ -83,7 +84,7 @@ def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], rig
 
 
 def row(observation: dict[str, np.ndarray], index: int) -> dict[str, Any]:
-    """Return one match's dict, with the types of the original: whole numbers are `int`, the score is a list of two."""
+    """Return one match's dict with GRF's types: integers are `int`, the score is a list of two."""
     observed: dict[str, Any] = {name: values[index] for name, values in observation.items()}
     for name in ("ball_owned_team", "ball_owned_player", "active", "designated", "steps_left", "game_mode"):
         observed[name] = int(observed[name])
@@ -98,7 +99,7 @@ def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) ->
 
 
 def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
-    """Return a field `[N]` of the player `index` `[N]`, -1 where that is nobody."""
+    """Return a field `[N]` of the player `index` `[N]`, -1 for nobody."""
     return np.where(index < 0, -1, players[field][np.arange(len(players)), index])
 
 

@@ -1,10 +1,10 @@
 """The `simple115` observation: Google Research Football's vector of 115 numbers (version 2), at most 11 players a team.
 
-    0:22    places x, y of our team        66:88    directions of theirs     94:97    owner: nobody, we, they
+    0:22    positions x, y of our team     66:88    directions of theirs     94:97    owner: nobody, we, they
     22:44   directions of our team         88:91    ball x, y, z             97:108   our active player
-    44:66   places of theirs               91:94    its direction            108:115  game mode
+    44:66   positions of theirs            91:94    its direction            108:115  game mode
 
-Units and frame are those of `raw`; players whom a team does not have are -1. Read next: `observation.raw`.
+Units and frame are those of `raw`; missing players are -1. Read next: `observation.raw`.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from regista.envs.football.observation.units import ALOFT, FLYING, RUNNING, UNIT
 from regista.kernels.jit import kernel
 
 SIZE = 115
-TEAM = 11  # players of a team that there is room for
+TEAM = 11  # maximum number of players of a team
 _DIRECTIONS, _THEIRS, _BALL, _OWNER, _ACTIVE, _MODE = 22, 44, 88, 94, 97, 108
 
 
 def simple115_unit() -> np.ndarray:
-    """Return what counts as a large change of each entry `[115]`: half a pitch, a sprint, a shot, the crossbar; or 1.
+    """Return the size of a large change of each entry `[115]`: half a pitch, a sprint, a shot, the crossbar; or 1.
 
-    The format has speeds per step, far below 1: by these units a student sees them as it does in `features`.
+    The format has speeds per step, far below 1: these units scale them as in `features`.
     """
     unit, plane = np.ones(SIZE), np.array([1 / UNIT_X, -1 / UNIT_Y])
     players = unit[:_BALL].reshape(2, 2, TEAM, 2)  # team, place or direction, player, x or y
@@ -55,11 +55,11 @@ def write_simple115(match, agent, row):
         return
     me = match.players[match.agents[agent]]
     row[:_BALL] = -1.0
-    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch turned by 180°
+    side = 1.0 if me.team == LEFT else -1.0  # the right team sees the pitch rotated by 180°
     for i in range(match.num_players):
         player = match.players[i]
         if player.has_left:
-            continue  # as if he had never been in the team
+            continue  # as if the player had never been in the team
         at = 2 * player.shirt + (0 if player.team == me.team else _THEIRS)
         row[at] = side * player.x / UNIT_X
         row[at + 1] = side * player.y / UNIT_Y

@@ -1,9 +1,9 @@
-"""The `smm` observation: Google Research Football's super mini map, a plane of 72 × 96 pixels each for our team, the
-other one, the ball and the agent's player; 255 where somebody is. `smm_stacked` has those of the last four steps,
+"""The `smm` observation: Google Research Football's super mini map, planes of 72 × 96 pixels for our team, the
+other team, the ball and the agent's player; 255 marks a position. `smm_stacked` has those of the last four steps,
 oldest first.
 
-Only the places of the last four steps are remembered, per match, and drawn when an observation is asked for: a few
-hundred bytes instead of 110,592 in each record, and drawing is a handful of writes into planes of zeros.
+Only the positions of the last four steps are stored per match, and drawn for each observation: a few hundred bytes
+instead of 110,592 in each record, and drawing only writes a few pixels into zeroed planes.
 Read next: `observation.observer`.
 """
 
@@ -18,15 +18,15 @@ from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.kernels.jit import kernel
 
 HEIGHT, WIDTH = 72, 96  # pixels
-FRAMES = 4  # that are remembered
+FRAMES = 4  # that are stored
 CHANNELS = 4  # of a frame: our team, theirs, the ball, the agent's player
-HALF_HEIGHT = 1.0 / 2.25  # units of the original from the middle to the upper and to the lower edge
+HALF_HEIGHT = 1.0 / 2.25  # GRF's units from the middle to the upper and to the lower edge
 
 
 def empty_history(count: int, players: int, agents: int) -> tuple[np.ndarray, np.ndarray]:
-    """Make room for what is remembered of `count` matches; the frame after t steps stands in slot t modulo FRAMES.
+    """Allocate the stored positions of `count` matches; the frame after t steps is in slot t modulo FRAMES.
 
-    Places `[N, FRAMES, P + 1, 2]` are x and y in units of the original, the ball last; `[N, FRAMES, A]` are the agents'
+    Positions `[N, FRAMES, P + 1, 2]` are x and y in GRF's units, the ball last; `[N, FRAMES, A]` are the agents'
     players.
     """
     return np.zeros((count, FRAMES, players + 1, 2)), np.zeros((count, FRAMES, agents), np.int64)
@@ -34,7 +34,7 @@ def empty_history(count: int, players: int, agents: int) -> tuple[np.ndarray, np
 
 @kernel
 def remember(match, places, agents):
-    """Note where everybody is after this step; at the start of an episode that counts for all frames."""
+    """Store all positions after this step; at the start of an episode they fill all frames."""
     if match.step == 0:
         for slot in range(FRAMES):
             _note(match, places[slot], agents[slot])
@@ -59,7 +59,7 @@ def _note(match, places, agents):
 def write_planes(match, agent, places, agents, planes):
     """Draw the last frames as an agent sees them into `planes` `[72, 96, C]` uint8, which are zero; C is 4 or 16."""
     us = 0 if agent < match.num_agents[LEFT] else 1
-    side = 1.0 if us == LEFT else -1.0  # the right team sees the pitch turned by 180°
+    side = 1.0 if us == LEFT else -1.0  # the right team sees the pitch rotated by 180°
     frames = planes.shape[2] // CHANNELS
     for frame in range(frames):
         slot = (match.step + 1 + frame - frames) % FRAMES
@@ -75,9 +75,9 @@ def write_planes(match, agent, places, agents, planes):
 
 @kernel
 def _mark(planes, channel, x, y):
-    """Set the pixel at (x, y); what lies beyond the edge is drawn on the edge."""
+    """Set the pixel at (x, y); a point beyond the edge is drawn on the edge."""
     if math.isnan(x):
-        return  # has been sent off
+        return  # sent off
     column = int((x + 1.0) / 2.0 * WIDTH)
     row = int((y + HALF_HEIGHT) / (2.0 * HALF_HEIGHT) * HEIGHT)
     planes[min(max(row, 0), HEIGHT - 1), min(max(column, 0), WIDTH - 1), channel] = 255

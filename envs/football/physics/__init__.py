@@ -1,1 +1,1 @@
-"""Bodies, ball and their meetings."""
+"""Physics: bodies, ball and collisions."""

@@ -21,29 +21,29 @@ from regista.kernels.jit import kernel
 
 
 class Air(NamedTuple):
-    """What acts on a ball in flight."""
+    """Forces on a ball in flight."""
 
     gravity: float = 9.81  # m/s²
     drag: float = 0.015  # 1/m: deceleration is this times v²
     swerve: float = 0.3  # m/s² per rad/s of spin, at most
-    swerve_turn: float = 0.94 * math.pi  # rad, of the sine by which that grows and falls with speed:
+    swerve_turn: float = 0.94 * math.pi  # rad, of the sine by which swerve grows and falls with speed:
     fastest: float = 70.0  # m/s
     swerve_power: float = 2.6
-    spin_least: float = 0.5  # rad/s, slower spin does not bend the flight
+    spin_least: float = 0.5  # rad/s; a slower spin does not bend the flight
 
 
 class Ground(NamedTuple):
-    """What the ground does to it."""
+    """Effects of the ground."""
 
     drag: float = 0.04  # 1/m
     friction: float = 1.6  # m/s²
     grass: float = 0.025  # m, height above the ground over which its grip fades out
-    fading: float = 0.7  # power by which it does
-    bounce: float = 0.62  # vertical speed kept,
+    fading: float = 0.7  # exponent of the fading
+    bounce: float = 0.62  # share of vertical speed kept,
     bounce_loss: float = 0.06  # m/s, and lost
-    rolling: float = 0.12  # m/s, slower bounces are not bounces
-    grip: float = 0.01  # share of the difference between speed and spin that the ground evens out in a frame,
-    grip_bounce: float = 0.5  # at a bounce, in full from this hard:
+    rolling: float = 0.12  # m/s; a slower impact does not bounce
+    grip: float = 0.01  # share of the difference between speed and spin that the ground removes in a frame,
+    grip_bounce: float = 0.5  # at a bounce, in full from this impact on:
     soft_impact: float = 0.5  # m/s
     hard_impact: float = 12.0  # m/s more
     spin_gain: float = 0.345  # m/s by which spin may approach speed in a frame,
@@ -53,18 +53,18 @@ class Ground(NamedTuple):
 class Frame(NamedTuple):
     """Posts and crossbar."""
 
-    reach: float = BALL_RADIUS + POST_RADIUS  # m, from the middle of a post to that of a ball which touches it
-    bounce: float = 0.8  # speed kept
+    reach: float = BALL_RADIUS + POST_RADIUS  # m, distance of the centers of post and ball at contact
+    bounce: float = 0.8  # share of speed kept
 
 
 # Google Research Football's own forces, checked by `lab.benchmarks --suite grf`, family ball.
 AIR, GROUND, FRAME = Air(), Ground(), Frame()
-MEAN_DRAG = 0.045  # 1/m, of a rolling ball: an estimate for who looks ahead
+MEAN_DRAG = 0.045  # 1/m, of a rolling ball: an estimate for predictions
 
 
 @kernel
 def advance_ball(ball):
-    """Move the ball on by one frame of 10 ms."""
+    """Simulate the ball for one frame of 10 ms."""
     on_ground = ball.vz == 0.0 and ball.z <= BALL_RADIUS
     if on_ground and ball.vx == 0.0 and ball.vy == 0.0:
         return
@@ -72,7 +72,7 @@ def advance_ball(ball):
         drag_on_ground(ball, 1.0, AIR.drag)
         if abs(ball.curl) > AIR.spin_least:
             swerve(ball, math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy))
-            ball.vz = 0.0  # top spin bends it down, where it cannot go
+            ball.vz = 0.0  # top spin bends the path down into the ground
     else:
         fly(ball)
     x, y, z = ball.x, ball.y, ball.z
@@ -84,7 +84,7 @@ def advance_ball(ball):
 
 @kernel
 def fly(ball):
-    """Let air and gravity act on the ball for a frame, and the ground if it comes near enough."""
+    """Apply air and gravity to the ball for a frame, and the ground if it is near enough."""
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
     keep = 1.0 - AIR.drag * speed * DT
     ball.vx *= keep
@@ -96,7 +96,7 @@ def fly(ball):
         bounce(ball)
     if ball.z < BALL_RADIUS + GROUND.grass:
         lifted = (ball.z - BALL_RADIUS) / GROUND.grass
-        drag_on_ground(ball, (1.0 - lifted) ** GROUND.fading if lifted != 0.0 else 1.0, 0.0)  # a power is dear
+        drag_on_ground(ball, (1.0 - lifted) ** GROUND.fading if lifted != 0.0 else 1.0, 0.0)  # a power is slow
 
 
 @kernel
@@ -114,9 +114,9 @@ def swerve(ball, speed):
 
 @kernel
 def drag_on_ground(ball, contact, air):
-    """Slow the ball by the ground's friction (and by air drag `air`), and let speed and spin approach each other.
+    """Slow the ball by the ground's friction (and by air drag `air`); speed and spin approach each other.
 
-    `contact` in [0, 1] is how much of the ground's grip is felt.
+    `contact` in [0, 1] is the share of the ground's grip that acts.
     """
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy)
     loss = (((GROUND.drag * contact + air) * speed * speed) + GROUND.friction * contact) * DT
@@ -162,7 +162,7 @@ def bounce(ball):
 
 @kernel
 def hit_goal_frame(ball, x, y, z):
-    """Bounce the ball off a post or the crossbar that it met on its way from (x, y, z) to where it is."""
+    """Bounce the ball off a post or the crossbar that it met on its way from (x, y, z) to its position."""
     goal_x = HALF_LENGTH if ball.x > 0.0 else -HALF_LENGTH
     post_y = GOAL_HALF_WIDTH if ball.y > 0.0 else -GOAL_HALF_WIDTH
     share = entry_share(x - goal_x, y - post_y, ball.x - x, ball.y - y)
@@ -182,9 +182,7 @@ def hit_goal_frame(ball, x, y, z):
 
 @kernel
 def entry_share(a, b, da, db):
-    """Return the share in [0, 1] of the way (da, db) from (a, b) at which the frame is hit at the origin, -1 if it is
-    not.
-    """
+    """Return the share in [0, 1] of the way (da, db) from (a, b) at which the frame at the origin is hit, else -1."""
     squared = da * da + db * db
     half = a * da + b * db
     outside = a * a + b * b - FRAME.reach * FRAME.reach
@@ -197,7 +195,7 @@ def entry_share(a, b, da, db):
 
 @kernel
 def reflected(va, vb, a, b):
-    """Return the velocity (va, vb) after a bounce off a post whose surface looks along (a, b)."""
+    """Return the velocity (va, vb) after a bounce off a post with surface normal (a, b)."""
     inward = (va * a + vb * b) / (a * a + b * b)
     return (va - 2.0 * inward * a) * FRAME.bounce, (vb - 2.0 * inward * b) * FRAME.bounce
 

@@ -1,4 +1,4 @@
-"""Bodies on the pitch: they move on, cannot stand in each other, and stop at the edge of the grass.
+"""Bodies on the pitch: they move, cannot overlap, and stop at the edge of the grass.
 
 Read next: `frames`, which calls this in every frame.
 """
@@ -14,25 +14,25 @@ from regista.kernels.jit import kernel
 
 
 class Push(NamedTuple):
-    """Who gives way where two bodies meet, and what it costs him, as documented of Google Research Football."""
+    """Which of two colliding bodies gives way, and at what cost, as documented by Google Research Football."""
 
-    back: float = 0.8  # less for who turns his back on the other rather than his face,
-    speed: float = 0.2  # more for who is faster, in full at
+    back: float = 0.8  # less for a player with the back to the other,
+    speed: float = 0.2  # more for the faster player, in full at
     speed_range: float = 8.0  # m/s,
-    ball: float = 0.4  # less for who has the ball, all of it within -1 and 1;
-    least: float = 0.25  # share of the way that he gives then at least
-    most: float = 0.1  # m of it that he still feels afterwards, at most,
+    ball: float = 0.4  # less for the carrier; the sum stays within -1 and 1;
+    least: float = 0.25  # share of the way that the player then gives at least
+    most: float = 0.1  # m of it that affects the velocity afterwards, at most,
     kept: float = 0.6  # share of that a step later: 0.95 a frame
-    along: float = 1.87  # m between mates, within which they take over each other's movement,
-    drag: float = 0.24  # at most so much of the difference,
-    uneven: float = 0.45  # by so much more than half of it who gives way
+    along: float = 1.87  # m between teammates, within which they adopt each other's movement,
+    drag: float = 0.24  # at most this share of the difference,
+    uneven: float = 0.45  # added to one half of it for the player who gives way
 
 
 PUSH = Push()
-# Measured in Google Research Football, of two who stand in one place when play begins: `lab.benchmarks --suite grf`,
+# Measured in Google Research Football for players who overlap when play begins: `lab.benchmarks --suite grf`,
 # family academy.
-SAME_PLACE = 0.03  # m between bodies that stand in one place: they stumble apart,
-STUMBLE = 0.3  # s for which they do, the first to his right, the other on the spot,
+SAME_PLACE = 0.03  # m between bodies that count as overlapping fully: they stumble apart,
+STUMBLE = 0.3  # s, for which the first steps to the right, the other on the spot,
 STUMBLE_SPEED = 3.9  # m/s
 STEPS_ASIDE = 0.22  # m, each at once
 BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
@@ -40,7 +40,7 @@ BODIES_NEAR = 2.6  # m, pairs further apart than this cannot meet within a step
 
 @kernel
 def advance_players(match, who, frames):
-    """Move the players whose bits are in `who` on by so many frames of 10 ms; return 0, how many are left to go."""
+    """Move the players whose bits are in `who` by so many frames of 10 ms; return 0, the number of frames left."""
     for i in range(match.num_players):
         if who >> i & 1 == 1:
             player = match.players[i]
@@ -67,14 +67,14 @@ def keep_on_pitch(player):
 
 @kernel
 def crowded(match):
-    """Find the pairs of players who could meet within this step; return the bits of all who are in one."""
+    """Find the pairs of players who could meet within this step; return the bits of all players in a pair."""
     crowd = 0
     for i in range(1, match.num_players):
         a = match.players[i]
         x, y, near = a.x, a.y, 0
         for j in range(i):
             b = match.players[j]
-            near |= ((abs(x - b.x) < BODIES_NEAR) & (abs(y - b.y) < BODIES_NEAR)) << j  # without branches: half as long
+            near |= ((abs(x - b.x) < BODIES_NEAR) & (abs(y - b.y) < BODIES_NEAR)) << j  # branch-free: half as long
         a.near_bits = near
         if near != 0:
             crowd |= near | 1 << i
@@ -83,7 +83,7 @@ def crowded(match):
 
 @kernel
 def part_bodies(match, crowd):
-    """Push overlapping players apart, of the pairs of a `crowd`; who has been beaten is in no opponent's way."""
+    """Push overlapping players apart, of the pairs of a `crowd`; a beaten player obstructs no opponent."""
     for i in range(1, match.num_players):
         if crowd >> i & 1 == 0:
             continue
@@ -124,7 +124,7 @@ def gives_way(match, i, j, dx, dy, distance):
 
 @kernel
 def run_along(a, b, more):
-    """Let two mates take over a part of each other's movement, a so much more of it than b."""
+    """Let two teammates adopt a part of each other's movement, a more of it than b."""
     force_a, force_b = PUSH.drag * (0.5 + PUSH.uneven * more) * DT, PUSH.drag * (0.5 - PUSH.uneven * more) * DT
     dx, dy = b.vx - a.vx, b.vy - a.vy
     a.x += force_a * dx
@@ -135,13 +135,13 @@ def run_along(a, b, more):
 
 @kernel
 def beaten(player):
-    """Return whether a player lies on the ground or has just tried for the ball in vain."""
+    """Return whether a player is on the ground or has just failed to win the ball."""
     return player.down_wait > 0.0 or player.touch_wait > 0.0
 
 
 @kernel
 def stumble_apart(a, b):
-    """Let two who stand in one place stumble: b to his right, a just out of his way."""
+    """Let two players who fully overlap stumble: b to the right, a just out of the way."""
     right = -1.0 if b.team == LEFT else 1.0
     for player, side in ((a, -right), (b, right)):
         player.y += side * STEPS_ASIDE
@@ -152,10 +152,10 @@ def stumble_apart(a, b):
 
 @kernel
 def part(match, i, j, dx, dy, distance):
-    """Part two overlapping bodies, and let both feel it; (dx, dy) leads from player j to player i.
+    """Separate two overlapping bodies and adjust their velocities; (dx, dy) leads from player j to player i.
 
-    Mates push past each other. Of opponents who runs faster gives way more, so that nobody is shoved about the pitch,
-    and they lose the speed with which they close in.
+    Teammates push past each other. Of two opponents the faster one gives way more, so that nobody is shoved about, and
+    both lose their closing speed.
     """
     a, b = match.players[i], match.players[j]
     nx, ny = dx / distance, dy / distance
@@ -166,7 +166,7 @@ def part(match, i, j, dx, dy, distance):
     a.pushed = min(a.pushed + share * felt, PUSH.most)
     b.pushed = min(b.pushed + (1.0 - share) * felt, PUSH.most)
     if not are_mates:
-        toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # only these, or energy could be gained
+        toward_b, toward_a = a.vx * nx + a.vy * ny, b.vx * nx + b.vy * ny  # along the normal: no energy is gained
         energy_a, energy_b = toward_b * toward_b + 1e-9, toward_a * toward_a + 1e-9
         share = energy_a / (energy_a + energy_b)
     push = 2.0 * BODY_RADIUS - distance

@@ -1,10 +1,10 @@
-"""Running with the ball: the body and the ball together.
+"""Running with the ball: body and ball together.
 
-A touch sends the ball ahead, somewhat faster than its player runs; it rolls free, slows down, and when he has caught
-up with it, it is touched again. Anybody can take it meanwhile. Going for a touch he lunges: at a dribble he is faster
-for a moment, at a sprint slower. It may begin and end within a step, which then has its share of it. In a sprint he
-can change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to traces of
-Google Research Football. Read next: `skills.contacts`, where others meet the ball.
+A touch sends the ball ahead, somewhat faster than the carrier; it rolls freely, slows down, and is touched again when
+the carrier has caught up. Anybody can win it in between. Before a touch the carrier lunges: at a dribble this is faster
+than the run, at a sprint slower. A lunge may begin and end within a step and then acts on a part of it. A sprinter can
+change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to traces of Google
+Research Football. Read next: `skills.contacts`, where other players meet the ball.
 """
 
 from __future__ import annotations
@@ -28,92 +28,92 @@ from regista.envs.football.physics.running import (
 from regista.envs.football.physics.vectors import toward
 from regista.kernels.jit import kernel
 
-DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits, by the speed wanted; the last: knocking it on in a sprint
+DRIBBLING, RUNNING, SPRINTED, KNOCKED_ON = range(4)  # gaits, by desired speed; the last: a knock-on in a sprint
 
 
 class Gaits(NamedTuple):
-    """Ways to run with the ball: each field has a number for `DRIBBLING`, `RUNNING`, `SPRINTED` and `KNOCKED_ON`."""
+    """Gaits with the ball: each field has a number for `DRIBBLING`, `RUNNING`, `SPRINTED` and `KNOCKED_ON`."""
 
     rest: tuple[float, ...] = (0.211, 0.119, 0.11, 0.105)  # s at least from a touch to the beginning of the next lunge
     played_at: tuple[float, ...] = (0.586, 0.549, 0.9, 0.979)  # m ahead of the body at which the foot plays the ball
-    lunge_gain: tuple[float, ...] = (0.447, 0.197, -1.426, -0.661)  # m/s faster in a lunge, times (speed / wanted)²
+    lunge_gain: tuple[float, ...] = (0.447, 0.197, -1.426, -0.661)  # m/s faster in a lunge, times (speed / desired)²
     push_pace: tuple[float, ...] = (1.1, 1.1, 1.1, 1.11)  # the ball's speed after a touch: this times the player's,
     push_more: tuple[float, ...] = (1.541, 2.0, 1.788, 3.555)  # plus so many m/s,
-    push_most: tuple[float, ...] = (0.586, 0.368, 0.862, 4.244)  # at most so many m/s above the wanted speed
+    push_most: tuple[float, ...] = (0.586, 0.368, 0.862, 4.244)  # at most this many m/s above the desired speed
     push_up: tuple[float, ...] = (0.39, 0.681, 0.86, 1.29)  # the ball's vertical speed after a touch, m/s
     restart: tuple[float, ...] = (2.631, 1.436, 1.968, 1.5)  # the player's speed at once after a stop to turn, m/s
 
 
 class Touch(NamedTuple):
-    """Touches, whatever the gait."""
+    """Touches at any gait."""
 
     reach: float = 1.15  # m from the body to a ball that the foot can still play
     below: float = 0.9  # m, height of such a ball
-    dribble_below: float = 4.7  # m/s, speed wanted: from there on he runs
-    long_ago: float = 9.0  # s
+    dribble_below: float = 4.7  # m/s, desired speed: above it the carrier runs
+    long_ago: float = 9.0  # s: longer than any stride
     lunge: float = 0.12  # s from going for a touch to playing the ball
-    lunge_turning: float = -0.617  # m/s faster meanwhile, where he sends the ball elsewhere
-    nearer: float = 0.633  # share of `played_at` by which he would play it nearer if he stood
-    slower: float = 0.4  # m/s, so much faster than the player the ball may be when he goes for it
-    slowing: float = 2.5  # m/s² of a ball that rolls
-    aside_time: float = 0.55  # s in which a touch brings the ball back to his line
-    aside: float = 2.0  # m/s at most, to that end
-    first_gain: float = 4.5  # m/s² until the ball that he has brought down can be played again
-    pace_left: float = 0.934  # share of the speed wanted that is left when a sprinter has played the ball
+    lunge_turning: float = -0.617  # m/s faster during a lunge that changes the ball's direction
+    nearer: float = 0.633  # share of `played_at` by which a standing player would play it nearer
+    slower: float = 0.4  # m/s by which the ball may be faster than the player at a lunge
+    slowing: float = 2.5  # m/s², deceleration of a rolling ball
+    aside_time: float = 0.55  # s in which a touch brings the ball back to the line of the run
+    aside: float = 2.0  # m/s at most for that correction
+    first_gain: float = 4.5  # m/s² until the ball after a first touch can be played again
+    pace_left: float = 0.934  # share of the desired speed left after a sprinter's touch
 
 
 class AtFoot(NamedTuple):
     """The ball of a player who stands or is about to kick."""
 
-    walking: float = 0.5  # m/s, slower players keep the ball at the foot
-    ahead: float = 0.38  # m ahead of him
+    walking: float = 0.5  # m/s; slower players keep the ball at the foot
+    ahead: float = 0.38  # m ahead of the player
     time: float = 0.1  # s in which it is put there
-    speed: float = 3.0  # m/s at most meanwhile, relative to the player
+    speed: float = 3.0  # m/s relative to the player at most
 
 
 class TurnBack(NamedTuple):
-    """The way back with the ball: he stops it, or has to follow it first."""
+    """Turning back with the ball: the carrier stops it, or has to follow it first."""
 
-    below: float = -0.3  # cosine of the angle to the wanted direction; below it he has to stop first
+    below: float = -0.3  # cosine of the angle to the desired direction; below it a stop comes first
     ball_speed: float = 1.524  # m/s of a ball that is turned back
-    from_below: float = 7.019  # m/s at which he does that
-    stops_soon: float = 1.3  # m/s at which he goes for the first touch of his way back
-    slowed_ball: float = 1.2  # m/s less than his speed, where he stops
-    follows_ahead: float = 0.93  # m ahead: a ball that he must follow before he can turn back
-    follows_pace: float = 0.98  # share of his speed that such a ball has
+    from_below: float = 7.019  # m/s up to which the carrier does that
+    stops_soon: float = 1.3  # m/s at which the first touch of the way back begins
+    slowed_ball: float = 1.2  # m/s slower than the carrier, at a stop
+    follows_ahead: float = 0.93  # m ahead: a ball that must be followed before turning back
+    follows_pace: float = 0.98  # speed of such a ball as a share of the carrier's
 
 
 class Arc(NamedTuple):
-    """Sprints: they change direction only around a touch, also while he still gathers speed."""
+    """Sprints: they change direction only around a touch, also during acceleration."""
 
-    above: float = 3.0  # m/s, from where on that holds for a turn that began with sprint held
-    time: float = 0.401  # s after a touch until which he can, from when he goes for it
-    rate: float = 0.677  # rad/s meanwhile
+    above: float = 3.0  # m/s above which this holds for a turn that began with sprint held
+    time: float = 0.401  # s from the lunge to the end of the turn after a touch
+    rate: float = 0.677  # rad/s during the turn
     cosine: float = math.cos(rate * STEP)  # of the turn in a whole step
     sine: float = math.sin(rate * STEP)
-    left: float = 0.08  # rad by which his turn may be ahead of the ball's
+    left: float = 0.08  # rad by which the carrier's turn may be ahead of the ball's
     straight: float = 0.9999  # cosine of an angle that needs no turn
-    ahead_cosine: float = math.cos(0.3 * rate)  # of the touch, for what is still to turn
+    ahead_cosine: float = math.cos(0.3 * rate)  # of the touch, for the remaining turn
     ahead_sine: float = math.sin(0.3 * rate)
-    pace: float = 0.908  # share of the speed wanted that he keeps while he turns
-    slows: float = 2.55  # m/s² down to it
-    effort: float = 0.879  # share of full effort with which he gathers speed
-    gain: float = 3.21  # m/s² at most, so
+    pace: float = 0.908  # share of the desired speed during a turn
+    slows: float = 2.55  # m/s², deceleration to it
+    effort: float = 0.879  # share of full effort in acceleration
+    gain: float = 3.21  # m/s², limit of that acceleration
     easing: float = 8.0  # m/s², to a slower gait
 
 
 class Brakes(NamedTuple):
     """Turns and stops with the ball."""
 
-    early: float = 1.584  # times the share of full effort, but at most 1: he brakes before he gathers speed again
-    aside: float = 7.055  # m/s², of what leads aside
-    back: float = 14.993  # m/s² of a run that is to go back
-    back_late: float = 7.274  # m/s², the same when he has become slow
-    slow: float = 3.88  # m/s, that
-    back_aside: float = 13.356  # m/s² more where it is not to go straight back, times one plus the cosine
-    stop: float = 13.0  # m/s², of a run that is to end
-    stop_late: float = 16.0  # m/s², the same when he has become slow
-    slow_stop: float = 4.0  # m/s, that
+    early: float = 1.584  # factor of the share of full effort, up to 1: braking precedes acceleration
+    aside: float = 7.055  # m/s², of lateral velocity
+    back: float = 14.993  # m/s², of a run that is reversed
+    back_late: float = 7.274  # m/s², the same at low speed
+    slow: float = 3.88  # m/s, that low speed
+    back_aside: float = 13.356  # m/s² more for an oblique reversal, times one plus the cosine
+    stop: float = 13.0  # m/s², of a run that ends
+    stop_late: float = 16.0  # m/s², the same at low speed
+    slow_stop: float = 4.0  # m/s, that low speed
     fresh: float = 12.09  # m/s² gained in a new direction
     start: float = 2.293  # m/s at once from standing
 
@@ -126,9 +126,7 @@ GAITS, TOUCH, AT_FOOT, TURN_BACK, ARC, BRAKES = Gaits(), Touch(), AtFoot(), Turn
 
 @kernel
 def run_with_ball(match, i, speed):
-    """Return the velocity after a step of running with the ball towards the wanted velocity; and decide about the next
-    touch.
-    """
+    """Return the velocity after a step with the ball towards the desired velocity, and decide on the next touch."""
     player, ball = match.players[i], match.ball
     away_x, away_y = ball.x - player.x, ball.y - player.y
     if away_x * away_x + away_y * away_y > TOUCH.reach * TOUCH.reach or ball.z > TOUCH.below:
@@ -164,7 +162,7 @@ def run_with_ball(match, i, speed):
 
 @kernel
 def held(player, vx, vy):
-    """Return the velocity (vx, vy), as far as a player can come to it while the ball rolls on from his first touch."""
+    """Return the velocity (vx, vy) within a player's reach while the ball rolls on from the first touch."""
     dx, dy = vx - player.vx, vy - player.vy
     share = min(TOUCH.first_gain * STEP / (math.sqrt(dx * dx + dy * dy) + 1e-9), 1.0)
     return player.vx + share * dx, player.vy + share * dy
@@ -172,7 +170,7 @@ def held(player, vx, vy):
 
 @kernel
 def stride_on(ball, player, speed, want, gait):
-    """Let a step of the way from touch to touch pass, and decide about the next; s of the step for which he lunges."""
+    """Advance the stride by a step, and decide on the next touch; return the s of the step spent in a lunge."""
     if player.stride < 0.0:
         lunging = min(-player.stride, STEP)
         player.stride += STEP
@@ -189,7 +187,7 @@ def stride_on(ball, player, speed, want, gait):
 
 @kernel
 def out_runs(ball, player, speed, away_x, away_y):
-    """Return whether the ball is still ahead of a sprinter who has just pushed it on: he cannot but follow."""
+    """Return whether the ball is still ahead of a sprinter after a touch, who must follow it."""
     if speed < BRAKING.sprinting:
         return False
     ahead = (away_x * player.vx + away_y * player.vy) / speed
@@ -200,13 +198,13 @@ def out_runs(ball, player, speed, away_x, away_y):
 
 @kernel
 def turns_off(player, speed, want):
-    """Return whether a player wants to run elsewhere than he does, by more than a step's arc."""
+    """Return whether a player wants to change direction by more than a step's arc."""
     return player.vx * player.desired_vx + player.vy * player.desired_vy < ARC.cosine * speed * want
 
 
 @kernel
 def gait_of(player, want):
-    """Return how a player runs with the ball who wants, or has, this speed."""
+    """Return the gait with the ball for a desired or actual speed."""
     if want < TOUCH.dribble_below:
         return DRIBBLING
     if want < BRAKING.sprinting:
@@ -216,7 +214,7 @@ def gait_of(player, want):
 
 @kernel
 def steered(ball, player, speed, want):
-    """Return the velocity after a step with the ball, were he not held back by a touch."""
+    """Return the velocity after a step with the ball, without the constraint of a touch."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
@@ -239,7 +237,7 @@ def steered(ball, player, speed, want):
     player.turning += 1
     if effort == 0.0:
         return player.vx, player.vy
-    if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # he stood
+    if speed < UNDER_WAY and want > UNDER_WAY and player.turning == 2:  # from standing
         start = min(BRAKES.start * (2.0 - player.start_lag) / want, 1.0)  # a later start within the step
         return player.desired_vx * start, player.desired_vy * start
     if sprinting and cosine > TURN_BACK.below:
@@ -265,7 +263,7 @@ def sprint_gain(speed, top_speed):
 
 @kernel
 def eased(player, speed, want, loss):
-    """Return the velocity after a step in which a sprint with the ball comes down to a slower gait, by `loss` m/s."""
+    """Return the velocity after a step in which a sprint with the ball slows to another gait, by `loss` m/s."""
     new = max(speed - loss, want)
     ux, uy = player.vx / speed, player.vy / speed
     if want > 1e-6:
@@ -275,12 +273,10 @@ def eased(player, speed, want, loss):
 
 @kernel
 def arc(ball, player, speed, want, cosine):
-    """Return the velocity after a step of a sprint with the ball: it changes direction only around a touch, which costs
-    pace.
-    """
+    """Return the velocity after a sprint step with the ball; direction changes only around a touch and cost speed."""
     ux, uy = player.vx / speed, player.vy / speed
     turning = min(player.stride, ARC.time) - max(player.stride - STEP, -TOUCH.lunge)  # s
-    if cosine < ARC.straight and turning > 0.0 and not leaves(ball, player, speed):
+    if cosine < ARC.straight and turning > 0.0 and not ball_escapes(ball, player, speed):
         kept = want * ARC.pace
         new = speed - ARC.slows * turning if speed > kept else min(speed + sprint_gain(speed, player.top_speed), kept)
         angle = ARC.rate * turning
@@ -292,8 +288,8 @@ def arc(ball, player, speed, want, cosine):
 
 
 @kernel
-def leaves(ball, player, speed):
-    """Return whether turning on would take a sprinter away from a ball that he played before he wanted to turn."""
+def ball_escapes(ball, player, speed):
+    """Return whether further turning would separate a sprinter from a ball played before the turn was wanted."""
     if player.stride < STEP:
         return False
     side = player.vx * player.desired_vy - player.vy * player.desired_vx
@@ -303,7 +299,7 @@ def leaves(ball, player, speed):
 
 @kernel
 def bent(ux, uy, wx, wy, cosine, sine):
-    """Turn the unit vector u towards the unit vector w, by the angle of this cosine and sine at most."""
+    """Turn the unit vector u towards the unit vector w, by at most the angle of this cosine and sine."""
     if ux * wx + uy * wy >= cosine:
         return wx, wy
     if ux * wy - uy * wx < 0.0:
@@ -313,9 +309,7 @@ def bent(ux, uy, wx, wy, cosine, sine):
 
 @kernel
 def play_direction(player, vx, vy, want):
-    """Return the unit vector along which a player wants the ball: where he wants to go, in a sprint not too far off his
-    run v.
-    """
+    """Return the unit vector along which a player wants the ball; in a sprint it is limited to near the run v."""
     if want < AT_FOOT.walking:
         return player.facing_x, player.facing_y
     wx, wy = player.desired_vx / want, player.desired_vy / want
@@ -327,7 +321,7 @@ def play_direction(player, vx, vy, want):
 
 @kernel
 def touch_due(ball, player, speed, want, gait):
-    """Return the seconds until a player goes for his next touch; STEP if he does not in this step."""
+    """Return the seconds until the lunge of the next touch; STEP if it is not in this step."""
     ux, uy = play_direction(player, player.vx, player.vy, want)
     along = ball.vx * ux + ball.vy * uy
     away_x, away_y = ball.x - player.x, ball.y - player.y
@@ -344,7 +338,7 @@ def touch_due(ball, player, speed, want, gait):
     closing = pace - along
     share = min(speed / want, 1.0)
     lunge_way = (closing + GAITS.lunge_gain[gait] * share * share) * TOUCH.lunge  # m
-    early = ahead - played_at(gait, share) - lunge_way  # m, when it is played
+    early = ahead - played_at(gait, share) - lunge_way  # m, if it is played
     if early > 0.0 and speed > UNDER_WAY:
         time = max(time, early / closing if closing > 0.0 else STEP)
     return min(time, STEP)
@@ -352,15 +346,13 @@ def touch_due(ball, player, speed, want, gait):
 
 @kernel
 def played_at(gait, share):
-    """Return how far ahead in m he plays the ball: nearer as long as he runs with a share of the speed that he
-    wants.
-    """
+    """Return how far ahead in m the ball is played: nearer at a smaller share of the desired speed."""
     return GAITS.played_at[gait] * (1.0 - TOUCH.nearer + TOUCH.nearer * share)
 
 
 @kernel
 def dribble(match):
-    """Let the carrier touch the ball if it is his turn to; return whether he did."""
+    """Let the carrier touch the ball if it is time; return whether it was touched."""
     i = match.carrier
     if i == NOBODY or match.keeper_holding != NOBODY or match.game_mode != NORMAL:
         return False
@@ -399,9 +391,9 @@ def put_at_foot(ball, player, ux, uy):
 
 @kernel
 def push_on(ball, player, vx, vy, want):
-    """Send the ball where its player, whose run is v but for the touch, wants to go, and back to his line.
+    """Send the ball in the desired direction of the carrier, whose run without the touch is v, and back to the line.
 
-    It is played some time into this step, so it begins the step where it must to be there at its end.
+    The touch comes within this step, so the ball's position at the start is adjusted to be right at the end.
     """
     later = STEP - player.stride
     away_x = ball.x - player.x + later * (ball.vx - player.vx)

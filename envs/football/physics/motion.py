@@ -1,6 +1,6 @@
-"""What every body does in a step: it runs, lies on the ground, or throws itself at the ball; and where it looks.
+"""What a body does in a step: run, lie on the ground, or throw itself at the ball; and its facing.
 
-Read next: `physics.running`, then `physics.dribble`; `frames` moves the bodies on.
+Read next: `physics.running`, then `physics.dribble`; `frames` moves the bodies.
 """
 
 from __future__ import annotations
@@ -18,53 +18,54 @@ from regista.kernels.rng import uniform
 
 
 class Slide(NamedTuple):
-    """A slide: he glides, from the stand after a jump, slows down steadily to a stop, lies, and rises with a step."""
+    """A slide: a glide (from standing after a jump), a steady slowdown to a stop, a pause, and getting up."""
 
-    time: float = 1.4  # s altogether
-    glide: float = 1.15  # s left when he begins to slow down
-    stops: float = 0.74  # s left when he has stopped
-    rises: float = 0.45  # s left when he begins to rise
-    jump: float = 1.9  # m/s to which a slide from the stand grows
+    time: float = 1.4  # s in total
+    glide: float = 1.15  # s left when the slowdown begins
+    stops: float = 0.74  # s left at the stop
+    rises: float = 0.45  # s left when getting up begins
+    jump: float = 1.9  # m/s to which a slide from standing grows
     start: float = 0.4  # m/s from which it grows, in a step,
     gain: float = 1.6  # by this factor
-    rise_speed: float = 0.45  # m/s at most while he rises
+    rise_speed: float = 0.45  # m/s at most while getting up
     rise_gain: float = 2.0  # m/s² meanwhile
 
 
 class FollowThrough(NamedTuple):
-    """How a body runs on after a kick, whatever he wants meanwhile."""
+    """How a body runs on after a kick, whatever velocity is desired."""
 
     time: float = 0.35  # s
     slows: float = 6.0  # m/s²
 
 
 class Tiring(NamedTuple):
-    """How running tires."""
+    """How running tires a player."""
 
-    per_metre: float = 7.3e-4  # per metre run,
-    fast: float = 1.25e-5  # less this per m/s: fast metres tire less
+    per_metre: float = 7.3e-4  # per meter run,
+    fast: float = 1.25e-5  # less this per m/s: fast meters tire less
     most: float = 0.99
 
 
 # Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 SLIDE, FOLLOW, TIRING = Slide(), FollowThrough(), Tiring()
-FALL_FRICTION = 9.0  # m/s² for a keeper who has dived
-SUDDEN = 0.1  # s in which a shot taken in this step or the last is at a keeper who then cannot do anything any more
+FALL_FRICTION = 9.0  # m/s² for a keeper after a dive
+SUDDEN = 0.1  # s in which a shot taken in this step or the last reaches a keeper who can no longer react
 AT_REST = 0.3  # m/s
-AT_FEET = 0.8  # m from the body to a ball that he has
-BEFORE_HIM = 1.095  # m to a free ball for which he waits; at the first whistle he sets himself to it,
+AT_FEET = 0.8  # m from the body to the carrier's ball
+BEFORE_HIM = 1.095  # m to a free ball that a player waits for; at the first whistle the player takes a stance for it,
 SETS_HIMSELF = 0.02  # s
-IN_REACH = 0.75  # m, nearer at the first whistle he plays it at once
-NEAR_BALL = 10.0  # m: nearer, who stands is on his toes,
+IN_REACH = 0.75  # m, within which it is played at once at the first whistle
+NEAR_BALL = 10.0  # m, within which a standing player is on the toes,
 FIRST_NEAR = 12.0  # m; in play the first of a team at the ball already from here
-TURN = 0.4  # rad turned in a step on the spot
+TURN = 0.4  # rad per step, turning on the spot
 TURN_COS, TURN_SIN = math.cos(TURN), math.sin(TURN)
 
 
 @kernel
 def take_stance(match):
-    """Let the first whistle find every body somewhere in its idle movement, or on its toes where the ball is near; who
-    has the ball before him sets himself to it first, and who has it within his reach plays it at once.
+    """At the first whistle, put every body into a random phase of its idle movement, or on its toes near the ball.
+
+    A player with the ball just ahead takes a stance for it first; one with the ball in reach plays it at once.
     """
     for i in range(match.num_players):
         player = match.players[i]
@@ -80,7 +81,7 @@ def take_stance(match):
 
 @kernel
 def plan_motion(match, i):
-    """Set player i's velocity for this step, and where he looks."""
+    """Set player i's velocity and facing for this step."""
     player = match.players[i]
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     if player.down_wait > 0.0:
@@ -112,7 +113,7 @@ def plan_motion(match, i):
 
 @kernel
 def on_his_toes(match, i):
-    """Return whether a player who stands is off at once: the ball is near, but no free ball just before him."""
+    """Return whether a standing player starts without lag: the ball is near, but no free ball just ahead."""
     player = match.players[i]
     away, near = apart(match.ball, player), FIRST_NEAR if match.chaser[player.team] == i else NEAR_BALL
     return away < near and not (match.carrier == NOBODY and AT_FEET <= away < BEFORE_HIM)
@@ -120,7 +121,7 @@ def on_his_toes(match, i):
 
 @kernel
 def turn_to_goal(player):
-    """Turn the body of a player who stands with the ball some way towards the goal that he attacks."""
+    """Turn the body of a standing carrier some way towards the goal that the team attacks."""
     goal_x = attacked_goal_x(player.team)
     ux, uy = toward(goal_x - player.x, -player.y)
     if player.facing_x * ux + player.facing_y * uy >= TURN_COS:
@@ -133,7 +134,7 @@ def turn_to_goal(player):
 
 @kernel
 def slowed(player, speed):
-    """Return the velocity after a step on the ground, in a slide or after a dive; who rises is off at once."""
+    """Return the velocity after a step on the ground, in a slide or after a dive; a start follows at once."""
     player.turning = 1
     if player.is_sliding:
         new = slid(player.down_wait, speed)
@@ -146,7 +147,7 @@ def slowed(player, speed):
 
 @kernel
 def slid(left, speed):
-    """Return the speed after a step of a slide of which `left` s are left."""
+    """Return the speed after a step of a slide with `left` s left."""
     if left > SLIDE.glide:
         return max(speed, min(SLIDE.start + SLIDE.gain * speed, SLIDE.jump))
     if left > SLIDE.stops:
@@ -156,13 +157,13 @@ def slid(left, speed):
 
 @kernel
 def struck(match):
-    """Return whether a shot that has just been taken reaches the keeper before he can do anything."""
+    """Return whether a shot that has just been taken reaches the keeper before any reaction."""
     return match.was_kicked and match.kick_age < 1.5 * STEP and match.save_wait < SUDDEN
 
 
 @kernel
 def thrown(player):
-    """Return the velocity after a step of a keeper who throws himself where he wants to be: no lag, double effort."""
+    """Return the velocity after a step of a diving keeper towards the target: no lag, double effort."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     size = math.sqrt(dx * dx + dy * dy)
     keep = min(1.0, 2.0 * BRAKING.power * STEP / size) if size > 0.0 else 1.0

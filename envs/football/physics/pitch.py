@@ -1,4 +1,4 @@
-"""Which way a team plays: the goals that it attacks and defends, and its penalty box.
+"""A team's direction of play: the goals that it attacks and defends, and its penalty box.
 
 Read next: `physics.ball`.
 """
@@ -29,5 +29,5 @@ def attacked_goal_x(team):
 
 @kernel
 def in_box_of(team, x, y):
-    """Return whether (x, y) lies in the penalty box of `team`."""
+    """Return whether (x, y) is in the penalty box of `team`."""
     return abs(own_goal_x(team) - x) < BOX_DEPTH and abs(y) < BOX_HALF_WIDTH

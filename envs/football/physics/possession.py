@@ -1,6 +1,6 @@
 """Who has the ball, and who can be first at it.
 
-Read next: `control.keys`, which turns actions into wanted velocities and kicks.
+Read next: `control.actions`, which turns actions into desired velocities and kicks.
 """
 
 from __future__ import annotations
@@ -18,57 +18,57 @@ from regista.kernels.jit import kernel
 class Owned(NamedTuple):
     """When the last player at the ball is reported as its owner."""
 
-    lead: float = 0.05  # s: from where he will be then,
-    ahead: float = 0.1  # m, and a little before him
+    lead: float = 0.05  # s by which the player's run is extrapolated,
+    ahead: float = 0.1  # m ahead of the player
     within: float = 1.0  # m to the ball
     below: float = 0.5  # m, its height
-    speed: float = 6.0  # m/s, relative to him
+    speed: float = 6.0  # m/s, relative to the player
 
 
 class Chase(NamedTuple):
     """Estimates of who is soonest at the ball."""
 
-    over_heads: float = 1.3  # m, height of a ball that nobody reaches in its flight
-    caught_at: float = 0.9  # m, height at which he then does
-    landed: float = 0.6  # share of its speed that a ball keeps when it comes down
+    over_heads: float = 1.3  # m, height of a ball in flight that nobody reaches
+    caught_at: float = 0.9  # m, height at which players reach it as it comes down
+    landed: float = 0.6  # share of its speed that a ball keeps after landing
 
 
 class Run(NamedTuple):
-    """How the original reckons how long somebody needs to a place."""
+    """GRF's estimate of the time that a player needs to a point."""
 
-    leg: float = 0.28  # m that he need not run,
-    foot: float = 0.1  # m, and the ball before his foot,
-    stands: float = 1.8  # m/s: where he runs, if he is faster, or else where he is to go
-    fades: float = 0.7  # s in which his run fades, and his reach grows, the faster the longer, to
-    pace: float = 0.94  # share of his top speed
-    tick: float = 0.01  # s that he runs on before that
-    looks: int = 12  # how often it is looked at, at most
-    near: float = 0.01  # m that he may be short of the ball
-    least: float = 0.1  # share of the greatest speed at which they near each other, that is reckoned with at least
-    longest: float = 3.0  # s for which the ball is looked ahead
-    far_run: float = 0.2  # s of his run, and
-    far_pace: float = 0.75  # share of his top speed, by which it is reckoned then
-    at_hand: float = 0.1  # s: a ball that he reaches sooner is the sooner his, the nearer it is by then than
+    leg: float = 0.28  # m of leg, which need not be run,
+    foot: float = 0.1  # m of ball in front of the foot,
+    stands: float = 1.8  # m/s: a faster player faces along the run, a slower one along the way to the point
+    fades: float = 0.7  # s in which the run fades, and reach grows, times the share of speed, to
+    pace: float = 0.94  # share of top speed
+    tick: float = 0.01  # s of run before that
+    looks: int = 12  # iterations at most
+    near: float = 0.01  # m by which the player may miss the ball
+    least: float = 0.1  # share of the largest closing speed that is assumed at least
+    longest: float = 3.0  # s for which the ball is predicted
+    far_run: float = 0.2  # s of the run, and
+    far_pace: float = 0.75  # share of top speed, with which longer times are estimated
+    at_hand: float = 0.1  # s: a ball reached sooner counts as sooner the nearer it is by then than
     hand: float = 0.6  # m
 
 
 class Ahead(NamedTuple):
-    """How the ball goes on while nobody touches it: the same for all who run for it, so it is worked out once."""
+    """The ball's path without a touch: shared by all players who run for it, so it is computed once."""
 
     speed: float  # m/s, in the plane
     flight: float  # s until it comes down to the players
-    air: float  # m that it flies until then
+    air: float  # m of flight until then
     left: float  # m/s at which it then rolls on
-    lasts: float  # s in which it would come to rest at its present speed: how far it gets
+    lasts: float  # s until it would come to rest at its present speed: how far it gets
 
 
-# Ownership is Google Research Football's own measure; the estimates are checked by `lab.benchmarks --suite grf`,
+# Ownership follows Google Research Football's definition; the estimates are checked by `lab.benchmarks --suite grf`,
 # family matches.
 OWNED, CHASE, RUN = Owned(), Chase(), Run()
-PLAYED = 0.05  # m from where the ball lay when the match began: it has been touched
-CARRIED_WITHIN = 3.0  # m: further away, a led ball has been lost
-SURE = 1e-6  # m, more than rounding makes of distances
-NEVER = 100.0  # s until a team without players is at the ball
+PLAYED = 0.05  # m from the ball's initial position: beyond it the ball has been touched
+CARRIED_WITHIN = 3.0  # m: beyond it a led ball is lost
+SURE = 1e-6  # m, more than rounding errors of distances
+NEVER = 100.0  # s to the ball of a team without players
 
 
 @kernel
@@ -79,7 +79,7 @@ def ball_speed(ball):
 
 @kernel
 def fall_time(ball):
-    """Time in s until a ball that flies over the players comes down to them; 0 for one that stays low."""
+    """Return the time in s until a ball in flight above the players comes down to them; 0 for one that stays low."""
     if ball.vz * ball.vz + 2.0 * AIR.gravity * ball.z < 2.0 * AIR.gravity * CHASE.over_heads:
         return 0.0
     return (
@@ -89,7 +89,7 @@ def fall_time(ball):
 
 @kernel
 def travelled(ahead, time):
-    """Estimate in m how far a ball that goes on as it is seen `ahead` gets in `time` s."""
+    """Estimate in m how far a ball with the prediction `ahead` gets in `time` s."""
     if time < ahead.flight:
         return flown(ahead.speed, time)[0]
     return ahead.air + rolled(ahead.left, time - ahead.flight)
@@ -97,7 +97,7 @@ def travelled(ahead, time):
 
 @kernel
 def flown(speed, flight):
-    """Estimate in m how far a ball flies in `flight` s, and with which speed in m/s it then goes on."""
+    """Estimate how far in m a ball flies in `flight` s, and its speed in m/s afterwards."""
     if flight == 0.0:
         return 0.0, speed
     drag = 1.0 + AIR.drag * speed * flight
@@ -106,7 +106,7 @@ def flown(speed, flight):
 
 @kernel
 def look_ahead(ball):
-    """Estimate how the ball goes on."""
+    """Predict the ball's path."""
     speed, flight = ball_speed(ball), fall_time(ball)
     air, left = flown(speed, flight)
     return Ahead(speed, flight, air, left, (air + rolled(left, math.inf)) / max(speed, 1e-9))
@@ -114,17 +114,18 @@ def look_ahead(ball):
 
 @kernel
 def meeting_time(ball, ahead, player):
-    """Estimate in s how soon a player can play the ball, which goes on as it is seen `ahead` meanwhile, as the original
-    reckons: his run carries him on while it fades, and a circle that he reaches grows around where he is.
+    """Estimate in s how soon a player can play the ball with the prediction `ahead`, as GRF does.
+
+    The run carries the player on while it fades, and a circle of reach grows around that point.
     """
     return time_if_before(ball, ahead, player, math.inf)
 
 
 @kernel
 def time_if_before(ball, ahead, player, latest):
-    """Return `meeting_time`, or if that is later than `latest` s any later time.
+    """Return `meeting_time`, or any later time if that is later than `latest` s.
 
-    Found by the secant method; what does not change on the way is worked out before, for this is asked very often.
+    It uses the secant method; invariants are computed first, since this function is called very often.
     """
     speed, pace, lands = length(player.vx, player.vy), RUN.pace * player.top_speed, ahead.flight
     ux, uy = ball.vx / (ahead.speed + 1e-9), ball.vy / (ahead.speed + 1e-9)
@@ -145,7 +146,7 @@ def time_if_before(ball, ahead, player, latest):
             break
         if lacks > 0.0 and time > max(latest, RUN.at_hand):
             return time
-        if look > 0:  # as fast as seen over the last step, but it never stands still
+        if look > 0:  # the secant of the last iteration, but with a minimum speed
             closing = max((before - lacks) / (time - last), RUN.least * most)
         last, time = time, min(max(time + lacks / closing, lands), max(RUN.longest, lands))
         if time == last or (look == 0 and lacks > RUN.longest * most):
@@ -159,9 +160,7 @@ def time_if_before(ball, ahead, player, latest):
 
 @kernel
 def stands_at(speed):
-    """Return by how many s of his run a player who runs at `speed` m/s is reckoned to be further on, and his reach in
-    m.
-    """
+    """Return the s of run by which a player at `speed` m/s is estimated to be further on, and the reach in m."""
     if speed > RUN.stands:
         return RUN.foot / speed + RUN.tick, RUN.leg
     return 0.0, RUN.leg + RUN.foot
@@ -169,7 +168,7 @@ def stands_at(speed):
 
 @kernel
 def short_of(player, speed, dx, dy, time):
-    """Return how many m a player, who runs at `speed` m/s, is short of a place (dx, dy) m away after `time` s."""
+    """Return by how many m a player at `speed` m/s misses a point (dx, dy) m away after `time` s."""
     fading = min(time, RUN.fades)
     run = fading - 0.5 * fading * fading / RUN.fades
     on, reach = stands_at(speed)
@@ -179,7 +178,7 @@ def short_of(player, speed, dx, dy, time):
 
 @kernel
 def far_time(ball, ahead, player):
-    """Return in how many s at least a player is at a ball that he does not reach within the time looked ahead."""
+    """Return a lower bound in s for a player who does not reach the ball within the predicted time."""
     share = travelled(ahead, RUN.longest) / (ahead.speed + 1e-9)
     dx = ball.x + share * ball.vx - player.x - RUN.far_run * player.vx
     dy = ball.y + share * ball.vy - player.y - RUN.far_run * player.vy
@@ -188,8 +187,9 @@ def far_time(ball, ahead, player):
 
 @kernel
 def time_needed(player, dx, dy):
-    """Return in how many s a player can have a ball that lies (dx, dy) m away, as the original reckons: the sooner the
-    more his run leads there, for that carries him on while it fades.
+    """Return in how many s a player can have a ball (dx, dy) m away, as GRF estimates it.
+
+    A run towards the ball shortens the time, since it carries the player on while it fades.
     """
     time = 0.0
     speed = length(player.vx, player.vy)
@@ -206,7 +206,7 @@ def time_needed(player, dx, dy):
 
 @kernel
 def is_too_far(ball, ahead, player, time):
-    """Return whether no place that the ball still comes to is near enough for a player to be there in `time` s."""
+    """Return whether the ball's path stays out of a player's reach within `time` s."""
     dx, dy = player.x - ball.x, player.y - ball.y
     share = (dx * ball.vx + dy * ball.vy) / max(ahead.speed * ahead.speed, 1e-9)
     share = min(max(share, 0.0), ahead.lasts)
@@ -223,7 +223,7 @@ def find_chasers(match):
     lasts = match.chaser[LEFT], match.chaser[RIGHT]
     for team in (LEFT, RIGHT):
         match.chaser[team], match.arrival[team] = NOBODY, NEVER
-        if lasts[team] != NOBODY:  # who mostly still is: then all the others are seen to be too far away
+        if lasts[team] != NOBODY:  # mostly still the first: then all others are quickly ruled out
             consider_chaser(match, lasts[team], ahead)
     for i in range(match.num_players):
         player = match.players[i]
@@ -236,7 +236,7 @@ def find_chasers(match):
 
 @kernel
 def consider_chaser(match, i, ahead):
-    """Make player i his team's chaser if he is sooner at the ball, as it goes on `ahead`, than who is so far."""
+    """Make player i the team's chaser if sooner at the ball with the prediction `ahead` than the present chaser."""
     player = match.players[i]
     chaser, soonest = match.chaser[player.team], match.arrival[player.team]
     time = 0.0
@@ -248,7 +248,7 @@ def consider_chaser(match, i, ahead):
 
 @kernel
 def time_to_meet(match, i, ahead):
-    """Return `meeting_time` of player i in s, which is known of those who have just been found to be chasers."""
+    """Return `meeting_time` of player i in s; for chasers it is stored."""
     player = match.players[i]
     if match.chaser[player.team] == i and match.carrier != i and player.down_wait == 0.0:
         return match.arrival[player.team]
@@ -257,7 +257,7 @@ def time_to_meet(match, i, ahead):
 
 @kernel
 def man_on_ball(match, team):
-    """Return the player of `team` who has the ball or will be first of his team at it, -1 none."""
+    """Return the player of `team` who has the ball or will be first of the team at it, -1 none."""
     i = match.carrier
     if i != NOBODY and match.players[i].team == team:
         return i
@@ -272,7 +272,7 @@ def first_at_ball(match):
 
 @kernel
 def update_possession(match):
-    """Decide who owns the ball after a step, as the original reports it, and whether possession changed."""
+    """Update the owner of the ball after a step, by GRF's definition, and whether possession changed."""
     if match.carrier != NOBODY and match.keeper_holding == NOBODY:
         carrier = match.players[match.carrier]
         if apart(match.ball, carrier) > CARRIED_WITHIN:
@@ -287,21 +287,21 @@ def update_possession(match):
 
 @kernel
 def has_moved(match):
-    """Return whether the ball has been played at all: until it leaves its place nobody is reported to own it."""
+    """Return whether the ball has been played at all: before it moves it has no reported owner."""
     ball = match.ball
     return match.last_owned_team != NOBODY or length(ball.x - match.ball_start_x, ball.y - match.ball_start_y) > PLAYED
 
 
 @kernel
 def own_at_restart(match):
-    """Report nobody as owner while play is stopped, but who holds the ball for a throw-in."""
+    """Report no owner while play is stopped, except a player who holds the ball for a throw-in."""
     match.reported_owner = match.taker if match.game_mode == THROW_IN else NOBODY
     compare_owner(match)
 
 
 @kernel
 def compare_owner(match):
-    """Find out whether another team owns the ball than the last that did; without an owner nothing changes."""
+    """Find out whether another team owns the ball than its last owner's; without an owner nothing changes."""
     match.possession_changed = False
     if match.reported_owner != NOBODY:
         team = match.players[match.reported_owner].team
@@ -311,7 +311,7 @@ def compare_owner(match):
 
 @kernel
 def owns(ball, player):
-    """Return whether the last player at the ball possesses it: near, low and hardly faster than he is."""
+    """Return whether the last player at the ball possesses it: near, low and hardly faster than the player."""
     dx = ball.x - player.x - OWNED.lead * player.vx - OWNED.ahead * player.facing_x
     dy = ball.y - player.y - OWNED.lead * player.vy - OWNED.ahead * player.facing_y
     slip_x, slip_y = ball.vx - player.vx, ball.vy - player.vy
@@ -324,7 +324,7 @@ def owns(ball, player):
 
 @kernel
 def lose_ball(match):
-    """Make the ball free; who was about to kick it no longer is."""
+    """Make the ball free; cancel a kick under way."""
     if match.kicker != NOBODY:
         forget_kick(match.players[match.kicker])
     match.carrier = NOBODY
@@ -341,7 +341,7 @@ def forget_kick(player):
 
 @kernel
 def advance_timers(match):
-    """Let the clocks of the players and of the last kick run by one step."""
+    """Advance the timers of the players and of the last kick by one step."""
     match.kick_age += STEP
     for i in range(match.num_players):
         player = match.players[i]

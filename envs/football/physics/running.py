@@ -1,8 +1,8 @@
-"""How a body answers a command: from the velocity that it has to the one that it wants, step by step.
+"""How a body responds to a command: from its velocity to the desired one, step by step.
 
-It finishes its stride first, brakes hard what leads elsewhere, is off at once with a jump, and then gathers speed.
-The numbers are fitted to traces of Google Research Football. Read next: `physics.dribble`, how that changes with the
-ball at the feet.
+A body finishes its stride first, brakes hard whatever leads elsewhere, starts with a jump, and then accelerates.
+The numbers are fitted to traces of Google Research Football. Read next: `physics.dribble`, how this changes with the
+ball.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from regista.kernels.jit import kernel
 
 
 class Braking(NamedTuple):
-    """What is braked, and how hard."""
+    """Braking: in which cases, and how hard."""
 
     power: float = 30.0  # m/s²
-    slow: float = 2.7  # m/s, below it the lag is that of one who starts
-    walking: float = 3.8  # m/s, below it that of one who walks
-    sprinting: float = 6.0  # m/s, above it that of a sprinter
+    slow: float = 2.7  # m/s, below which the lag is that of a start
+    walking: float = 3.8  # m/s, below which it is that of a walk
+    sprinting: float = 6.0  # m/s, above which it is that of a sprint
 
 
 class Start(NamedTuple):
-    """How speed is gathered: a jump, a steady part, a change of gait, an approach to top speed."""
+    """Acceleration: a jump, a steady part, a change of gait, an approach to top speed."""
 
     jump: float = 2.0  # m/s at once from standing
-    jump_gain: float = 13.0  # m/s² while that is not over, and into a new direction
-    after_turn: float = 1.1  # m/s at once after having stopped to turn
+    jump_gain: float = 13.0  # m/s² until the jump is complete, and into a new direction
+    after_turn: float = 1.1  # m/s at once after a stop to turn
     acceleration: float = 8.5  # m/s² from the jump to the change of gait
-    changes_from: float = 4.9  # m/s, around RUN_SPEED the gait changes, which takes him longer
+    changes_from: float = 4.9  # m/s; around RUN_SPEED the change of gait slows the acceleration
     changes_to: float = 5.1  # m/s
     acceleration_changing: float = 2.1  # m/s² meanwhile
     acceleration_sprint: float = 4.9  # m/s² at most from there on
@@ -38,35 +38,35 @@ class Start(NamedTuple):
 
 
 class Bend(NamedTuple):
-    """Running on in hardly another direction, as a player does whose place moves with the game."""
+    """Bends: small changes of direction on the run, as of a player whose target moves with the game."""
 
-    most: float = 0.39  # tangent of the angle to where he wants to run; speeds often come out at 0.4
-    share: float = 0.5  # of what is left of it that he turns in a step, from the second on
-    effort: float = 0.85  # share of full effort with which a sprinter gathers speed meanwhile
+    most: float = 0.39  # tangent of the angle to the desired direction; speeds often come out at 0.4
+    share: float = 0.5  # share of the remaining angle turned in a step, from the second on
+    effort: float = 0.85  # share of full effort of a sprinter's acceleration meanwhile
 
 
 # Fitted to traces of Google Research Football: `lab.benchmarks --suite grf`, family motion; the bend to runs of
 # backs and chasers in drawn scenes.
 BRAKING, START, BEND = Braking(), Start(), Bend()
 # Share of full effort in the steps since command and velocity differ: the body's lag.
-LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # who stands is under way a step later: STANCE / 2, in steps
+LAG_FROM_REST = (0.0, 0.66, 1.0, 1.0)  # a standing player moves a step later: STANCE / 2, in steps
 LAG_SLOW = (0.6, 1.0, 1.0, 1.0)
 LAG_WALKING = (0.1, 0.58, 1.0, 1.0)
 LAG_RUNNING = (0.0, 0.0, 0.25, 1.0)
 LAG_SPRINTING = (0.0, 0.15, 0.75, 1.0)
-STANCE = 0.25  # s, the idle movement that a body ends before it starts; it stands anywhere in it at the first whistle
-TOES = 0.03  # s, the same of who is on his toes because the ball is near: at least, twice as long at most
-READY = 4  # "turning" of a body that already answers: no lag
-# Speeds often land exactly where one rule ends and the next begins, such as 0.1 off the command or 0.5 after braking:
-# rounding, which differs between directions, must not decide which of them holds.
+STANCE = 0.25  # s, the idle movement that ends before a start; its phase is random at the first whistle
+TOES = 0.03  # s, the same for a player on the toes near the ball: at least, twice as long at most
+READY = 4  # "turning" of a body without further lag
+# Speeds often equal a threshold between two rules, such as 0.1 off the command or 0.5 after braking. Rounding, which
+# depends on the direction, must not decide which rule applies.
 SURE = 1e-6  # m/s
-SETTLED = 0.1 + SURE  # m/s, command and velocity this close are the same
+SETTLED = 0.1 + SURE  # m/s: command and velocity this close count as equal
 UNDER_WAY = 0.5 - SURE  # m/s
 
 
 @kernel
 def run_free(player, speed):
-    """Return the velocity after a step of running without the ball towards the wanted velocity."""
+    """Return the velocity after a step of running without the ball towards the desired velocity."""
     dx, dy = player.desired_vx - player.vx, player.desired_vy - player.vy
     if dx * dx + dy * dy < SETTLED * SETTLED:
         player.turning = 0
@@ -88,7 +88,7 @@ def run_free(player, speed):
 
 @kernel
 def straight(player, speed):
-    """Return whether a player already runs where he wants to run, only not yet as fast: there is nothing to answer."""
+    """Return whether a player already runs in the desired direction, only not as fast: no lag applies."""
     if speed < UNDER_WAY:
         return False
     along = player.vx * player.desired_vx + player.vy * player.desired_vy
@@ -98,9 +98,9 @@ def straight(player, speed):
 
 @kernel
 def bends(player, speed):
-    """Return whether a player who runs wants to run on as fast or faster, in hardly another direction.
+    """Return whether a running player wants to run on at least as fast, in almost the same direction.
 
-    Keepers do not: what they do was fitted to a body that turns at once or not at all.
+    Keepers do not bend their runs: they were fitted to a body that turns at once or not at all.
     """
     if speed < UNDER_WAY or player.role == GK:
         return False
@@ -111,10 +111,10 @@ def bends(player, speed):
 
 @kernel
 def bend(player, speed, want):
-    """Return the velocity after a step in which a player gathers speed and turns a little, without a lag of his stride.
+    """Return the velocity after a step in which a player accelerates and turns a little, without the lag of the stride.
 
-    When he then wants to run quite elsewhere, his stride is now near its end, now not: the lag is that of who has
-    wanted it for one step or for two, in turn.
+    After a later large change of direction the stride may or may not be near its end: the lag alternates between that
+    of one step and of two.
     """
     share = BEND.share if player.turning > 0 else 0.0
     player.turning = 2 if player.turning == 1 else 1
@@ -128,7 +128,7 @@ def bend(player, speed, want):
 
 @kernel
 def effort_now(player, speed):
-    """Return the share of full effort with which a body answers in this step."""
+    """Return the share of full effort with which a body responds in this step."""
     steps = min(player.turning, 3)
     if player.stance_wait > 0.0:
         return max(1.0 - player.stance_wait / STEP, 0.0)
@@ -143,15 +143,15 @@ def effort_now(player, speed):
 
 @kernel
 def lagging(effort, lag):
-    """Return the share of full effort that is left where the body's lag is `lag` times as long."""
+    """Return the share of full effort if the body's lag is `lag` times as long."""
     return max(effort + (1.0 - effort) * (1.0 - lag), 0.0)
 
 
 @kernel
 def redirect(player, want, braking, effort, fresh, off):
-    """Gather speed along the wanted direction while braking, by `braking` m/s, what is across or against it.
+    """Accelerate along the desired direction while braking, by `braking` m/s, velocity across or against it.
 
-    `fresh` is what is gained in m/s in a direction in which he hardly moves yet, `off` his speed at once after a stop.
+    `fresh` is gained in m/s in a direction with hardly any velocity yet, `off` is the speed at once after a stop.
     """
     speed = math.sqrt(player.vx * player.vx + player.vy * player.vy)
     if want < 1e-6:
@@ -162,7 +162,7 @@ def redirect(player, want, braking, effort, fresh, off):
     across_x, across_y = player.vx - along * ux, player.vy - along * uy
     across = math.sqrt(across_x * across_x + across_y * across_y)
     if along < -1e-6:
-        left = 1.0 - speed / braking  # share of the step after he has come to a stop
+        left = 1.0 - speed / braking  # share of the step after the stop
         keep = max(-left, 0.0) / (1.0 - left)
         start = min(max(left, 0.0) * off, want)
         return player.vx * keep + start * ux, player.vy * keep + start * uy
@@ -177,7 +177,7 @@ def redirect(player, want, braking, effort, fresh, off):
 
 @kernel
 def gain(speed, top_speed, effort):
-    """Return the speed in m/s gained in a step by a player who runs straight as hard as he can."""
+    """Return the speed in m/s gained in a step by a player who runs straight at full effort."""
     if speed <= 0.0:
         return START.jump * effort
     if speed < START.jump - SURE:

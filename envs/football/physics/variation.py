@@ -1,8 +1,8 @@
-"""An engine that is not always the same: what is uncertain of the measured one differs from episode to episode.
+"""Engine variation: uncertain properties of the measured engine differ between episodes.
 
-What a policy learns must not hang on a keeper's last tenth of a second, for no two engines agree on that. A program
-sets factors by parameters (`param keeper_speed = Range(0.85, 1.15)`: then they are columns of θ, which a teacher may
-choose), and `engine_spread` draws all of them anew for each episode around what the program says.
+A policy should not depend on a keeper's last tenth of a second, in which no two engines agree. A program sets factors
+by parameters (`param keeper_speed = Range(0.85, 1.15)`: they are columns of θ then, which a teacher may choose), and
+`engine_spread` draws all of them for each episode around the program's values.
 Read next: `state`, the table of the factors.
 """
 
@@ -15,9 +15,9 @@ from regista.kernels.rng import uniform
 
 @kernel
 def vary_engine(match):
-    """Draw the factors of an episode about to begin, each by at most `engine_spread` of it; the noise above what it is.
+    """Draw the factors of a new episode, each within `engine_spread` of its value; the noise from its value up.
 
-    Nothing is drawn without a spread.
+    Nothing is drawn if the spread is 0.
     """
     if match.engine_spread == 0.0:
         return

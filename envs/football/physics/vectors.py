@@ -1,4 +1,4 @@
-"""Lengths in the plane, by the one formula that gives the same bits compiled and uncompiled.
+"""Lengths in the plane, by a formula that gives the same bits compiled and uncompiled.
 
 (`math.hypot` does not: CPython and the C library round it differently.)
 """
@@ -25,12 +25,12 @@ def squared_apart(a, x, y):
 
 @kernel
 def apart(a, b):
-    """Return the distance in m between two of players and ball."""
+    """Return the distance in m between two players, or a player and the ball."""
     return length(a.x - b.x, a.y - b.y)
 
 
 @kernel
 def toward(x, y):
-    """Return the unit vector along (x, y); the zero vector for no direction."""
+    """Return the unit vector along (x, y); the zero vector for the zero vector."""
     size = math.sqrt(x * x + y * y)
     return (x / size, y / size) if size > 0.0 else (0.0, 0.0)

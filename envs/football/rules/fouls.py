@@ -1,4 +1,4 @@
-"""Fouls: what a tackle reports, and what the referee makes of it: advantage, free kick or penalty, cards.
+"""Fouls: reports of tackles, and the referee's decisions: advantage, free kick or penalty, cards.
 
 The rules are Google Research Football's. `contacts` decides whether a tackle is a foul and how severe, and calls
 `report_foul`; `rules` calls the rest at the end of a step. Read next: `rules.whistle`.
@@ -24,19 +24,19 @@ from regista.kernels.jit import kernel
 
 SEVERE, YELLOW_FROM, RED_FROM = 1.0, 1.4, 2.0  # severities above which it is a foul, a yellow and a red card
 CAUTIONED, SENT_OFF = 1, 2  # `cards`
-PLAYED_ON, FORGIVEN = 0.6, 3.0  # s for which a trip is played on at least; after which it is forgotten
+PLAYED_ON, FORGIVEN = 0.6, 3.0  # s of advantage after a trip at least; s after which it is forgotten
 LEAVES_AFTER = 6.0  # s from a red card until the player has left the pitch
-FAR_BEHIND = 200.0  # m behind his own goal, where he is kept
+FAR_BEHIND = 200.0  # m behind the own goal, where such a player is kept
 PENALTY_SPOT = HALF_LENGTH - 11.0  # m
 
 
 @kernel
 def report_foul(match, player, victim, severity, slid):
-    """Tell the referee that `player` fouled `victim`; play goes on until the step ends, or longer for an advantage.
+    """Report that `player` fouled `victim`; play goes on until the step ends, or longer for an advantage.
 
-    `severity` grows to about 2: a slide that never met the ball counts 1, coming from behind up to 1 more; at most 1
-    is no foul. A trip (not `slid`) is never a card and gets an advantage. A slide goes before a trip that is being
-    played on, otherwise the first foul counts.
+    `severity` is up to about 2: a slide that never met the ball counts 1, from behind up to 1 more; at most 1 is no
+    foul. A trip (not `slid`) never gives a card and gets an advantage. A slide takes precedence over a trip with
+    advantage; otherwise the first foul counts.
     """
     if match.game_mode != NORMAL or (slid and severity <= SEVERE):
         return
@@ -50,9 +50,9 @@ def report_foul(match, player, victim, severity, slid):
 
 @kernel
 def judge_foul(match, over):
-    """Give the free kick or the penalty for a foul that is due, and the card; `over`: play stops anyway.
+    """Give the free kick or the penalty for a pending foul, and the card; `over`: play stops anyway.
 
-    A trip outside the box is played on for as long as the victim's team keeps the ball.
+    The advantage after a trip outside the box lasts as long as the victim's team keeps the ball.
     """
     if match.foul_player == NOBODY:
         return
@@ -74,13 +74,13 @@ def judge_foul(match, over):
 
 @kernel
 def keeps_ball(match, team):
-    """Return whether `team` still has the ball, as its last touch says."""
+    """Return whether `team` still has the ball, judging by the last touch."""
     return match.last_touch != NOBODY and match.players[match.last_touch].team == team
 
 
 @kernel
 def show_card(match):
-    """Show the card that the foul is worth; a second yellow is a red."""
+    """Show the card for the foul; a second yellow is a red."""
     player = match.players[match.foul_player]
     if match.foul_severity <= YELLOW_FROM or player.cards == SENT_OFF:
         return
@@ -104,7 +104,7 @@ def send_off(match):
 
 @kernel
 def leave(match, i):
-    """Take player i off the pitch: he lies far behind his own goal, for good, where nothing concerns him."""
+    """Take player i off the pitch for good: far behind the own goal, out of all play."""
     player = match.players[i]
     if match.carrier == i or match.kicker == i or match.keeper_holding == i:
         lose_ball(match)

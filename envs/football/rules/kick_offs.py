@@ -1,6 +1,6 @@
-"""Kick-offs after a goal and at half time: everybody at his start position, the ball in its place, play on at once.
+"""Kick-offs after a goal and at half time: all players at their start positions, the ball in place, play on at once.
 
-As in Google Research Football, the game never shows the mode of a kick-off. Read next: `rules.referee`.
+As in Google Research Football, the kick-off mode is never reported. Read next: `rules.referee`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from regista.kernels.jit import kernel
 def kick_off_again(match, team, x, y):
     """Let `team` kick off with the ball at (x, y).
 
-    If the other team began the match with the ball and the teams are equally many, each takes the other's start
-    positions, turned by 180°, so that the ball lies before the team that kicks off.
+    If the other team began the match with the ball and the teams have equal sizes, each takes the other's start
+    positions, rotated by 180°, so that the ball is in front of the team that kicks off.
     """
     put_ball(match, x, y)
     swapped = swaps(match, team)
@@ -34,7 +34,7 @@ def kick_off_again(match, team, x, y):
 
 @kernel
 def second_half(match):
-    """Begin the second half: the team kicks off that did not begin the match; nobody changes sides."""
+    """Begin the second half: the team that did not begin the match kicks off; teams do not change sides."""
     match.half = 1
     team = 1 - match.starter
     turn = -1.0 if swaps(match, team) else 1.0
@@ -52,7 +52,7 @@ def swaps(match, team):
 
 @kernel
 def counterpart(match, i):
-    """Return the opponent with player i's number."""
+    """Return the opponent with player i's shirt number."""
     player = match.players[i]
     for j in range(match.num_players):
         if match.players[j].team != player.team and match.players[j].shirt == player.shirt:

@@ -1,4 +1,4 @@
-"""Offside: who is marked at a touch, and the whistle when one of them is the next to touch the ball.
+"""Offside: who is offside at a touch, and the whistle when one of them is the next to touch the ball.
 
 Read next: `rules.whistle`.
 """
@@ -15,7 +15,7 @@ from regista.kernels.jit import kernel
 
 @kernel
 def mark_offside(match, toucher):
-    """Mark, as bits, the mates of who touches the ball who are beyond the second-last opponent, ball and halfway.
+    """Mark, as bits, the teammates of the player on the ball beyond the second-last opponent, ball and halfway line.
 
     As in Google Research Football there is no offside against a team of fewer than two.
     """
@@ -36,7 +36,7 @@ def mark_offside(match, toucher):
 
 @kernel
 def second_last(match, team, ahead):
-    """Return how far forward (towards its own goal) the second-last player of `team` stands, in m; -inf without one."""
+    """Return how far forward (towards its own goal) the second-last player of `team` is, in m; -inf without one."""
     last, second = -math.inf, -math.inf
     for i in range(match.num_players):
         player = match.players[i]
@@ -54,7 +54,7 @@ def second_last(match, team, ahead):
 def whistled(match, i):
     """Stop play if player i, who is about to touch the ball, was marked; return whether.
 
-    If he may play on, his touch marks his mates anew.
+    If not, the touch marks the teammates again.
     """
     if match.offside_bits >> i & 1 == 1:
         player = match.players[i]

@@ -1,7 +1,7 @@
-"""Where everybody stands when play restarts: the team's formation, laid into a part of the pitch and drawn to the ball.
+"""Positions at a restart: the team's formation, laid into a part of the pitch and drawn to the ball.
 
-The parts and the strengths are Google Research Football's; the shape is that of `formation`, in which everybody has his
-slot. "Ahead" is the way that a team attacks, so one table serves both. Read next: `rules.restarts`.
+The parts and strengths are Google Research Football's; the shape is that of `formation`, with a slot for everybody.
+"Ahead" is the direction of attack, so one table serves both teams. Read next: `rules.restarts`.
 """
 
 from __future__ import annotations
@@ -25,39 +25,39 @@ from regista.kernels.jit import kernel
 
 
 class Block(NamedTuple):
-    """The part of the pitch that a team's formation is laid into, and what draws it.
+    """The part of the pitch into which a team's formation is laid, and the pull on it.
 
-    Lengths are m ahead of the middle of the pitch; what grows "along" grows as the ball is further ahead, from the own
-    goal to the other.
+    Lengths are m ahead of the middle of the pitch; fields named "along" are added in proportion to the ball's position
+    from the own goal to the other.
     """
 
     back: float  # m
     back_along: float  # m
     front: float  # m
-    front_along: float  # m
+    front_along: float  # share of the ball's position that is added to back and front
     follows: float  # share of the ball's place that is added to back and front
-    focus: float  # m, what the formation is drawn to
-    focus_follows: float  # share of the ball's place that is added to it
-    pull: float  # how much
+    focus: float  # m, the focus to which the formation is drawn
+    focus_follows: float  # share of the ball's position that is added to it
+    pull: float  # strength of the pull
     pull_along: float
     wide: float  # half the block's width as a share of the pitch's
-    focus_y: float  # the focus across, as a share of the ball's place
+    focus_y: float  # the focus across, as a share of the ball's position
     pull_y: float
     pull_y_along: float
-    near: float  # how much the ball itself draws
+    near: float  # strength of the ball's own pull
 
 
 class Draw(NamedTuple):
     """How slots are laid into the block, and how far each is drawn."""
 
-    throw_shift: float = 0.25  # of the ball's place across, by which all are moved at a throw-in
-    across: float = 0.8  # how much of the way across counts in the distance to the ball
+    throw_shift: float = 0.25  # of the ball's lateral position, by which all are moved at a throw-in
+    across: float = 0.8  # weight of a lateral distance
     across_least: float = 0.2  # share of the pull across for a ball in the middle,
     across_more: float = 0.8  # more at the side line
-    across_fades: float = 0.5  # share of it that is lost a block's half width away
-    near: float = 50.0  # m, players whose places are nearer to the ball than this are drawn to it
-    near_across: float = 0.6  # how much of that across
-    inside: float = 1.0  # m, they stay inside the lines
+    across_fades: float = 0.5  # share of it that is lost half a block's width away
+    near: float = 50.0  # m to the ball, within which players are drawn to it
+    near_across: float = 0.6  # weight across
+    inside: float = 1.0  # m inside the lines
 
 
 class Keep(NamedTuple):
@@ -66,16 +66,16 @@ class Keep(NamedTuple):
     ball: float = 9.15  # m that opponents keep from it
     throw: float = 2.0  # m, the same at a throw-in
     box_x: float = HALF_LENGTH - 16.5  # m: at a penalty all but two wait outside box and arc,
-    penalty_room: float = 0.5  # m further,
-    fold: float = 0.3  # m for each m more that their place would have been in the box
-    corner_back: float = 0.5  # of the distance, for who would have to leave the pitch: back
+    penalty_room: float = 0.5  # m further away,
+    fold: float = 0.3  # m for each m inside the box
+    corner_back: float = 0.5  # of the distance, for a player who would have to leave the pitch: back
     corner_in: float = 0.9  # and in
     same_place: float = 0.05  # m
     sidestep: float = 0.4  # m
 
 
 class Wall(NamedTuple):
-    """Before a free kick near the goal."""
+    """The wall before a free kick near the goal."""
 
     range: float = 40.0  # m to the goal
     size: int = 3  # players
@@ -84,7 +84,7 @@ class Wall(NamedTuple):
 
 # Parts of the pitch and strengths are Google Research Football's; checked by `lab.benchmarks --suite grf`, family
 # matches.
-BLOCKS = (  # who takes the restart, then the other team
+BLOCKS = (  # the team that takes the restart, then the other team
     Block(-27.5, 0.0, 11.0, 0.0, 0.0, -27.5, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),  # a goal kick
     Block(-22.0, 0.0, 5.5, 0.0, 0.0, -22.0, 0.0, 0.0, 0.0, 0.7, 0.0, 0.0, 0.0, 0.0),
     Block(-38.5, 38.5, 16.5, 38.5, 0.0, 10.0, 1.0, 0.5, 0.2, 0.7, 0.4, 0.6, 0.2, 0.4),  # a free kick
@@ -98,12 +98,12 @@ BLOCKS = (  # who takes the restart, then the other team
 )
 DRAW, KEEP, WALL = Draw(), Keep(), Wall()
 KEEPER_X = 0.98 * HALF_LENGTH  # m, where keepers wait for a restart
-EVEN = 1e-6  # m: who stand no further apart than this are equally far from the ball, as those kept away from it are
+EVEN = 1e-6  # m: distances to the ball count as equal within this, as for players who are kept away from it
 
 
 @kernel
 def place_players(match):
-    """Put everybody but the taker where he waits for the restart that is due."""
+    """Put everybody except the taker into position for the pending restart."""
     for i in range(match.num_players):
         player = match.players[i]
         ahead = forward(player.team)
@@ -122,7 +122,7 @@ def place_players(match):
 
 @kernel
 def block_place(match, i, taking, way):
-    """Return the place of player i in his team's block for this restart: his slot, drawn to what matters."""
+    """Return the position of player i for this restart: the slot in the block, drawn to focus and ball."""
     player, ball = match.players[i], match.ball
     block = BLOCKS[2 * (match.game_mode - GOAL_KICK) + (0 if taking else 1)]
     along = 0.5 + 0.5 * min(max(way * ball.x / HALF_LENGTH, -1.0), 1.0)  # 0 at the own goal, 1 at the other
@@ -148,7 +148,7 @@ def block_place(match, i, taking, way):
 
 @kernel
 def untangle(match):
-    """Move everybody who stands exactly on another further from the ball, to where nobody stands."""
+    """Move everybody who stands exactly on another player away from the ball, to a free position."""
     for i in range(1, match.num_players):
         player = match.players[i]
         back = player.x - match.ball.x
@@ -161,7 +161,7 @@ def untangle(match):
 
 @kernel
 def shares_place(match, i):
-    """Return whether somebody before player i stands where he does."""
+    """Return whether a player before i has the same position."""
     player, others = match.players[i], 0
     for j in range(i):
         others += apart(player, match.players[j]) < KEEP.same_place
@@ -170,13 +170,13 @@ def shares_place(match, i):
 
 @kernel
 def kept_away(match, x, y, way):
-    """Return the place nearest to (x, y) that is far enough from the ball; at a penalty, outside the box too."""
+    """Return the point nearest to (x, y) that is far enough from the ball; at a penalty, outside the box, too."""
     ball = match.ball
     distance = KEEP.throw if match.game_mode == THROW_IN else KEEP.ball
     if match.game_mode > THROW_IN:
         distance += KEEP.penalty_room
         over = abs(x) - KEEP.box_x + KEEP.penalty_room
-        if over > 0.0:  # a little further out the further in they were, so that nobody stands on another
+        if over > 0.0:  # a little further out the further in they were, so that positions stay distinct
             x = math.copysign(KEEP.box_x - KEEP.penalty_room - KEEP.fold * over, x)
     dx, dy = x - ball.x, y - ball.y
     away = length(dx, dy)
@@ -187,7 +187,7 @@ def kept_away(match, x, y, way):
     x, y = ball.x + distance * dx / away, ball.y + distance * dy / away
     if abs(x) < HALF_LENGTH and abs(y) < HALF_WIDTH:
         return x, y
-    inward = math.copysign(1.0, -ball.y)  # the other way is off the pitch: into it, across
+    inward = math.copysign(1.0, -ball.y)  # the other way is off the pitch: back in, across
     return ball.x - math.copysign(KEEP.corner_back * distance, ball.x), ball.y + inward * KEEP.corner_in * distance
 
 
@@ -195,7 +195,7 @@ def kept_away(match, x, y, way):
 def build_wall(match):
     """Line up the three outfield opponents nearest to a free kick near their goal between ball and goal.
 
-    So near to the goal line that they would stand beyond it, as in the original, they are kept away alone.
+    If the wall would stand beyond the goal line, as it would in GRF, players are only kept away from the ball.
     """
     ball, team = match.ball, 1 - match.restart_team
     goal_x = own_goal_x(team)
@@ -217,7 +217,7 @@ def build_wall(match):
         if best == NOBODY:
             return
         chosen |= 1 << best
-        if k == 1:  # the second nearest goes to his own side of the first, the third to the other
+        if k == 1:  # the second nearest goes to the own side of the first, the third to the other
             player = match.players[best]
             across = (player.y - ball.y) * math.cos(angle) - (player.x - ball.x) * math.sin(angle)
             side = WALL.angle if across >= 0.0 else -WALL.angle

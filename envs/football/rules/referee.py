@@ -1,6 +1,6 @@
 """The rules: goals, the ball out of play, fouls, restarts, and the second half.
 
-Read next: `simulator`, where they close a step; `rules.restarts`.
+Read next: `simulator`, which ends a step with the rules; `rules.restarts`.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ THROW_IN_X = HALF_LENGTH - 0.6  # m, throw-ins are taken within this
 
 @kernel
 def forget_events(match):
-    """Forget what the rules found in the step before."""
+    """Clear what the rules found in the last step."""
     match.goal = 0
     match.possession_changed = False
 
 
 @kernel
 def apply_rules(match):
-    """Judge what the frames of this step have brought, and set up the restart if play has stopped."""
+    """Apply the rules to this step, and set up the restart if play has stopped."""
     match.step += 1
     match.line_wait = max(match.line_wait - STEP, 0.0)
     if match.game_mode == NORMAL:
@@ -92,13 +92,13 @@ def judge_out(match):
     elif team == (RIGHT if ball.x > 0.0 else LEFT):
         stop_play(match, GOAL_KICK, team, math.copysign(GOAL_KICK_X, ball.x), 0.0)
     else:
-        side = ball.y if ball.y != 0.0 else ball.x  # over the bar, right through the middle
+        side = ball.y if ball.y != 0.0 else ball.x  # over the bar, exactly in the middle
         stop_play(match, CORNER, team, math.copysign(HALF_LENGTH, ball.x), math.copysign(HALF_WIDTH, side))
 
 
 @kernel
 def other_team(match):
-    """Return the team that did not touch the ball last; if nobody has, the one that defends this half."""
+    """Return the team that did not touch the ball last; without a touch, the one that defends this half."""
     if match.last_touch == NOBODY:
         return RIGHT if match.ball.x > 0.0 else LEFT
     return 1 - match.players[match.last_touch].team
@@ -106,7 +106,7 @@ def other_team(match):
 
 @kernel
 def score(match, team):
-    """Count a goal for `team`; if play goes on, the others kick off at once."""
+    """Count a goal for `team`; if play goes on, the other team kicks off at once."""
     match.goal = 1 if team == LEFT else -1
     match.score[team] += 1
     if not match.end_episode_on_score:

@@ -1,6 +1,6 @@
-"""Restarts: everybody is put in place, and who takes it is named. He then does so (`ai.set_pieces`).
+"""Restarts: players are put into position, and the taker is chosen, who then plays the ball (`ai.set_pieces`).
 
-Read next: `rules.placing`, where the others wait.
+Read next: `rules.placing`, the positions of the others.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from regista.envs.football.rules.whistle import move_to
 from regista.kernels.jit import kernel
 
 THROWER_OUT, RUN_UP, RUN_UP_FREE, RUN_UP_PENALTY = 0.3, 2.3, 2.3, 3.0  # m behind the ball, where the taker starts
-HELD_AT = 1.5  # m, height of the ball in the hands of who throws it in
+HELD_AT = 1.5  # m, height of the ball in the hands of the thrower
 
 
 @kernel
 def set_up(match):
-    """Put everybody in place for the restart that is due and name its taker; an empty team leaves it to the other."""
+    """Set up the pending restart and choose its taker; an empty team leaves it to the other."""
     if nearest_of(match, match.restart_team) == NOBODY:
         match.restart_team = 1 - match.restart_team
     place_players(match)

@@ -1,6 +1,6 @@
-"""The whistle: when the ball is out, how play stops for a restart, what puts ball and players to rest.
+"""The whistle: when the ball is out, how play stops for a restart, and putting ball and players to rest.
 
-Read next: `rules.restarts`, which plays on.
+Read next: `rules.restarts`, which resumes play.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ KICK_WITHIN = 0.95  # share of the pitch within which free kicks are taken
 
 @kernel
 def off_pitch(match):
-    """Return whether the ball's centre is beyond a line; just after a set piece side lines do not count."""
+    """Return whether the ball's center is beyond a line; just after a set piece side lines do not count."""
     ball = match.ball
     beside = abs(ball.y) > HALF_WIDTH + OUT_MARGIN and match.line_wait <= 1e-9
     return beside or abs(ball.x) > HALF_LENGTH + OUT_MARGIN
@@ -41,7 +41,7 @@ def stop_play(match, mode, team, x, y):
 
 @kernel
 def put_ball(match, x, y):
-    """Lay the ball down still at (x, y), free."""
+    """Put the free ball down at rest at (x, y)."""
     ball = match.ball
     ball.x, ball.y, ball.z = x, y, BALL_RADIUS
     ball.vx, ball.vy, ball.vz, ball.spin_x, ball.spin_y = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -51,7 +51,7 @@ def put_ball(match, x, y):
 
 @kernel
 def stand_still(player):
-    """Stop a player and clear what he was about to do."""
+    """Stop a player and cancel a requested kick."""
     player.vx, player.vy = 0.0, 0.0
     player.desired_vx, player.desired_vy = 0.0, 0.0
     player.down_wait, player.touch_wait, player.turning = 0.0, 0.0, 0
@@ -61,7 +61,7 @@ def stand_still(player):
 
 @kernel
 def move_to(match, i, x, y):
-    """Put player i at (x, y), at rest and looking at the ball; who has left the pitch stays away."""
+    """Put player i at (x, y), at rest and facing the ball; a player who has left the pitch stays away."""
     player = match.players[i]
     if player.has_left:
         return
@@ -72,6 +72,6 @@ def move_to(match, i, x, y):
 
 @kernel
 def look_at(player, x, y):
-    """Turn a player's body to (x, y); where he stands there himself, it stays."""
+    """Turn a player's body to (x, y), unless the player stands exactly there."""
     if x != player.x or y != player.y:
         player.facing_x, player.facing_y = toward(x - player.x, y - player.y)

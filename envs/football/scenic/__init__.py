@@ -1,1 +1,1 @@
-"""Football as Scenic programs see it."""
+"""The interface between football matches and Scenic programs."""

@@ -1,6 +1,6 @@
-"""A program's behaviors, compiled for its matches: what they start from, and what is said where they fail.
+"""A program's behaviors, compiled for its matches: their initial registers, and their errors.
 
-Read next: `scenic.scripted_step`, how a match is played with them; `scenic_lite.dynamics.compiler.compile`.
+Read next: `scenic.scripted_step`, which runs them in a match; `scenic_lite.dynamics.compiler.compile`.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from scenic_lite.dynamics.machine.verify import slots
 
 
 class CompiledBehaviors:
-    """How the behaviors and monitors of a program take part in its matches.
+    """The compiled behaviors and monitors of a program.
 
     Attributes:
         code: for kernels.
         is_live: whether there is anything to run.
-        num_registers: R, the numbers that they remember in each match.
+        num_registers: R, the numbers that they store for each match.
         has_records: whether the program has `record` statements.
         sets_reward: whether it assigns `simulation().scenic_reward`.
 
@@ -45,10 +45,10 @@ class CompiledBehaviors:
 
     @cached_property
     def limits(self) -> Limits:
-        """What registers may hold: rows in slots, what has ended a match; a program may compute any other number."""
+        """The limits of registers: row numbers in slots, what ended a match; other registers may hold any number."""
         compiled, kinds = self.compiled, dict[int, Kind]()
         kinds |= {int(slot): Place(len(self.code.rows)) for slot in slots(self.code)}
-        kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # a match that fails begins anew at once
+        kinds |= {FAULT: Place(1), FAULT_ROW: Place(len(self.code.rows))}  # a match that fails is reset at once
         kinds |= {REJECTED: Place(1 + len(compiled.rejections))}
         kinds |= {TERMINATED: Place(1 + len(compiled.end_reasons)), COMPLETE: Place(1 + len(compiled.end_reasons))}
         return Limits.of_array(self.num_registers, kinds)
@@ -60,14 +60,14 @@ class CompiledBehaviors:
         registers = np.array([[kind in "abc" for kind in opcode.operands] for opcode in op.OPCODES])
         read = np.zeros(code.register_count, bool)
         read[code.rows[:, 1:][registers[code.rows[:, 0]]]] = True
-        read[code.lists[code.lists < code.register_count]] = True  # their lengths stand among them
+        read[code.lists[code.lists < code.register_count]] = True  # the lengths of lists are in between
         for base in code.rows[np.isin(code.rows[:, 0], (op.LOAD_INDEXED, op.SORT, op.COPY_MANY)), 2]:
-            read[base:] = True  # of several from there on
+            read[base:] = True  # several registers from there on
         cells = read[code.world_base :][: count * NUM_FIELDS].reshape(count, NUM_FIELDS) | self.has_records
         return np.where(cells[:, HEADING], WHOLE, np.where(cells.any(axis=1), BUT_HEADING, UNREAD))
 
     def registers(self, theta: np.ndarray) -> np.ndarray:
-        """Return what the behaviors remember at the start of an episode on θ `[N, D]`: `[N, R]`."""
+        """Return the registers at the start of an episode on θ `[N, D]`: `[N, R]`."""
         return self.compiled.registers(theta)
 
     def recorded(self, registers: np.ndarray) -> dict[str, np.ndarray]:
@@ -75,7 +75,7 @@ class CompiledBehaviors:
         return recorded(self.compiled, registers)
 
     def error(self, match: np.ndarray, registers: np.ndarray, where: str) -> Exception:
-        """Return the error for a match that cannot go on, with its registers `[R]`: the program's line, and where."""
+        """Return the error of a match that has failed, from its registers `[R]`: the program's line, and the match."""
         if match["fault"] != PROGRAM_FAULT:
             return FloatingPointError(f"impossible state (fault {match['fault']}) in {where}")
         error = self.compiled.fault(registers)
@@ -85,6 +85,6 @@ class CompiledBehaviors:
 
 
 def does_nothing(rows: np.ndarray) -> bool:
-    """Return whether the threads of a program `[n, 4]` only end, wait, or jump on to where they do."""
+    """Return whether the threads of a program `[n, 4]` only end, wait, or jump to such rows."""
     opcodes, on = rows[:, 0], rows[:, 3] > np.arange(len(rows))
     return bool((np.isin(opcodes, (op.END, op.WAIT)) | ((opcodes == op.JUMP) & on)).all())

@@ -1,4 +1,4 @@
-"""Football as the language sees it: which `.scenic` file each importable name means.
+"""Football as a domain of the language: the `.scenic` file of each importable name.
 
 The names of Scenic4RL (`scenic.simulators.gfootball...`) are aliases, so that programs written for it run unchanged.
 Read next: `library/model.scenic`.
@@ -13,14 +13,12 @@ from scenic_lite.core.world import Domain
 LIBRARY = Path(__file__).parent / "library"
 MODULES = {name: LIBRARY / f"{name}.scenic" for name in ("model", "actions", "behaviors", "simulator", "constants")}
 PACKAGES = ("football", "scenic.simulators.gfootball")
-ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # what Scenic4RL has in other places
+ELSEWHERE = {"utilities": "constants", "utilities.constants": "constants"}  # Scenic4RL's other modules
 
-# Parameters of a program that say in what its engine differs from the measured one; they may be random, and then are
-# columns of θ as all that is.
+# Parameters that set how the engine differs from the measured one; they may be random, and are columns of θ then.
 FACTORS = frozenset({name for name, *_ in ENGINE_FIELDS})
 
-# Parameters of a program that are settings of the match; all may be random but `ONE_FOR_ALL`, which no match can have
-# to itself.
+# Parameters that are settings of the match; all may be random except `ONE_FOR_ALL`, which all matches share.
 SETTINGS = FACTORS | frozenset(
     {
         "engine_spread",
@@ -32,7 +30,7 @@ SETTINGS = FACTORS | frozenset(
 
 ONE_FOR_ALL = frozenset({"defending"})
 
-# Those with which programs of Scenic4RL set up its engine, its pictures and its log files: understood, and without use.
+# Parameters with which Scenic4RL's programs set up its engine, pictures and log files: accepted and ignored.
 ENGINE = frozenset(
     {
         *("action_set", "custom_display_stats", "display_game_stats", "dump_frequency", "dump_full_episodes"),
@@ -47,7 +45,7 @@ FOOTBALL = Domain(
     library={f"{package}.{name}": path for package in PACKAGES for name, path in MODULES.items()}
     | {f"scenic.simulators.gfootball.{name}": MODULES[meant] for name, meant in ELSEWHERE.items()}
     | dict.fromkeys(PACKAGES, LIBRARY / "football.scenic"),
-    default_model="football.behaviors",  # with it the model and the actions
+    default_model="football.behaviors",  # it imports the model and the actions
     params=SETTINGS | ENGINE,
     world=FOOTBALL_WORLD,
 )

@@ -1,4 +1,4 @@
-"""From a Scenic program to matches about to begin: who of its objects is which player, and where everyone stands.
+"""From a Scenic program to matches about to begin: the player of each object, and the initial positions.
 
 Read next: `vector_env`.
 """
@@ -24,13 +24,13 @@ ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "
 TEAMS = {"left": LEFT, "right": RIGHT}
 METRES = np.array([METRES_PER_X, METRES_PER_Y])
 
-# What ends an episode of a program that does not say so; academy scenarios, and `MatchConfig`, have it otherwise.
+# Default endings of programs; academy scenarios and `MatchConfig` have other defaults.
 UNLESS_SAID = {
     "end_episode_on_score": False,
     "end_episode_on_out_of_play": False,
     "end_episode_on_possession_change": False,
 }
-TRIALS = 256  # scenes in which random settings are looked at before any match
+TRIALS = 256  # scenes in which random settings are checked before any match
 LONGEST = 1_000_000  # steps of an episode
 WANTED = {
     bool: "True or False",
@@ -42,16 +42,16 @@ WANTED_FACTOR = f"a number above 0 and up to {MOST_FACTOR:g}"
 
 
 class NotAMatchError(ValueError):
-    """A program that describes no match: the message says where, what is missing or too much, and what would do.
+    """A program that does not describe a match: the message gives the place, the problem and the remedy.
 
-    `place` is that of the culprit in the program, or None if there is none.
+    `place` is the position in the program, or None.
     """
 
     place: SourceSpan | None = None
 
 
 def refusal(program: Program, message: str, place: SourceSpan, hint: str = "") -> NotAMatchError:
-    """Return the error for one place of a program, its line underlined."""
+    """Return the error for a place in a program, with its line underlined."""
     error = NotAMatchError(str(program.error("unsupported", message, place, hint)))
     error.place = place
     return error
@@ -62,16 +62,16 @@ class Lineup:
 
     Attributes:
         players: indices `[P]` into the program's objects, in the order of the match: the left team before the right
-            one, keepers first, otherwise as in the program.
+            one, keepers first, otherwise in program order.
         ball: index of the ball among the objects.
         object_to_player: for each of the O objects its index in the match, or `THE_BALL`.
-        roster: teams and roles `[P]`; random roles as they are at θ = 0.
-        config: the settings that the program's parameters make; of random ones their defaults.
+        roster: teams and roles `[P]`; random roles have their values at θ = 0.
+        config: the settings in the program's parameters; for random ones their defaults.
         random_settings: the names of those settings that differ from match to match.
-        num_agents: how many move players of the left and of the right team.
+        num_agents: the number of agents of the left and of the right team.
 
-    `engine_spread` is that of `MatchConfig`, where it is not 0. Raises NotAMatchError, also for a `control` mode (see
-    `control_modes`) that a team is too small for.
+    `engine_spread`, unless 0, replaces that of `MatchConfig`. Raises NotAMatchError, also for a `control` mode (see
+    `control_modes`) that needs more players.
     """
 
     def __init__(
@@ -116,17 +116,17 @@ class Lineup:
 
     @property
     def num_players(self) -> int:
-        """P, of both teams."""
+        """P, the number of players of both teams."""
         return len(self.players)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many there are of what fields of a match may name."""
+        """The numbers of players and agents, which limit the match's fields."""
         return {"players": self.num_players, "agents": sum(self.num_agents)}
 
     @cached_property
     def limits(self) -> Limits:
-        """What the fields of its matches may hold."""
+        """The limits of the fields of its matches."""
         any_match = placed(self._unplaced, np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), [0], self.config)
         return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64))
 
@@ -148,7 +148,7 @@ class Lineup:
         return placed(matches, positions[:, self.players], positions[:, self.ball], seeds, config)
 
     def _setting(self, name: str, scenes: Scenes, rows: np.ndarray) -> np.ndarray:
-        """Return a random setting of the scenes `rows` `[k]`. Raises NotAMatchError for a value that is none."""
+        """Return a random setting of the scenes `rows` `[k]`. Raises NotAMatchError for an invalid value."""
         kind, values = type(getattr(MatchConfig(), name)), np.asarray(scenes.params[name])[rows]
         wrong = next((value for value in values.tolist() if not _fits(value, kind, name)), None)
         if wrong is not None:
@@ -161,10 +161,10 @@ class Lineup:
         return values.astype(kind)
 
     def _check_random_settings(self) -> None:
-        """Raise NotAMatchError for a random setting that is none in some scenes, as far as a few of them tell."""
+        """Raise NotAMatchError if a random setting is invalid in some scenes, judging by a few of them."""
         if self.random_settings:
             rng = np.random.default_rng(0)
-            trial = rng.uniform(-1.0, 1.0, (TRIALS, self.program.dim))  # at their ends too, where limits are broken
+            trial = rng.uniform(-1.0, 1.0, (TRIALS, self.program.dim))  # also at their ends, where limits are exceeded
             trial[: TRIALS // 2] = np.sign(trial[: TRIALS // 2])
             scenes = self.program.instantiate(trial)
             for name in self.random_settings:
@@ -180,7 +180,7 @@ class Lineup:
         return TEAMS[team], self._role(role[0] if isinstance(role, np.ndarray) else role, index)
 
     def _role(self, role: Any, index: int) -> int:
-        """Return the number of an object's role. Raises NotAMatchError for what is none."""
+        """Return the number of an object's role. Raises NotAMatchError for an unknown role."""
         if not isinstance(role, str) or role not in ROLES:
             info, hint = self.program.objects[index], f"give it one of {', '.join(ROLES)}"
             raise refusal(self.program, f"{info.class_name} has the role {role!r}", info.place, hint)
@@ -202,9 +202,7 @@ class Lineup:
     def _check_teams(self) -> None:
         teams = np.asarray(self.roster.teams)
         if self.config.control != "none" and not (teams == LEFT).any():
-            raise NotAMatchError(
-                f"{self.program.file}: the learner plays on the left, and this program has no left player"
-            )
+            raise NotAMatchError(f"{self.program.file}: agents play on the left, and this program has no left player")
         for name, team in TEAMS.items():
             count = int((teams == team).sum())
             if count > MAX_PLAYERS // 2:
@@ -214,16 +212,14 @@ class Lineup:
 
 
 def _settings(program: Program) -> MatchConfig:
-    """Return the settings among the parameters of a program; a value that does not fit is refused where it is
-    written.
-    """
+    """Return the settings among the parameters of a program; an invalid value is refused at its place."""
     chosen = {name: place for name, place in program.param_places.items() if name in SETTINGS}
     for name, place in chosen.items():
         kind = type(getattr(MatchConfig(), name))
         if name not in program.params:
             if name not in ONE_FOR_ALL:
                 continue
-            value = "a random value: it says what success is, in all matches of a program"
+            value = "a random value: it defines success in all matches of a program"
         elif not _fits(program.params[name], kind, name):
             value = repr(program.params[name])
         else:
@@ -245,4 +241,4 @@ def _wanted(kind: type, name: str) -> str:
 
 
 def _is_factor(name: str) -> bool:
-    return name in FACTORS and name != "sticky_noise"  # which is a chance
+    return name in FACTORS and name != "sticky_noise"  # which is a probability

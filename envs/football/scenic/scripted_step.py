@@ -1,9 +1,9 @@
-"""The program's part of a step: its behaviors read the world and command players, its monitors pay and end the match.
+"""The program's part of a step: behaviors command players, monitors give rewards and end the match.
 
-Scalar code on one match, like the simulator, which calls these stages: behaviors act, the match is played, monitors
-watch, so that a monitor sees what the step has brought. Each returns at once where a match has no program: `code` is
-None, and Numba leaves the rest out. `code` is that of behaviors and monitors, `registers` [R] what they remember,
-`commands` [O] what the objects are to do; `cast` says which player each object is.
+Scalar code on one match, called by the simulator's step: behaviors act, the match is played, monitors run, so that a
+monitor sees the result of the step. Each stage returns at once if a match has no program: `code` is None, and Numba
+drops the rest. `code` holds behaviors and monitors, `registers` [R] their memory, `commands` [O] the commands of the
+objects; `cast` maps objects to players.
 Read next: `scenic.world_table`, what programs see; `simulator`.
 """
 
@@ -20,7 +20,7 @@ from regista.envs.football.constants import (
     RUNNING,
     TERMINATED,
 )
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.scenic.world_table import THE_BALL, write_world
 from regista.kernels.jit import kernel
 from scenic_lite.dynamics.machine import bytecode
@@ -32,9 +32,9 @@ _FAULT, _REJECTED, _TERMINATED = bytecode.FAULT, bytecode.REJECTED, bytecode.TER
 
 @kernel
 def run_program_behaviors(match, code, cast, registers, commands):
-    """Let the behaviors write what their objects are to do; return whether the match goes on.
+    """Let the behaviors write the commands of their objects; return whether the match goes on.
 
-    An episode that a behavior ends, ends at once; a fault leaves the match as it was before the step.
+    A behavior that ends the episode ends it at once; a fault leaves the match as it was before the step.
     """
     if code is None:
         return True
@@ -46,19 +46,19 @@ def run_program_behaviors(match, code, cast, registers, commands):
 
 @kernel
 def run_program_monitors(match, code, cast, registers, commands):
-    """Let the monitors see what the step has brought, pay for it, and end the match."""
+    """Run the monitors on the result of the step: they give rewards and may end the match."""
     if code is None:
         return
     write_world(match, cast.players, registers, code.world_base, cast.read)
     match.program_reward = run_watchers(code, registers, match)
     if match.ended != RUNNING and not over(registers):
-        end(code, registers, commands, match)  # which may leave a requirement unsatisfied
+        end(code, registers, commands, match)  # a violated requirement may be found here
     apply_program_verdict(match, registers)
 
 
 @kernel
 def apply_program_verdict(match, registers):
-    """Let the program end the episode: a broken requirement before all else, `terminate` unless it is over anyway."""
+    """Let the program end the episode: a violated requirement first, then other endings, then `terminate`."""
     if registers[_FAULT] != 0.0:
         match.fault = PROGRAM_FAULT
     elif registers[_REJECTED] != 0.0:
@@ -69,10 +69,11 @@ def apply_program_verdict(match, registers):
 
 @kernel
 def command_players(match, object_to_player, commands):
-    """Give players the commands of their behaviors; whom an agent moves in this step obeys the agent, unless that
-    leaves him to the program. Where the match is `agents_only`, a team with agents obeys in nobody else.
+    """Give players the commands of their behaviors; a player that an agent moves in this step ignores them, unless the
+    agent leaves the player to the program. If the match is `agents_only`, a team with agents ignores all other
+    commands.
 
-    A command is an action, several of them (`core.world.packed`) or NO_COMMAND.
+    A command is an action, several actions (`core.world.packed`) or NO_COMMAND.
     """
     for o in range(len(object_to_player)):
         i = object_to_player[o]
@@ -84,18 +85,18 @@ def command_players(match, object_to_player, commands):
                 continue
         elif match.agents_only and match.num_agents[player.team] > 0:
             continue
-        player.action = as_seen(player.team, int(commands[o]))
+        player.action = commands_in_team_frame(player.team, int(commands[o]))
 
 
 @kernel
-def as_seen(team, actions):
-    """Turn every direction among some actions for a right player; the built-in AI's action counts alone."""
+def commands_in_team_frame(team, actions):
+    """Turn every direction among some actions for a right player; the built-in AI's action stands alone."""
     turned, digit = 0, 1
     while actions > 0:
         action = actions % NUM_COMMANDS
         if action == BUILTIN_AI:
             return BUILTIN_AI
-        turned += digit * seen_by(team, action)
+        turned += digit * in_team_frame(team, action)
         digit *= NUM_COMMANDS
         actions //= NUM_COMMANDS
     return turned

@@ -1,7 +1,7 @@
-"""The football world as programs see it: what is live of a player and of the ball, the state of the game, the actions.
+"""The football world as programs see it: live properties of players and ball, the state of the game, the actions.
 
-Units are those of programs: x from -100 to 100, y from -42 to 42, headings in radians anticlockwise from +y. Light:
-importing it compiles nothing. Read next: `scenic.world_table`, which fills the tables from a match.
+Units are Scenic's: x from -100 to 100, y from -42 to 42, headings in radians counterclockwise from +y. Importing it
+compiles nothing. Read next: `scenic.world_table`, which fills the tables from a match.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
     }
     if is_ball(instance):
         return live | {name: apply(INTEGER, fields[name]) for name in ("owned_team", "owned_player_idx")}
-    keys = [apply(EQUAL, fields["pressed"], float(key), kind="truth") for key in range(1, 9)]
+    directions = [apply(EQUAL, fields["pressed"], float(each), kind="truth") for each in range(1, 9)]
     sprint, dribble, owns, controlled = (
         apply(NOT_EQUAL, fields[name], 0.0, kind="truth")
         for name in ("sprint", "dribble", "owns_ball", "is_controlled")
@@ -36,12 +36,12 @@ def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]
         "tired_factor": fields["tired_factor"],
         "owns_ball": owns,
         "is_controlled": controlled,
-        "sticky_actions": [*keys, sprint, dribble],
+        "sticky_actions": [*directions, sprint, dribble],
     }
 
 
 def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
-    """Return what `simulation()` gives: the state of the game under the names that Scenic4RL's programs use."""
+    """Return the value of `simulation()`: the state of the game under the names that Scenic4RL's programs use."""
     players = [instance for instance in objects if not is_ball(instance)]
     left = [instance for instance in players if instance.properties["team"] == "left"]
     right = [instance for instance in players if instance.properties["team"] == "right"]
@@ -70,7 +70,7 @@ def simulation(objects: list[Instance], facts: dict[str, Value]) -> Namespace:
 
 
 def command(value: Value, instance: Instance) -> Value:
-    """Check an action: its number, 0 to 19. Raises ScenicError for what is none, and for an action of the ball."""
+    """Return the number of an action, 0 to 19. Raises ScenicError for other values, and for an action of the ball."""
     if is_ball(instance):
         raise ScenicError("type", f"{instance.title()} is a ball; only players take actions")
     if isinstance(value, RandomExpr) and value.kind == "number":

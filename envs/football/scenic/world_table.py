@@ -1,7 +1,7 @@
 """From a match to the tables that behaviors read: a row of `FIELDS` per object, then `FACTS`.
 
-Metres become units of programs; the right team's direction keys are told as its players see the pitch, from the other
-end. Read next: `scenic.scripted_step`, which plays a program's behaviors in a match.
+Meters become Scenic units; directions of the right team are reported as its players see the pitch, from the other end.
+Read next: `scenic.scripted_step`, which runs a program's behaviors in a match.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y, NOBODY, RUNNING
-from regista.envs.football.control.agents import seen_by
+from regista.envs.football.control.agents import in_team_frame
 from regista.envs.football.scenic.world_fields import FIELDS
 from regista.kernels.jit import kernel
 
@@ -22,9 +22,9 @@ UNREAD, BUT_HEADING, WHOLE = range(3)  # what a program reads of an object
 
 
 class Cast(NamedTuple):
-    """Whom the O objects of a program stand for, and what it reads of them: nothing else need be written."""
+    """The players of the O objects of a program, and what it reads of them: only that is written."""
 
-    players: np.ndarray  # [O] int64, the player that each is, or THE_BALL
+    players: np.ndarray  # [O] int64, the player of each object, or THE_BALL
     read: np.ndarray  # [O] int64, UNREAD, BUT_HEADING or WHOLE
 
 
@@ -32,7 +32,7 @@ class Cast(NamedTuple):
 def write_world(match, object_to_player, registers, base, read=None):
     """Write the tables into registers `[R]` from `base` on: fields `[O, F]`, then facts `[G]`.
 
-    `object_to_player` and `read` are those of a `Cast`; None: all is read.
+    `object_to_player` and `read` are those of a `Cast`; None: everything is read.
     """
     at = base
     for o in range(len(object_to_player)):
@@ -59,7 +59,7 @@ def _write_player(match, i, registers, at, with_heading):
     registers[at + 6] = 1.0 if match.reported_owner == i else 0.0
     registers[at + 7] = 1.0 if player.agent != NOBODY else 0.0
     registers[at + 8] = player.tiredness
-    registers[at + 9] = seen_by(player.team, player.direction)
+    registers[at + 9] = in_team_frame(player.team, player.direction)
     registers[at + 10] = 1.0 if player.sprint else 0.0
     registers[at + 11] = 1.0 if player.dribble else 0.0
     registers[at + 12] = NOBODY
@@ -82,7 +82,7 @@ def _write_ball(match, registers, at, with_heading):
 
 @kernel
 def _write_motion(body, registers, at):
-    """Write place, velocity and speed of a player or the ball."""
+    """Write position, velocity and speed of a player or the ball."""
     vx, vy = body.vx / METRES_PER_X, body.vy / METRES_PER_Y
     registers[at] = body.x / METRES_PER_X
     registers[at + 1] = body.y / METRES_PER_Y
@@ -93,7 +93,7 @@ def _write_motion(body, registers, at):
 
 @kernel
 def heading(x, y):
-    """Return the heading of (x, y) in [0, 2π); 0 for no direction."""
+    """Return the heading of (x, y) in [0, 2π); 0 for a zero vector."""
     if x == 0.0 and y == 0.0:
         return 0.0
     angle = math.atan2(-x, y)

@@ -1,6 +1,6 @@
-"""Shots blocked by an opponent in their way: by a leg that he has out for the ball already, or by his body.
+"""Shots blocked by an opponent in their way: by a leg that is already out for the ball, or by the body.
 
-As measured of Google Research Football, where that is done to shots alone. Read next: `skills.contacts`.
+As measured in Google Research Football, where only shots are blocked. Read next: `skills.contacts`.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from regista.kernels.rng import uniform
 
 
 class Block(NamedTuple):
-    """How near a shot must pass an opponent to be stopped, and where it goes then.
+    """How near a shot must pass an opponent to be blocked, and where it goes then.
 
     Fitted to 1280 shots past a lone back in Google Research Football; checked on 200 other scenes by `lab.benchmarks
     --suite grf`, family blocks.
     """
 
     until: float = 0.2  # s after the kick
-    leg_until: float = 0.045  # s, a leg that is out for the ball is in its way,
-    leg_gone: float = 0.12  # s, and in nobody's any more
-    below: float = 1.9  # m above the ground, from where on nobody reaches it
-    body: float = 0.25  # m from his middle, where he surely stops it,
-    body_edge: float = 0.55  # and from where on never
-    leg: float = 0.7  # m more of both while the leg is out,
-    leg_most: float = 0.55  # where he stops so many,
-    body_most: float = 0.95  # and later so many
-    slow: float = 0.4  # share of its speed that it keeps, at least,
+    leg_until: float = 0.045  # s, until which a leg out for the ball can block,
+    leg_gone: float = 0.12  # s, and from which on it is gone
+    below: float = 1.9  # m above the ground, above which no block is possible
+    body: float = 0.25  # m from the body's axis, within which a block is certain,
+    body_edge: float = 0.55  # and beyond which it is impossible
+    leg: float = 0.7  # m added to both while the leg is out,
+    leg_most: float = 0.55  # with this maximum probability,
+    body_most: float = 0.95  # and later this one
+    slow: float = 0.4  # share of its speed that the ball keeps, at least,
     fast: float = 0.66  # and at most
-    scatter: float = 0.6  # rad either way, off straight away from him
+    scatter: float = 0.6  # rad either way, off the direction straight away from the player
     rise: float = 9.0  # m/s upwards at most, and mostly much less
-    wait: float = 0.3  # s until he can touch it again
+    wait: float = 0.3  # s until the player can touch it again
 
 
 BLOCK = Block()
@@ -44,13 +44,13 @@ BLOCK = Block()
 
 @kernel
 def is_shot(match):
-    """Return whether the ball has just been struck, at no mate."""
+    """Return whether the ball has just been struck, not as a pass to a teammate."""
     return match.was_kicked and match.receiver == NOBODY and match.kick_age < BLOCK.until
 
 
 @kernel
 def passes_now(ball, player):
-    """Return whether the ball, seen by a player, was nearest to him within this frame."""
+    """Return whether the ball, relative to a player, was nearest to the player within this frame."""
     vx, vy = ball.vx - player.vx, ball.vy - player.vy
     past = (ball.x - player.x) * vx + (ball.y - player.y) * vy
     return 0.0 <= past < (vx * vx + vy * vy) * DT
@@ -58,7 +58,7 @@ def passes_now(ball, player):
 
 @kernel
 def block(match, i, distance):
-    """Let player i stop a shot that passes him now, as near as `distance` m, or miss it."""
+    """Let player i block a shot that passes at `distance` m, or miss it."""
     player, ball = match.players[i], match.ball
     leg = min(max((BLOCK.leg_gone - match.kick_age) / (BLOCK.leg_gone - BLOCK.leg_until), 0.0), 1.0)
     edge = BLOCK.body_edge + BLOCK.leg * leg
@@ -77,7 +77,7 @@ def block(match, i, distance):
 
 @kernel
 def bounce_back(match, player, edge):
-    """Send the ball away from where a player stopped it, before it was nearest to him, `edge` m from his middle."""
+    """Send the ball away from where a player blocked it, before its nearest point, `edge` m from the body's axis."""
     ball = match.ball
     aside_x, aside_y = ball.x - player.x, ball.y - player.y
     speed = length(ball.vx, ball.vy)

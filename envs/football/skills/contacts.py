@@ -1,4 +1,4 @@
-"""Meetings of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
+"""Contacts of players with a ball that is not theirs: traps, tackles, claims by hand, saves and blocks.
 
 Read next: `skills.tackles`, then `rules.referee`.
 """
@@ -16,7 +16,7 @@ from regista.envs.football.physics.possession import ball_speed, forget_kick
 from regista.envs.football.physics.vectors import apart, length, toward
 from regista.envs.football.skills.blocks import block, is_shot
 from regista.envs.football.skills.first_touch import cushion, lets_come
-from regista.envs.football.skills.hands import PARRY, has_hands, hold, knock_out, parry, sticks, sticks_off_feet
+from regista.envs.football.skills.hands import PARRY, has_hands, hold, is_caught, is_caught_off_feet, knock_out, parry
 from regista.envs.football.skills.kicks import AFTER_KICK, kick_first_time
 from regista.envs.football.skills.saves import DIVE, foresee
 from regista.envs.football.skills.tackles import (
@@ -37,28 +37,28 @@ class Trap(NamedTuple):
     """Bringing a free ball under control."""
 
     reach: float = 0.75  # m
-    leg: float = 0.83  # m, of who stands and has no direction held: he puts out a leg
+    leg: float = 0.83  # m, for a standing player with no direction held, who puts out a leg
     below: float = 1.9  # m
-    sudden_age: float = 0.25  # s since a ball was struck in which nobody puts out a leg for it,
+    sudden_age: float = 0.25  # s after a ball was struck in which nobody puts out a leg for it,
     sudden_speed: float = 22.0  # m/s, at least
-    first_time_from: float = 3.0  # m/s, slower balls are taken to the feet and kicked with a full swing
+    first_time_from: float = 3.0  # m/s; slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m
-    volley_below: float = 0.55  # m, height of a ball below which a shot is struck as it comes; higher it is stopped,
+    volley_below: float = 0.55  # m, height of a ball below which a shot is first-time; above, the ball is stopped,
     volley_above: float = 1.4  # m, up to here, where it is headed,
-    volley: float = 0.15  # but for this share
-    volley_run: float = 3.3  # m/s, the swing slows a runner to this
-    settles: float = 0.25  # s in which a ball that is stopped for a shot drops, before the leg swings
+    volley: float = 0.15  # except in this share
+    volley_run: float = 3.3  # m/s to which the swing slows a runner
+    settles: float = 0.25  # s in which a ball stopped for a shot drops, before the leg swings
 
 
 class MatesBall(NamedTuple):
-    """A ball that a mate leads, for who has asked for a kick; checked against meetings drawn in both engines."""
+    """A teammate's ball, for a player who has requested a kick; checked against random meetings in both engines."""
 
     reach: float = 0.7  # m
-    pushed: float = 0.03  # m: then he swings; else when it comes no nearer
-    missed: float = 0.3  # share of a swing that is lost at worst: then he hits nothing,
-    best: float = 1.3  # share of it that may be there beside that; more than all is all
-    stops: float = 0.4  # s since he has asked for it, in which he stops it first
-    robbed_wait: float = 0.3  # s until who led it can touch it again
+    pushed: float = 0.03  # m: beyond it the player swings; otherwise once the ball comes no nearer
+    missed: float = 0.3  # share of a swing that is lost in the worst case: the player misses,
+    best: float = 1.3  # share that may remain besides; values above 1 count as 1
+    stops: float = 0.4  # s since the request, in which the player stops the ball first
+    robbed_wait: float = 0.3  # s until the teammate can touch it again
 
 
 class Claim(NamedTuple):
@@ -66,77 +66,77 @@ class Claim(NamedTuple):
 
     reach: float = 0.95  # m
     below: float = 2.2  # m
-    standing: float = 0.6  # chance against a carrier who stands
-    sure: float = 1.95  # against one who runs,
+    standing: float = 0.6  # chance against a standing carrier
+    sure: float = 1.95  # against a running one,
     hurried: float = 0.145  # less per m/s,
     most: float = 1.08  # but at most
-    wait: float = 0.7  # s when beaten, until he can touch the ball again
-    down: float = 0.6  # s on the ground then; a carrier who stands does not leave him there
-    swerve: float = 25.0  # m/s across his reach at which he cannot have it
-    robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
-    bumped: float = 0.45  # s for which a carrier who has passed him stumbles over him
+    wait: float = 0.7  # s when beaten, until the keeper can touch the ball again
+    down: float = 0.6  # s on the ground then; not after a standing carrier
+    swerve: float = 25.0  # m/s across the keeper's reach at which the ball cannot be won
+    robbed_wait: float = 0.7  # s until a robbed carrier can touch the ball again
+    bumped: float = 0.45  # s for which a carrier who has got past stumbles over the keeper
 
 
 class Feet(NamedTuple):
-    """A keeper without hands at the feet of a carrier: he slides and kicks the ball far away, or pokes it loose.
+    """A keeper without hands at the feet of a carrier: slides and kicks the ball far away, or pokes it loose.
 
-    Of 120 measured meetings outside the box 116 were his, 72 in a slide. Pokes are as documented, kicks fitted.
+    The keeper won 116 of 120 measured meetings outside the box, 72 in a slide. Pokes are as documented, kicks fitted.
     """
 
-    chance: float = 0.96  # to have it,
-    swerve: float = 6.0  # m/s across his reach at which he cannot; half as fast does little,
-    front: float = 0.5  # cosine of the way from the carrier to him off straight ahead, at least: else he tackles
-    slide_reach: float = 0.95  # m from the body to a ball that his slide plays
-    slides: float = 0.63  # share of those that he has in a slide
-    poke_run: float = 0.5  # share of his velocity that a poked ball gets,
-    poke_speed: float = 4.0  # and m/s away from him,
+    chance: float = 0.96  # to win it,
+    swerve: float = 6.0  # m/s across the keeper's reach at which it cannot be won; half as fast has little effect,
+    front: float = 0.5  # cosine of the angle from the carrier's front, at least: otherwise a tackle
+    slide_reach: float = 0.95  # m from the body to a ball that the slide plays
+    slides: float = 0.63  # share of wins that are slides
+    poke_run: float = 0.5  # share of the keeper's velocity that a poked ball gets,
+    poke_speed: float = 4.0  # and m/s away from the keeper,
     poke_rise: float = 0.5  # and m/s up,
     poke_rise_spread: float = 1.0  # and as many more at most
     slow: float = 9.0  # m/s of a ball kicked out of a slide, at least,
     fast: float = 15.0  # and at most,
     rise: float = 0.78  # and this share of that up
-    kick_run: float = 0.3  # s by which his run draws its way aside
-    wait: float = 0.5  # s until he can touch it again
-    due: float = 0.2  # s since the carrier has played it, from when on his body stops it:
+    kick_run: float = 0.3  # s by which the keeper's run deflects it
+    wait: float = 0.5  # s until the keeper can touch it again
+    due: float = 0.2  # s since the carrier's touch, after which the keeper's body stops the ball:
     stopped: float = 0.7  # share of its speed that it then keeps, forward,
     height: float = 0.6  # m,
     drop: float = 1.8  # m/s down
-    blunted: float = 0.3  # share of the carrier's run that is left when he has run into the slide,
-    stumble: float = 0.15  # s until he gathers speed again, at least,
-    stumble_spread: float = 0.27  # s, and longer at most
+    blunted: float = 0.3  # share of the carrier's run that is left after running into the slide,
+    stumble: float = 0.15  # s until the carrier accelerates again, at least,
+    stumble_spread: float = 0.27  # s, and more at most
 
 
 class Deflect(NamedTuple):
-    """A ball off a carrier's feet that a keeper's hands reach but do not hold: `hands.Parry`, but hardly ever cleanly.
+    """A ball off a carrier's feet that a keeper's hands reach but do not catch: `hands.Parry`, rarely a clean one.
 
     Fitted to 190 measured meetings.
     """
 
-    run_least: float = 0.25  # share of his speed that is left when he meets it, at least,
+    run_least: float = 0.25  # share of the keeper's speed left at the contact, at least,
     run_more: float = 1.05  # and more, at most:
     run_power: float = 2.5  # most often little
-    clean: float = 0.4  # share of them that he meets cleanly; of the others the ball keeps a part of its way
-    knocked_on: float = 0.6  # m that the ball is ahead of its carrier: further, he may slide,
-    slides: float = 0.55  # so often
+    clean: float = 0.4  # share met cleanly; otherwise the ball keeps a part of its velocity
+    knocked_on: float = 0.6  # m that the ball is ahead of its carrier, from where on the keeper may slide,
+    slides: float = 0.55  # with this probability
     down: float = 0.6  # s on the ground,
-    wait: float = 1.0  # and until he can touch it again
-    robbed_wait: float = 0.5  # s until its carrier can
+    wait: float = 1.0  # and until the keeper can touch it again
+    robbed_wait: float = 0.5  # s until the carrier can
 
 
 class Catch(NamedTuple):
-    """What becomes of a saved shot."""
+    """The outcome of a saved shot."""
 
-    below: float = 2.8  # m, height of a ball that he can save
-    easy: float = 8.0  # m/s, slower balls always stick
-    near: float = 0.9  # m: on the spot
-    block_down: float = 0.3  # s on the ground after a block on the spot
+    below: float = 2.8  # m, height of a ball that can be saved
+    easy: float = 8.0  # m/s; slower balls are always caught
+    near: float = 0.9  # m: without a dive
+    block_down: float = 0.3  # s on the ground after a block without a dive
     dive_down: float = 1.1  # s, after a dive
 
 
 # Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, families keeper and passes.
 TRAP, MATES_BALL, CLAIM, FEET, DEFLECT, CATCH = Trap(), MatesBall(), Claim(), Feet(), Deflect(), Catch()
-MEETING = 1.7  # m from the body to the ball, beyond which nobody does anything to it
-_COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that nothing is drawn from
+MEETING = 1.7  # m from the body to the ball, beyond which there is no contact
+_COIN, _ONE = np.uint64(40), np.uint64(1)  # a bit of the random stream's state that no draw uses
 
 
 @kernel
@@ -155,11 +155,11 @@ def reachable(match):
 
 @kernel
 def meet_ball(match, bits, far, behind):
-    """Let every player named in `bits` try for the ball in this frame.
+    """Let every player in `bits` try for the ball in this frame.
 
-    Who goes first alternates between steps, and between matches, so that no side is sooner in the same scene. Whoever
-    does may ask where others are: so those in the bits `far`, so many frames behind, are moved on before; return how
-    many are left.
+    The order alternates between steps, and between matches, so that no side is favored in the same scene. A player may
+    read the positions of others: so those in the bits `far`, so many frames behind, are moved first; return the number
+    of frames left.
     """
     turned = (match.step + int(match.random >> _COIN & _ONE)) % 2 == 1
     for k in range(match.num_players):
@@ -184,7 +184,7 @@ def meet_ball(match, bits, far, behind):
 
 @kernel
 def meet(match, i, distance):
-    """Let player i, this far from the ball, do what suits: save, claim, tackle, or trap."""
+    """Let player i, this far from the ball, take the action that fits: save, claim, tackle, or trap."""
     player, ball = match.players[i], match.ball
     if match.saver == i:
         if match.save_wait < STEP and distance < DIVE.arm:
@@ -204,20 +204,20 @@ def meet(match, i, distance):
 
 @kernel
 def reach_of(player):
-    """Return how far in m from his body a player brings a free ball under control."""
+    """Return the distance in m from the body at which a player brings a free ball under control."""
     stands = player.direction == 0 and player.desired_vx == 0.0 and player.desired_vy == 0.0
     return TRAP.leg if stands and length(player.vx, player.vy) < STANDING else TRAP.reach
 
 
 @kernel
 def too_sudden(match):
-    """Return whether the ball has just been struck so hard that it meets nobody but whom it hits."""
+    """Return whether the ball has just been struck so hard that it only meets players whom it hits."""
     return match.was_kicked and match.kick_age < TRAP.sudden_age and ball_speed(match.ball) > TRAP.sudden_speed
 
 
 @kernel
 def challenge(match, i, distance):
-    """Let player i, this far from the ball, try to take it off the carrier."""
+    """Let player i, this far from the ball, try to win it from the carrier."""
     player, ball = match.players[i], match.ball
     hands = has_hands(match, i)
     if player.role == GK and player.is_sliding:
@@ -233,7 +233,7 @@ def challenge(match, i, distance):
 
 @kernel
 def trap(match, i):
-    """Let player i bring a free ball under control, or play it on at once if he has asked for a kick."""
+    """Let player i bring a free ball under control, or play it first-time if a kick is requested."""
     player = match.players[i]
     asks = player.kick_ready and player.kick != 0 and ball_speed(match.ball) > TRAP.first_time_from
     stops = asks and stops_to_shoot(match, player)
@@ -246,13 +246,13 @@ def trap(match, i):
     if stops and match.carrier == i:
         match.ball.vz = min(match.ball.vz, 0.0)
         player.brings_down, player.stance_wait = True, TRAP.settles
-    if match.carrier == NOBODY and match.game_mode == NORMAL:  # it jumped off him, perhaps towards a goal
+    if match.carrier == NOBODY and match.game_mode == NORMAL:  # it bounced off the player, perhaps towards a goal
         foresee(match, player.team)
 
 
 @kernel
 def stops_to_shoot(match, player):
-    """Draw whether a player stops a ball before the shot that he asked for: above his foot, below his head."""
+    """Draw whether a player stops a ball before the requested shot: above the foot, below the head."""
     if player.kick != SHOT or not TRAP.volley_below < match.ball.z < TRAP.volley_above:
         return False
     return uniform(match) >= TRAP.volley
@@ -260,14 +260,14 @@ def stops_to_shoot(match, player):
 
 @kernel
 def slow_to_volley(player):
-    """Slow a runner down to the pace at which he shoots a ball as it comes."""
+    """Slow a runner down to the speed of a first-time shot."""
     share = min(TRAP.volley_run / (length(player.vx, player.vy) + 1e-9), 1.0)
     player.vx, player.vy = share * player.vx, share * player.vy
 
 
 @kernel
 def meets_mates_ball(player, ball, distance):
-    """Return whether a ball in a player's reach comes no nearer to him, or others push him already."""
+    """Return whether a ball in a player's reach comes no nearer, or others already push the player."""
     if distance > MATES_BALL.reach or ball.z > TRAP.header_from:
         return False
     closing = (ball.x - player.x) * (ball.vx - player.vx) + (ball.y - player.y) * (ball.vy - player.vy)
@@ -276,10 +276,10 @@ def meets_mates_ball(player, ball, distance):
 
 @kernel
 def kick_mates_ball(match, i):
-    """Let player i, who has asked for a kick, play the ball that a mate leads as it comes.
+    """Let player i, who has requested a kick, play a teammate's ball first-time.
 
-    Who has just asked stops it first. Later he swings at where it will be if the mate plays it no more: so he often
-    meets but a part of it, or nothing.
+    After a recent request the player stops it first. Later the player swings at the ball's position without another
+    touch of the teammate: so the swing often meets only a part of the ball, or misses.
     """
     player = match.players[i]
     if STEP * (KICK_PATIENCE - player.kick_patience) < MATES_BALL.stops:
@@ -297,7 +297,7 @@ def kick_mates_ball(match, i):
 
 @kernel
 def claim(match, i):
-    """Let keeper i try to take the ball off the carrier's feet; beaten, he lies on the ground for a while."""
+    """Let keeper i try to win the ball at the carrier's feet; a beaten keeper lies on the ground for a while."""
     player, carrier = match.players[i], match.players[match.carrier]
     speed = length(carrier.vx, carrier.vy)
     stands, hands = speed < STANDING, has_hands(match, i)
@@ -320,7 +320,7 @@ def claim(match, i):
     elif hands and not slides_in(match):
         deflect(match, i)
     elif stands:
-        take(match, i)  # off somebody's feet who only waits for him
+        take(match, i)  # off the feet of a waiting player
     else:
         knock_loose(match, i, match.carrier, 1.0 if hands else FEET.slides)
 
@@ -338,21 +338,21 @@ def slide_at(match, i, distance):
 
 @kernel
 def can_keep(match, i):
-    """Return whether the ball of a carrier sticks in the hands of keeper i: it is slow, and was not just played."""
+    """Return whether keeper i catches the carrier's ball: it is slow, and was not just played."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
-    return sticks_off_feet(length(ball.vx - player.vx, ball.vy - player.vy), abs(carrier.stride))
+    return is_caught_off_feet(length(ball.vx - player.vx, ball.vy - player.vy), abs(carrier.stride))
 
 
 @kernel
 def slides_in(match):
-    """Draw whether a keeper slides at the ball of a carrier, who has knocked it on."""
+    """Draw whether a keeper slides at the ball of a carrier who has knocked it on."""
     carrier, ball = match.players[match.carrier], match.ball
     return apart(carrier, ball) > DEFLECT.knocked_on and uniform(match) < DEFLECT.slides
 
 
 @kernel
 def deflect(match, i):
-    """Let keeper i knock the ball out off a carrier's feet with his hands, the harder the faster he runs."""
+    """Let keeper i knock the ball away off a carrier's feet with the hands, harder at a faster run."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     before_x, before_y = ball.vx, ball.vy
     take(match, i)
@@ -373,7 +373,7 @@ def deflect(match, i):
 
 @kernel
 def knock_loose(match, i, j, slides):
-    """Let keeper i play the ball away from himself off carrier j's feet, in a slide with this chance."""
+    """Let keeper i play the ball away off carrier j's feet, in a slide with this chance."""
     player, carrier, ball = match.players[i], match.players[j], match.ball
     since = carrier.stride
     take(match, i)
@@ -400,7 +400,7 @@ def knock_loose(match, i, j, slides):
 
 @kernel
 def bounce_off(match, j):
-    """Let the ball bounce low off the body of player j, at whom it has been kicked from close by, the way he runs."""
+    """Let the ball bounce low off player j, who was hit from close by, in the direction of that player's run."""
     player, ball = match.players[j], match.ball
     ahead_x, ahead_y = toward(player.vx, player.vy)
     along = ball.vx * ahead_x + ball.vy * ahead_y
@@ -415,10 +415,10 @@ def bounce_off(match, j):
 
 @kernel
 def catch(match, i):
-    """Let keeper i take a free ball with his hands, or parry it if it comes too hard."""
+    """Let keeper i catch a free ball, or parry one that comes too hard."""
     player, ball = match.players[i], match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
-    if fast < CATCH.easy or sticks(match, fast):
+    if fast < CATCH.easy or is_caught(match, fast):
         hold(match, i)
     else:
         parry(match, i)
@@ -426,14 +426,14 @@ def catch(match, i):
 
 @kernel
 def save(match, i):
-    """Carry out what was drawn when the shot was taken: a catch, a parry, or nothing."""
+    """Apply the outcome drawn when the shot was taken: a catch, a parry, or nothing."""
     player, ball = match.players[i], match.ball
     near = match.save_gap < CATCH.near
     match.saver = NOBODY
     if not match.save_succeeds or ball.z > CATCH.below:
         player.touch_wait, player.down_wait = CLAIM.wait, CATCH.dive_down
         return
-    if has_hands(match, i) and sticks(match, length(ball.vx, ball.vy)):
+    if has_hands(match, i) and is_caught(match, length(ball.vx, ball.vy)):
         hold(match, i)
         return
     parry(match, i)

@@ -1,7 +1,7 @@
-"""A free ball brought under control: how hard it is, and where the first touch sends it.
+"""First touches: how hard a free ball is to control, and where the touch sends it.
 
-Nobody misses a ball that he reaches, but a hard one jumps off him, and goes on as it came if an opponent has only
-just kicked it. The law and its numbers are those documented of Google Research Football. Read next: `skills.contacts`.
+No player misses a ball in reach, but a hard one bounces off, and keeps its direction if an opponent has just kicked
+it. The law and its numbers are documented by Google Research Football. Read next: `skills.contacts`.
 """
 
 from __future__ import annotations
@@ -20,100 +20,100 @@ from regista.kernels.rng import uniform
 
 
 class Difficulty(NamedTuple):
-    """What makes a free ball hard to control: its speed, its distance, surprise and pushes, each with a weight.
+    """What makes a free ball hard to control: speed, distance, surprise and pushes, each with a weight.
 
-    Law and numbers are those documented of Google Research Football; `lab.benchmarks --suite grf`, families passes
-    and matches, checks them.
+    Law and numbers are documented by Google Research Football and checked by `lab.benchmarks --suite grf`,
+    families passes and matches.
     """
 
-    speed_from: float = 10.0  # m/s relative to the player: slower balls are easy,
-    speed_range: float = 40.0  # m/s more are hardest
+    speed_from: float = 10.0  # m/s relative to the player, up to which a ball is easy,
+    speed_range: float = 40.0  # m/s more make it hardest
     speed_power: float = 1.5
-    speed_weight: float = 5.0  # in how far the ball jumps off,
-    speed_weight_high: float = 2.0  # and how many times that in how high
-    ahead: float = 0.2  # m ahead of the body: from this point the distance counts
-    distance_from: float = 0.7  # m: nearer balls are easy,
-    distance_range: float = 0.6  # m more are hardest
-    distance_weight: float = 2.0  # in how high the ball jumps off,
-    distance_weight_far: float = 4.0  # and how many times that in how far
+    speed_weight: float = 5.0  # weight in how far the ball bounces off,
+    speed_weight_high: float = 2.0  # and factor of that in how high
+    ahead: float = 0.2  # m ahead of the body: the distance is measured from there
+    distance_from: float = 0.7  # m, up to which a ball is easy,
+    distance_range: float = 0.6  # m more make it hardest
+    distance_weight: float = 2.0  # weight in how high the ball bounces off,
+    distance_weight_far: float = 4.0  # and factor of that in how far
     surprise_time: float = 0.73  # s after an opponent's kick in which surprise fades
     surprise_power: float = 0.6
     surprise_weight: float = 5.0
-    surprise_kept: float = 0.1  # share of surprise by which the ball goes on as it came
-    push_weight: float = 4.0  # of the hardest push, in how far the ball jumps off,
-    push_weight_high: float = 0.25  # and how many times that in how high
-    skill: float = 0.75  # difficulty left at skill 1: 1 less half of the ball control that players have
+    surprise_kept: float = 0.1  # share of surprise by which the ball keeps its velocity
+    push_weight: float = 4.0  # weight of the hardest push in how far the ball bounces off,
+    push_weight_high: float = 0.25  # and factor of that in how high
+    skill: float = 0.75  # difficulty left at skill 1: 1 less half of the players' ball control
 
 
 class Drop(NamedTuple):
-    """A ball that is stopped drops at the feet, or jumps off as far as it is hard to control; as documented."""
+    """A stopped ball drops at the feet, or bounces off by its difficulty; as documented."""
 
-    rest: float = 0.38  # m ahead of the body, where it is to lie
-    jump_scale: float = 0.215  # m to go there,
+    rest: float = 0.38  # m ahead of the body, its target
+    jump_scale: float = 0.215  # m of way to it,
     jump_power: float = 0.7  # to this power, make 1 m/s
     least_gap: float = 0.2  # m
     lift: float = 4.0  # m/s upwards of the hardest ball
-    loose: float = 0.5  # difficulty above which the ball is nobody's
+    loose: float = 0.5  # difficulty above which the ball is free
     touch_again: float = 0.3  # s until the player can touch it again
-    traps_for: float = 0.25  # s in which a player with no direction held answers no keys
+    traps_for: float = 0.25  # s in which a player with no direction held ignores a new direction
 
 
 class TakeAlong(NamedTuple):
-    """An easy ball is played in the direction of the keys without breaking the run."""
+    """An easy ball is played in the held direction without breaking the run."""
 
-    slows: float = 0.9  # m/s of his run that a touch square to it costs, by the sine of the angle
-    turns: float = 0.5  # share of the run across the keys that the touch removes
+    slows: float = 0.9  # m/s of the run that a touch at a right angle costs, times the sine of the angle
+    turns: float = 0.5  # share of the lateral run that the touch removes
     pace: float = 1.3  # the ball's speed: this times the player's after the touch,
     more: float = 1.5  # plus so many m/s,
-    most: float = 0.93  # at most this times the wanted speed
-    back_speed: float = 2.3  # m/s of the ball where the keys lead back,
-    back_keeps: float = 0.55  # and the share of his run that the player keeps
+    most: float = 0.93  # at most this times the desired speed
+    back_speed: float = 2.3  # m/s of the ball if the held direction leads back,
+    back_keeps: float = 0.55  # and the share of the run that the player keeps
 
 
 class AtRest(NamedTuple):
-    """A ball at rest: set off with from the stand, played within a stride, or stopped with."""
+    """A ball at rest: a standing start with it, a touch within a stride, or a stop."""
 
-    below: float = 0.5  # m/s: slower balls are at rest
-    set_off: float = 3.0  # m/s of the ball that a standing player sets off with
-    stride_from: float = 0.5  # m/s: faster players play it within their stride,
-    stride_cosine: float = -0.6  # unless the cosine between run and keys is below this
+    below: float = 0.5  # m/s; slower balls are at rest
+    set_off: float = 3.0  # m/s of the ball at a standing start
+    stride_from: float = 0.5  # m/s; faster players play it within their stride,
+    stride_cosine: float = -0.6  # unless the cosine between run and held direction is below this
     stride_ball: float = 4.3  # m/s of the ball then
-    pace: float = 0.8  # m/s of the player along his keys then,
+    pace: float = 0.8  # m/s of the player in the held direction then,
     pace_turned: float = 1.2  # m/s more, times that cosine, which is negative,
-    pace_kept: float = 0.3  # plus this share of his run along them
-    aside_kept: float = 0.8  # share of his run across them that he keeps,
+    pace_kept: float = 0.3  # plus this share of the run in that direction
+    aside_kept: float = 0.8  # share of the lateral run that the player keeps,
     aside_most: float = 2.9  # m/s at most
-    stops: float = 0.82  # share of his run left to a player with no direction held, who stops with the ball,
+    stops: float = 0.82  # share of the run left to a player with no direction held, who stops with the ball,
     stops_ball: float = 0.12  # and the share of that which the ball has
-    stops_for: float = 0.2  # s in which his keys then have no effect
+    stops_for: float = 0.2  # s in which a new direction then has no effect
 
 
 class BringDown(NamedTuple):
-    """A ball that comes hard: who has keys lets it come to his body and brings it down ahead of his run.
+    """A ball that comes hard: with a held direction, the player lets it come and brings it down ahead of the run.
 
     Fitted to 400 drawn passes of Google Research Football, checked on 60 others.
     """
 
-    hard: float = 7.0  # m/s relative to him: such a ball
-    nearest: float = 0.3  # m before it is nearest to him, there he plays it,
-    meets: float = 0.75  # m from him at most,
-    ready: float = 0.12  # s before that, he no longer turns
-    gains: float = 2.1  # m/s that he gets his keys' way with it,
-    gains_less: float = 0.5  # less for each m/s of his run,
+    hard: float = 7.0  # m/s relative to the player: a hard ball
+    nearest: float = 0.3  # m before its nearest point, where it is played,
+    meets: float = 0.75  # m from the player at most,
+    ready: float = 0.12  # s before that, in which the player no longer turns
+    gains: float = 2.1  # m/s gained in the held direction,
+    gains_less: float = 0.5  # less for each m/s of the run,
     gains_least: float = 0.5  # but at least
-    back_from: float = 2.0  # m/s, a faster run where they lead back;
+    back_from: float = 2.0  # m/s: a faster run if the held direction leads back;
     back_slow: float = 0.75  # share that is left of a slower one
-    back_left: float = 0.45  # share that is left of his run where they lead back,
-    back_aside: float = 0.6  # and of what leads aside then,
-    back_ball: float = 0.6  # m/s of the ball their way then,
-    back_follows: float = 0.3  # and the share of what led aside that it keeps
-    aside_left: float = 0.3  # and of what leads aside,
+    back_left: float = 0.45  # share of the run left if the held direction leads back,
+    back_aside: float = 0.6  # and of the lateral run then,
+    back_ball: float = 0.6  # m/s of the ball in the held direction then,
+    back_follows: float = 0.3  # and the share of the lateral run that it keeps
+    aside_left: float = 0.3  # and of the lateral run otherwise,
     aside_more: float = 0.09  # more for each m/s of it
-    most: float = 4.1  # m/s that he runs on
-    ahead: float = 2.4  # m/s more than he the ball has his keys' way,
-    ahead_less: float = 0.8  # less for each m/s of his run,
+    most: float = 4.1  # m/s of the run at most
+    ahead: float = 2.4  # m/s by which the ball is faster in the held direction,
+    ahead_less: float = 0.8  # less for each m/s of the run,
     ahead_least: float = 1.2  # but at least
-    rolls: float = 0.4  # s until he plays it again
+    rolls: float = 0.4  # s until it is played again
 
 
 HARD, DROP, ALONG = Difficulty(), Drop(), TakeAlong()
@@ -122,8 +122,8 @@ AT_REST, BRING_DOWN = AtRest(), BringDown()
 
 @kernel
 def difficulty(match, player):
-    """Return how hard a ball is to play: how far off it jumps, how high, and how much of its way it keeps, each 0 to
-    1.
+    """Return how hard a ball is to control: how far and how high it bounces off, and how much velocity it keeps, in [0,
+    1].
     """
     ball = match.ball
     fast = length(ball.vx - player.vx, ball.vy - player.vy)
@@ -142,9 +142,7 @@ def difficulty(match, player):
 
 @kernel
 def surprised(match, player):
-    """Return the share in [0, 1], falling with the time since an opponent's last touch, of what a player can be
-    surprised.
-    """
+    """Return a player's possible surprise in [0, 1]; it fades after an opponent's last touch."""
     if not match.was_kicked or match.last_touch == NOBODY or match.players[match.last_touch].team == player.team:
         return 0.0
     return max(1.0 - match.kick_age / HARD.surprise_time, 0.0)
@@ -152,11 +150,10 @@ def surprised(match, player):
 
 @kernel
 def take_along(ball, player):
-    """Play a ball that is easy to control the way that a player's keys lead, in his run: it costs him some pace,
-    but not straight on.
+    """Play an easy ball in the held direction without breaking the run; a change of direction costs some speed.
 
-    The touch turns him: half of what led aside is gone, and half of his pace at least goes the new way; if that leads
-    back he stops first.
+    The touch turns the player: half of the lateral run is gone, and at least half of the speed goes in the new
+    direction; if that leads back, a stop comes first.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     want, speed = length(player.desired_vx, player.desired_vy), length(player.vx, player.vy)
@@ -172,7 +169,7 @@ def take_along(ball, player):
     along = keep * max(along, ALONG.turns * speed)
     share = keep * (1.0 - ALONG.turns)
     player.vx, player.vy = along * ux + share * aside_x, along * uy + share * aside_y
-    player.turning, player.stride = READY, STEP  # this very moment
+    player.turning, player.stride = READY, STEP  # immediately
     push_on(ball, player, player.vx, player.vy, want)
     fast = min(ALONG.pace * length(player.vx, player.vy) + ALONG.more, ALONG.most * want)
     share = fast / (length(ball.vx, ball.vy) + 1e-9)
@@ -181,17 +178,17 @@ def take_along(ball, player):
 
 
 @kernel
-def lies(ball):
-    """Return whether a ball does not roll."""
+def is_at_rest(ball):
+    """Return whether a ball is at rest."""
     return length(ball.vx, ball.vy) < AT_REST.below
 
 
 @kernel
 def in_stride(ball, player):
-    """Let who runs to a ball that lies, and whose keys lead aside or a little back, play it their way in the same
-    stride; return whether he does: where they lead straight back, he turns first.
+    """Let a runner play a ball at rest aside or slightly back within the stride; return whether it is played.
 
-    It turns him whatever his run was, so that half a step later he goes at 1.5 to 2 m/s their way.
+    If the held direction leads straight back, the player turns first. The touch turns the player whatever the run was:
+    half a step later the player moves at 1.5 to 2 m/s in the held direction.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
@@ -208,13 +205,13 @@ def in_stride(ball, player):
 
 @kernel
 def comes_hard(ball, player):
-    """Return whether a ball is fast, seen by a player."""
+    """Return whether a ball is fast relative to a player."""
     return length(ball.vx - player.vx, ball.vy - player.vy) > BRING_DOWN.hard
 
 
 @kernel
 def still_to_come(ball, player):
-    """Return how many s a ball that comes hard is still from where a player plays it; 0 for one that does not."""
+    """Return the s until a player plays a ball that comes hard; 0 if it does not."""
     if not comes_hard(ball, player):
         return 0.0
     closing_x, closing_y = player.vx - ball.vx, player.vy - ball.vy
@@ -231,14 +228,14 @@ def idles(player):
 
 @kernel
 def lets_come(ball, player):
-    """Return whether a player lets a ball in his reach still come nearer; who stands idly or kicks it does not."""
+    """Return whether a player waits for a ball in reach to come nearer; an idle player or a kicker does not."""
     kicks = player.kick_ready and player.kick != 0
     return not kicks and not idles(player) and still_to_come(ball, player) > 0.0
 
 
 @kernel
 def is_about_to_play(ball, player):
-    """Return whether a ball that comes hard is so near that a player turns no more before he plays it."""
+    """Return whether a ball that comes hard is so near that the player no longer turns before playing it."""
     time = still_to_come(ball, player)
     if time == 0.0 or time > BRING_DOWN.ready:
         return False
@@ -249,9 +246,10 @@ def is_about_to_play(ball, player):
 
 @kernel
 def bring_down(ball, player):
-    """Play a ball that comes hard a little ahead of a player's run, who goes on much as he ran until he is at it again.
+    """Play a ball that comes hard a little ahead of the run, which hardly changes until the next touch.
 
-    He keeps what leads his keys' way and gains some, loses most of what leads aside, and is a runner at most then.
+    The player keeps the run in the held direction and gains some, loses most of the lateral run, and is limited to a
+    run.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     speed, along = length(player.vx, player.vy), player.vx * ux + player.vy * uy
@@ -274,9 +272,9 @@ def bring_down(ball, player):
 
 @kernel
 def turn_back(ball, player, along, aside_x, aside_y):
-    """Send the ball the way that a player's keys lead, back from his run, of which he keeps a part.
+    """Play the ball back in the held direction, against the run, of which the player keeps a part.
 
-    It led `along` m/s their way, which is negative, and aside.
+    The run was `along` m/s in the held direction, which is negative, and aside.
     """
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     ball.vx = BRING_DOWN.back_ball * ux + BRING_DOWN.back_follows * aside_x
@@ -287,7 +285,7 @@ def turn_back(ball, player, along, aside_x, aside_y):
 
 @kernel
 def stop_with_it(ball, player):
-    """Let who runs to a ball that lies, with no direction held, stop with it."""
+    """Let a runner with no direction held stop with a ball at rest."""
     player.vx, player.vy = AT_REST.stops * player.vx, AT_REST.stops * player.vy
     player.turning, player.stance_wait = 0, AT_REST.stops_for
     ball.vx, ball.vy = AT_REST.stops_ball * player.vx, AT_REST.stops_ball * player.vy
@@ -296,7 +294,7 @@ def stop_with_it(ball, player):
 
 @kernel
 def drop(ball, player, far_off):
-    """Return the velocity of a ball that is to lie at a player's feet, or so far off as it jumps, 0 to 1."""
+    """Return the velocity of a stopped ball, which drops at the player's feet or bounces off by `jump`, 0 to 1."""
     to_x = player.x + (DROP.rest + far_off) * player.facing_x - ball.x
     to_y = player.y + (DROP.rest + far_off) * player.facing_y - ball.y
     gap = length(to_x, to_y) + 1e-9
@@ -306,26 +304,26 @@ def drop(ball, player, far_off):
 
 @kernel
 def cushion(match, i):
-    """Let player i stop a free ball: it drops at his feet, or jumps off him as hard as it is to control."""
+    """Let player i stop a free ball: it drops at the feet, or bounces off by its difficulty."""
     player, ball = match.players[i], match.ball
     far_off, high_off, kept = difficulty(match, player)
     vx, vy, vz, z = ball.vx, ball.vy, ball.vz, ball.z
-    rests, has_keys = lies(ball), player.direction > 0 and player.kick == 0
+    rests, has_direction = is_at_rest(ball), player.direction > 0 and player.kick == 0
     is_hard, was_played = comes_hard(ball, player), match.last_touch != NOBODY
     take(match, i)
     if match.carrier != i:
         return
-    if rests and has_keys and in_stride(ball, player):
+    if rests and has_direction and in_stride(ball, player):
         return
-    if is_hard and has_keys and not rests and far_off < DROP.loose:
+    if is_hard and has_direction and not rests and far_off < DROP.loose:
         bring_down(ball, player)
         ball.z, ball.vz = z, high_off * (vz + DROP.lift)
         return
     runs = length(player.vx, player.vy) > START.jump
-    if runs and far_off == 0.0 and high_off == 0.0 and has_keys:
+    if runs and far_off == 0.0 and high_off == 0.0 and has_direction:
         take_along(ball, player)
         return
-    if not runs and has_keys and rests:
+    if not runs and has_direction and rests:
         ball.vx = AT_REST.set_off * DIRECTION_X[player.direction]
         ball.vy = AT_REST.set_off * DIRECTION_Y[player.direction]
         return

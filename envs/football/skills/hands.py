@@ -1,6 +1,6 @@
-"""What a goalkeeper does with his hands: may he use them, does he hold the ball, where does a parried one go.
+"""A goalkeeper's hands: whether they may be used, whether they catch the ball, and where a parried ball goes.
 
-The rule of what is held is Google Research Football's; where parried balls go is measured of it. Read next:
+The rule of catches is Google Research Football's; the directions of parried balls are measured in it. Read next:
 `skills.contacts`.
 """
 
@@ -23,63 +23,63 @@ from regista.kernels.rng import normal, uniform
 class Hold(NamedTuple):
     """Balls in a keeper's hands."""
 
-    top_speed: float = 40.0  # m/s, ease of holding falls to 0 by then
-    age: float = 0.95  # s since a kick, by when all of the ease is there,
-    dribbled: float = 1.2  # s since a carrier's touch, by when it is,
-    surprise: float = 0.6  # growing slowly at first: the power of what is left of that time
-    from_ease: float = 0.3  # product of both from which a ball may be held: measured of shots,
-    fits: float = 0.5  # so often then, for there must be a way to get hold of it,
+    top_speed: float = 40.0  # m/s, at which the ease of catching falls to 0
+    age: float = 0.95  # s after a kick, from when on the ease is full,
+    dribbled: float = 1.2  # s after a carrier's touch, from when on it is full,
+    surprise: float = 0.6  # exponent of the share of that time that is left: growth is slow at first
+    from_ease: float = 0.3  # product of both from which a ball may be caught: measured with shots,
+    fits: float = 0.5  # with this probability then, since the catch also needs a suitable movement,
     surely: float = 0.65  # and always from here on
     height: float = 1.2  # m, of a ball that is held
     throw_height: float = 1.9  # m, of one that is about to be thrown
-    spread: float = 6.0  # steps by which the time that he keeps it varies
+    spread: float = 6.0  # steps by which the holding time varies
 
 
 class Parry(NamedTuple):
-    """A ball that hands reach but do not hold, as documented: it goes the way that the keeper goes, and out.
+    """A ball that hands reach but do not catch, as documented: it goes in the keeper's direction, and out.
 
-    Of 662 measured ones the speeds are within 1.2 m/s of this, with his velocity as the ball came (medians).
+    Of 662 measured parries the speeds are within 1.2 m/s of this, with the keeper's velocity before contact (medians).
     """
 
     ball: float = 0.3  # share of its speed that the ball keeps,
-    run: float = 2.5  # and of his that it gets
-    back: float = 0.1  # of its velocity, turned round, in the way that it goes,
-    along: float = 2.0  # of his,
-    out: float = 4.0  # m/s away from his goal,
+    run: float = 2.5  # and of the keeper's that it gets
+    back: float = 0.1  # of its velocity, reversed, in its direction,
+    along: float = 2.0  # of the keeper's,
+    out: float = 4.0  # m/s away from the own goal,
     aside: float = 1.0  # and to either side at most
     lift: float = 1.2  # m/s
     wait: float = 0.5  # s until the keeper can touch the ball again
 
 
 class Block(NamedTuple):
-    """A shot that hits a body before it could do anything: it flies off as that is met, or as the body moves.
+    """A shot that hits a body before any reaction: it flies off by the point of contact, or by the body's motion.
 
-    As documented, but for where it is met: fitted to 94 measured shots from close by at a keeper who goes back.
+    As documented, except the point of contact: fitted to 94 measured shots from close by at a retreating keeper.
     """
 
-    ahead: float = 0.5  # m from who has kicked it to where it began
-    fades: float = 0.2  # s since then, in which where it is met gives way to the body's own velocity,
-    least: float = 0.2  # share that is left of it then;
-    parts: float = 0.5  # how much of it there is: several parts of a body are met, from several sides
-    wide: float = 0.55  # rad either way off straight back
+    ahead: float = 0.5  # m from the kicker to its first position
+    fades: float = 0.2  # s after the kick, in which the point of contact gives way to the body's own velocity,
+    least: float = 0.2  # share of it that is left;
+    parts: float = 0.5  # weight of the point of contact: several parts of a body are hit, from several sides
+    wide: float = 0.55  # rad either way off the direction straight back
     rise: float = 0.25  # tangent of the angle upwards,
     rise_spread: float = 0.35  # and how much that varies
-    flat: float = 0.6  # share of the way up that is left
-    off: float = 6.0  # m/s that way,
-    bounce: float = 0.6  # and this share of the ball's speed more,
+    flat: float = 0.6  # share of the upward way that is left
+    off: float = 6.0  # m/s in that direction,
+    bounce: float = 0.6  # and this share of the ball's speed,
     back: float = 0.2  # less this share of its own velocity
-    met_least: float = 0.8  # share of the ball that is met, at least: the rest of it goes on
-    keep: float = 0.7  # of all this
+    met_least: float = 0.8  # share of the ball that is hit, at least: the rest continues
+    keep: float = 0.7  # factor of all this
 
 
 # Fitted to measurements of Google Research Football: `lab.benchmarks --suite grf`, family keeper.
 HOLD, PARRY, BLOCK = Hold(), Parry(), Block()
-HOLD_STEPS = 3  # steps for which a keeper keeps the ball at least
+HOLD_STEPS = 3  # steps for which a keeper holds the ball at least
 
 
 @kernel
 def has_hands(match, i):
-    """Return whether player i may use his hands: a keeper in his box, unless a mate has kicked the ball to him."""
+    """Return whether player i may use hands: a keeper in the own box, unless a teammate has kicked the ball back."""
     player = match.players[i]
     if player.role != GK or not in_box_of(player.team, player.x, player.y):
         return False
@@ -89,14 +89,14 @@ def has_hands(match, i):
 
 @kernel
 def ease_of_holding(speed, age, window):
-    """Return how easily a ball sticks in the hands, 0 to 1: this fast to them, in m/s, and played `age` s ago."""
+    """Return how easily a ball is caught, 0 to 1, at this relative speed in m/s, played `age` s ago."""
     fresh = max(1.0 - age / window, 0.0) ** HOLD.surprise
     return (1.0 - speed / HOLD.top_speed) * (1.0 - fresh)
 
 
 @kernel
-def sticks(match, speed):
-    """Draw whether a ball that was kicked sticks in the hands: not a fast one, nor one just kicked."""
+def is_caught(match, speed):
+    """Draw whether a kicked ball is caught: not a fast one, nor one just kicked."""
     ease = ease_of_holding(speed, match.kick_age, HOLD.age)
     if ease < HOLD.from_ease:
         return False
@@ -105,14 +105,14 @@ def sticks(match, speed):
 
 
 @kernel
-def sticks_off_feet(speed, age):
-    """Return whether a ball sticks in the hands that is this fast to them, in m/s, and was played `age` s ago."""
+def is_caught_off_feet(speed, age):
+    """Return whether a carrier's ball is caught at this relative speed in m/s, played `age` s ago."""
     return ease_of_holding(speed, age, HOLD.dribbled) >= HOLD.from_ease
 
 
 @kernel
 def hold(match, i):
-    """Give keeper i the ball in his hands; he turns his back on his goal, lest he carry it in."""
+    """Put the ball into keeper i's hands, who faces away from the own goal so as not to carry it in."""
     take(match, i)
     if match.carrier != i:
         return
@@ -153,10 +153,10 @@ def parry(match, i):
 
 @kernel
 def knock_out(match, player, run_x, run_y):
-    """Knock the ball out off the hands of a keeper who goes this way, in m/s: the harder, the faster he goes."""
+    """Knock the ball away off the hands of a keeper with this velocity in m/s: harder if faster."""
     ball = match.ball
     out = -math.copysign(PARRY.out, own_goal_x(player.team))
-    aside = out / PARRY.out * PARRY.aside * (2.0 * uniform(match) - 1.0)  # turned with the pitch
+    aside = out / PARRY.out * PARRY.aside * (2.0 * uniform(match) - 1.0)  # rotated with the pitch
     to_x, to_y = toward(
         PARRY.along * run_x - PARRY.back * ball.vx + out, PARRY.along * run_y - PARRY.back * ball.vy + aside
     )
@@ -166,7 +166,7 @@ def knock_out(match, player, run_x, run_y):
 
 @kernel
 def bounce_off(match, player):
-    """Let a ball that has just been kicked fly off a player's body: on with it, if he goes the same way."""
+    """Let a ball that has just been kicked bounce off a player's body, or along with it in the same direction."""
     ball = match.ball
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
     flight = (apart(player, match.players[match.last_touch]) - BLOCK.ahead) / max(speed, 1.0)

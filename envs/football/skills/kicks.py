@@ -1,6 +1,6 @@
 """Kicks: when the leg swings, how long it takes, and what happens when the ball leaves the foot.
 
-Fitted to delays measured of Google Research Football, whose animations quantise them. Read next: `skills.shots`,
+Fitted to delays measured in Google Research Football, whose animations quantize them. Read next: `skills.shots`,
 `skills.passes`.
 """
 
@@ -45,52 +45,52 @@ class Swing(NamedTuple):
     standing: float = 0.26  # s, from the stand
     starting: float = 0.25  # s, when starting to run
     running: float = 0.235  # s, on the run
-    across: float = 0.16  # s more when the kick goes across the run, in full from so many rad:
+    across: float = 0.16  # s more when the kick goes across the run, in full from this angle in rad:
     across_standing: float = 0.5 * math.pi
     across_starting: float = 0.3 * math.pi
     across_running: float = 0.52 * math.pi
-    round_from: float = 0.5 * math.pi  # rad, turning round, in part
-    round_by: float = 0.62 * math.pi  # and in full
+    round_from: float = 0.5 * math.pi  # rad, turning round, partly
+    round_by: float = 0.62 * math.pi  # and fully
     round: float = 0.3  # s more then
     round_running: float = 0.05  # s more, on the run
-    ground_pass: float = 0.1  # s more: a leg swings wider for a pass along the ground ..
+    ground_pass: float = 0.1  # s more: a leg swings wider for a ground pass ..
     high_near: float = 8.0  # m
-    high_near_later: float = 0.1  # s more .. or for a chip over less than those m
+    high_near_later: float = 0.1  # s more .. or for a chip shorter than that
     pass_across: float = 0.25  # share of a shot's delay across the run that a pass has
-    pass_round: float = 0.2  # s more when it goes behind:
+    pass_round: float = 0.2  # s more if it goes backwards:
     pass_behind: float = 0.76 * math.pi  # rad
     running_from: float = 3.3  # m/s
     sprinting_from: float = 5.6  # m/s
-    sprint: float = 0.12  # s more: catching up with the ball
+    sprint: float = 0.12  # s more, to catch up with the ball
     sprint_spread: float = 0.2  # s either way, at a sprint
     spread: float = 0.04  # s either way, the phase of the stride
-    meant: float = 0.28  # s before the contact from when on a pass is meant for somebody, and other keys only turn it
-    from_run_up: float = 0.06  # s left for who has asked for a kick on his way to the ball: he swings as he arrives
-    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is given up
+    meant: float = 0.28  # s before the contact, from when on a pass has its receiver and a new direction only turns it
+    from_run_up: float = 0.06  # s left after a request on the way to the ball: the swing begins on arrival
+    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is cancelled
 
 
 class Behind(NamedTuple):
-    """Kicks behind the body: he turns on the spot and kicks from short of the kick's direction."""
+    """Kicks behind the body: the player turns on the spot and kicks from short of the kick's direction."""
 
     angle: float = 0.74 * math.pi  # rad from run to kick
     short_of: float = 0.35  # rad
     speed: float = 0.8  # m/s left
 
 
-# Fitted to delays measured of Google Research Football, whose animations quantise them: `lab.benchmarks --suite
+# Fitted to delays measured in Google Research Football, whose animations quantize them: `lab.benchmarks --suite
 # grf`, families passes and shots.
 GAUGE, SWING, BEHIND = Gauge(), Swing(), Behind()
 KICK_REACH = 1.2  # m from the body to the ball when the leg swings
-FAR = 1e4  # m, from where a point is no more than a direction
+FAR = 1e4  # m, beyond which a target only sets a direction
 AFTER_KICK = 0.45  # s until the kicker can touch the ball again
-STANDS = 1.0  # m/s, who is slower kicks from where he looks
-AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, as far off the first aim as this;
-AIM_TOWARD = 2.0 * AIM_AGAIN  # rad, and if that is further off, but not so far, it is turned so far towards the new
+STANDS = 1.0  # m/s, below which a player kicks along the facing
+AIM_AGAIN = 0.15 * math.pi  # rad: a pass is aimed again when it leaves the foot, within this angle of the first target;
+AIM_TOWARD = 2.0 * AIM_AGAIN  # rad: up to this angle it is turned by `AIM_AGAIN`, beyond it the pass keeps its target
 
 
 @kernel
 def swing_legs(match):
-    """Start the swing of whoever is to kick and has the ball."""
+    """Start the swing of the player who is to kick and has the ball."""
     i = match.carrier
     if match.kicker != NOBODY:
         if match.kicker == i:
@@ -101,7 +101,7 @@ def swing_legs(match):
     player = match.players[i]
     if not player.kick_ready or player.kick == 0 or apart(match.ball, player) > KICK_REACH:
         return
-    if player.brings_down and player.stance_wait > 0.0:  # he stops the ball first
+    if player.brings_down and player.stance_wait > 0.0:  # stops the ball first
         return
     if not player.is_aimed:
         aim(match, i)
@@ -116,8 +116,9 @@ def swing_legs(match):
 
 @kernel
 def mean_pass(match, i):
-    """Let the keys choose the mate for the pass of player i, whose leg swings, until it is too late for that; then it
-    keeps its direction, wherever his run takes the foot.
+    """Let the held direction choose the receiver of player i's pass during the swing, until it is too late for that.
+
+    Then the pass keeps its direction, wherever the run takes the foot.
     """
     player = match.players[i]
     if player.kick == SHOT or player.is_aimed:
@@ -130,16 +131,14 @@ def mean_pass(match, i):
 
 @kernel
 def keep_direction(player):
-    """Let a shot keep its direction, wherever the run takes the foot meanwhile: only passes are aimed again."""
+    """Let a shot keep its direction, wherever the run takes the foot: only passes are aimed again."""
     ux, uy = toward(player.aim_x - player.x, player.aim_y - player.y)
     player.aim_x, player.aim_y = player.x + FAR * ux, player.y + FAR * uy
 
 
 @kernel
 def heading(player):
-    """Return the direction as a unit vector of the run, or else of the run that is wanted, or where he looks; speed in
-    m/s.
-    """
+    """Return the direction, as a unit vector, of the run, else of the desired run, else of the facing; speed in m/s."""
     speed = length(player.vx, player.vy)
     if speed > STANDS:
         return player.vx / speed, player.vy / speed, speed
@@ -187,7 +186,7 @@ def delay(kick, angle, speed, starting, distance):
 
 @kernel
 def swing_frame(match):
-    """Count the kicker's swing down by a frame; return whether his foot meets the ball now."""
+    """Advance the kicker's swing by a frame; return whether the foot meets the ball now."""
     i = match.kicker
     player = match.players[i]
     player.kick_wait -= DT
@@ -208,7 +207,7 @@ def gauge(held):
 
 @kernel
 def input_direction(player):
-    """Return the direction that aims a kick: the sticky key, or where the player looks."""
+    """Return the direction that aims a kick: the held one, or the player's facing."""
     if player.direction > 0:
         return DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
     return player.facing_x, player.facing_y
@@ -216,7 +215,7 @@ def input_direction(player):
 
 @kernel
 def aim(match, i):
-    """Set where player i's kick is meant to go."""
+    """Set the target of player i's kick."""
     player = match.players[i]
     ux, uy = input_direction(player)
     if player.kick == SHOT:
@@ -227,9 +226,9 @@ def aim(match, i):
 
 @kernel
 def aim_again(match, i):
-    """Correct a pass for what has moved since the leg began to swing, and for what the keys say now.
+    """Correct a pass for movements since the swing began, and for the direction held now.
 
-    It turns as far as a foot can that already swings; if it would go quite another way, it stays as it was meant.
+    It turns as far as a swinging foot can; if the direction would change too much, the pass keeps its target.
     """
     player, ball = match.players[i], match.ball
     x, y, mate = player.aim_x - ball.x, player.aim_y - ball.y, player.kick_mate
@@ -248,14 +247,14 @@ def aim_again(match, i):
 
 @kernel
 def leave_foot(match, i, clean):
-    """Send the ball off player i's foot, which meets it with this share in (0, 1]: so much of its way is the kick's."""
+    """Send the ball off player i's foot; `clean` in (0, 1] is the share of the kick in its velocity."""
     player, ball = match.players[i], match.ball
     vx, vy, vz = ball.vx, ball.vy, ball.vz
     if not player.is_aimed and player.kick != SHOT:
         aim_again(match, i)
     dx, dy = player.aim_x - ball.x, player.aim_y - ball.y
     distance = length(dx, dy)
-    if distance < 0.1:  # to his own feet: straight ahead
+    if distance < 0.1:  # to the own feet: straight ahead
         dx, dy, distance = 0.1 * player.facing_x, 0.1 * player.facing_y, 0.1
     ux, uy = dx / distance, dy / distance
     turn_body(match, player, ux, uy)
@@ -278,9 +277,7 @@ def leave_foot(match, i, clean):
 
 @kernel
 def kick_first_time(match, i, clean):
-    """Let player i, who has asked for a kick, play a ball without stopping it, a volley or a header, as `leave_foot`
-    does.
-    """
+    """Let player i, who has requested a kick, play a ball first-time, as a volley or a header, as `leave_foot` does."""
     if whistled(match, i):
         return
     lose_ball(match)
@@ -291,7 +288,7 @@ def kick_first_time(match, i, clean):
 
 @kernel
 def turn_body(match, player, ux, uy):
-    """Bring a body that kicks behind itself round to just short of the kick along (ux, uy)."""
+    """Turn a body that kicks behind itself to just short of the kick along (ux, uy)."""
     hx, hy, speed = heading(player)
     off = angle_between(hx, hy, ux, uy)
     if abs(off) < BEHIND.angle:

@@ -1,6 +1,6 @@
-"""Passes: which mate they are for, where he will be, and how hard and high the ball is played.
+"""Passes: their receiver, where the receiver will be, and how hard and high the ball is played.
 
-The rules and numbers are those documented of Google Research Football. Read next: `skills.kicks`, where legs swing.
+The rules and numbers are documented by Google Research Football. Read next: `skills.kicks`, where legs swing.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from regista.kernels.rng import uniform
 
 
 class Choice(NamedTuple):
-    """Which mate a pass is for, and where he will be."""
+    """The receiver of a pass, and where the receiver will be."""
 
-    farthest: float = 60.0  # m ahead of the passer, the place that mates are rated by, by the gauge
+    farthest: float = 60.0  # m ahead of the passer, the point by which receivers are rated, times the gauge
     nearest: float = 1.0  # m, at least
     power_short: float = 0.7  # of the gauge
     power_long: float = 0.65
@@ -27,54 +27,54 @@ class Choice(NamedTuple):
     scale: float = 70.0  # m
     weight: float = 0.8
     power: float = 0.8
-    lead_longest: float = 0.7  # s by which a mate's run is led
+    lead_longest: float = 0.7  # s by which a receiver's run is extrapolated at most
     lead_power: float = 0.7
     lead_first: float = 0.3
     lead_per_metre: float = 0.05
     long_lead: float = 0.2  # of the distance, towards the goal line that the passer attacks
-    unaimed: float = 39.4  # m, a pass when there is no mate
+    unaimed: float = 39.4  # m, a pass without a receiver
 
 
 class Flight(NamedTuple):
-    """How hard, high and sure a pass is played."""
+    """How hard, high and precise a pass is."""
 
     speed: float = 36.0  # m/s
-    base: float = 0.3  # share of it at no distance
+    base: float = 0.3  # share of it at distance 0
     ground_gain: float = 1.8  # shares more at the distance of full gain
     high_gain: float = 1.15
     gain_power: float = 1.4
     gain_distance: float = 60.0  # m
     ground_cap: float = 26.0  # m/s
     high_cap: float = 38.0  # m/s
-    excess_lift: float = 0.25  # of what is above the cap, into m/s upwards
+    excess_lift: float = 0.25  # share of the speed above the cap that becomes m/s upwards
     excess_most: float = 10.0  # m/s
-    ball_helps: float = 0.5  # of the speed of a ball played without a trap adds to the cap
+    ball_helps: float = 0.5  # of the speed of a ball played first-time adds to the cap
     ground_lift: float = 0.11  # tangent of the elevation
     high_lift: float = 0.45  # the same of a high pass, near
-    high_lift_less: float = 0.15  # less for far ones
+    high_lift_less: float = 0.15  # less for long ones
     ground_spin: float = 5.2  # m/s, at this speed and more:
     high_spin: float = -1.5  # m/s
     full_spin: float = 15.0  # m/s
-    curl: float = 0.9 * -340.0  # rad/s per rad by which it starts off towards the body at the fastest: it curls back,
-    high_bend: float = 0.2  # share of that of a high pass
-    mirrored: float = 0.5  # share of passes whose spin across the pitch is reversed: those fly
+    curl: float = 0.9 * -340.0  # rad/s per rad by which the fastest starts off towards the body: it curls back,
+    high_bend: float = 0.2  # factor of that for a high pass
+    mirrored: float = 0.5  # share of passes whose lateral spin is reversed: those rise
     scatter: float = 0.02  # rad either way
-    hard_scatter: float = 0.15  # quarter turns more of a ball that is hard to play
+    hard_scatter: float = 0.15  # quarter turns more for a ball that is hard to play
     hard_keep: float = 0.3
     hard_most: float = 0.5
-    hard_weak: float = 0.3  # of its speed that a pass of such a ball loses
+    hard_weak: float = 0.3  # share of its speed that a pass of such a ball loses
     headed_from: float = 1.1  # m
-    headed_share: float = 0.6  # of the fastest pass that a header reaches
+    headed_share: float = 0.6  # limit of a header, as a share of the fastest pass
 
 
-# The law is that documented of Google Research Football, caps and scatter are fitted: `lab.benchmarks --suite grf`,
+# The law is documented by Google Research Football, caps and scatter are fitted: `lab.benchmarks --suite grf`,
 # family passes.
 CHOICE, FLIGHT = Choice(), Flight()
 
 
 @kernel
 def aim_pass(match, i, ux, uy, gauge):
-    """Aim along (ux, uy) at the mate whom the original's rating prefers; without one, straight ahead."""
+    """Aim along (ux, uy) at the receiver with GRF's best rating; without one, straight ahead."""
     player = match.players[i]
     mate = choose_mate(match, i, ux, uy, gauge)
     player.kick_mate = mate
@@ -90,7 +90,7 @@ def aim_pass(match, i, ux, uy, gauge):
 
 @kernel
 def place_of(ball, mate):
-    """Return where a mate will be when he takes a pass of this ball."""
+    """Return where a teammate will be to receive a pass of this ball."""
     time = CHOICE.lead_first + CHOICE.lead_per_metre * length(mate.x - ball.x, mate.y - ball.y)
     time = CHOICE.lead_longest * min(time, 1.0) ** CHOICE.lead_power
     return mate.x + time * mate.vx, mate.y + time * mate.vy
@@ -98,9 +98,9 @@ def place_of(ball, mate):
 
 @kernel
 def choose_mate(match, i, ux, uy, gauge):
-    """Return the mate for a pass along (ux, uy): near a point ahead and not far off the direction; -1 without one.
+    """Return the receiver of a pass along (ux, uy): near a point ahead and not far off the direction; -1 without one.
 
-    `gauge` in [0, 1], how long the button was held, puts the point further ahead.
+    `gauge` in [0, 1], from how long the button was held, puts the point further ahead.
     """
     player, ball = match.players[i], match.ball
     look = look_ahead(player.kick, gauge)
@@ -122,7 +122,7 @@ def choose_mate(match, i, ux, uy, gauge):
 
 @kernel
 def look_ahead(kick, gauge):
-    """Return the metres ahead of the passer of the place that mates are rated by."""
+    """Return the distance in m ahead of the passer of the point by which receivers are rated."""
     power = CHOICE.power_high if kick == HIGH_PASS else (CHOICE.power_long if kick == LONG_PASS else CHOICE.power_short)
     return max(CHOICE.farthest * gauge**power, CHOICE.nearest)
 
@@ -131,7 +131,7 @@ def look_ahead(kick, gauge):
 def play_pass(match, player, ux, uy, distance):
     """Give the ball the velocity of a pass along (ux, uy) over this distance.
 
-    The original plays every other episode in a mirror, but for the spin: there, passes across the pitch fly.
+    GRF plays every other episode mirrored, except the spin: there, lateral passes rise.
     """
     ball = match.ball
     far = min(distance / FLIGHT.gain_distance, 1.0) ** FLIGHT.gain_power

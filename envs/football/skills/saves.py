@@ -1,7 +1,7 @@
-"""Shots and saves: whether the keeper must go, where he meets the ball, and whether he will have it.
+"""Shots and saves: whether the keeper must react, where keeper and ball meet, and whether the shot is saved.
 
-The result is drawn when the shot leaves the foot, with odds fitted to saves measured of Google Research Football;
-the body then moves to make the draw true. Read next: `skills.contacts`, where hands and ball meet.
+The outcome is drawn when the shot leaves the foot, with odds fitted to saves measured in Google Research Football;
+the body then moves accordingly. Read next: `skills.contacts`, where hands and ball meet.
 """
 
 from __future__ import annotations
@@ -27,50 +27,50 @@ from regista.kernels.rng import uniform
 
 
 class SaveOdds(NamedTuple):
-    """Whether the keeper has a shot: it hits his body before he does anything, or he gets to it in time.
+    """Whether the keeper saves a shot: it hits the body before any reaction, or the keeper gets to it in time.
 
     P(body) = body * (1 - (gap / body_gap)²) until `sudden` s after the kick; logit P(hands) = hands * (t - halfway)
-    - effort * m/s, with t the s until the shot passes him, gap the m between them then, and m/s what meeting it costs.
-    On his line he has no way back on which to meet it: there he takes longer for what he must dive to, and the
-    effort does not tell. Fitted to 4587 measured shots on target from 3 to 30 m, at keepers who stand and who come out.
+    - effort * m/s, with t the s until the shot passes the keeper, gap the m between them then, and m/s the cost of
+      meeting it. On the line a keeper cannot go back to meet it: dives take longer there, and the effort does not
+      count. Fitted to 4587 measured shots on target from 3 to 30 m, at keepers who stand and who come out.
     """
 
-    body: float = 0.92  # share of shots straight at him that hit him
-    body_gap: float = 1.06  # m aside, where none does
-    sudden: float = 0.22  # s to him: later, he has moved
+    body: float = 0.92  # share of shots straight at the body that hit it
+    body_gap: float = 1.06  # m aside, where no shot hits it
+    sudden: float = 0.22  # s to the keeper, after which the keeper has moved
     hands: float = 10.0  # logit per s
     halfway: float = 0.355  # s,
-    line_halfway: float = 0.127  # and s more on his line for what he must dive to:
+    line_halfway: float = 0.127  # and s more on the line for a dive:
     dive_from: float = 0.4  # m aside,
-    dive_range: float = 1.06  # and m more, until all of that is
-    effort: float = 0.37  # logit per m/s, of a keeper who has come out
-    on_line: float = 1.5  # m before his line, at most
-    off_line: float = 2.0  # m more, from where on he has come out
-    foot_gap: float = 2.0  # m; outside his box, where he has his feet only, the chance falls to 0 by then
+    dive_range: float = 1.06  # and m more for the full dive
+    effort: float = 0.37  # logit per m/s, for a keeper who has come out
+    on_line: float = 1.5  # m in front of the line, at most
+    off_line: float = 2.0  # m more, from where on the keeper has come out
+    foot_gap: float = 2.0  # m, at which the chance falls to 0 outside the box, where only feet may be used
     measured_skill: float = 0.72  # `skill` of the measured keeper
-    skill: float = 5.0  # logit per unit that another lacks
+    skill: float = 5.0  # logit per unit of skill below that
 
 
 class Dive(NamedTuple):
     """How a keeper gets to a shot; the same family."""
 
     arm: float = 1.2  # m
-    speed: float = 7.5  # m/s: nothing that takes more is ever saved
+    speed: float = 7.5  # m/s: a shot that needs more is never saved
     delay: float = 0.08  # s
-    stride: float = 0.1  # s for which he keeps his velocity
-    before_line: float = 0.3  # m before the goal line, where he meets it at the latest
-    shot_speed: float = 9.0  # m/s, slower balls are not shots
-    goal_margin: float = 1.3  # half widths of the goal within which he goes for the ball
-    over_bar: float = 0.3  # m above the bar from where he lets the ball go
+    stride: float = 0.1  # s for which the keeper's velocity is kept
+    before_line: float = 0.3  # m in front of the goal line, the last meeting point
+    shot_speed: float = 9.0  # m/s; slower balls are not shots
+    goal_margin: float = 1.3  # half widths of the goal within which the keeper goes for the ball
+    over_bar: float = 0.3  # m above the bar, above which the keeper lets the ball go
 
 
 SAVE, DIVE = SaveOdds(), Dive()
-FORESEEN = 300  # frames that a shot is followed ahead
+FORESEEN = 300  # frames for which a shot is predicted
 
 
 @kernel
 def dive(match, player):
-    """Throw the keeper to where he means to meet the shot."""
+    """Throw the keeper to the meeting point with the shot."""
     dx, dy = match.save_x - player.x, match.save_y - player.y
     distance = math.sqrt(dx * dx + dy * dy)
     speed = min(distance / max(match.save_wait, 0.1), DIVE.speed * match.engine.keeper_speed)
@@ -80,14 +80,14 @@ def dive(match, player):
 
 @kernel
 def foresee_shot(match, team):
-    """Find out, after a kick by `team`, whether the other keeper must save it, where, and whether he will."""
+    """Find out, after a kick by `team`, whether the other keeper must save it, where, and whether it is saved."""
     match.was_kicked, match.kick_age = True, 0.0
     foresee(match, team)
 
 
 @kernel
 def foresee(match, team):
-    """Set the other keeper on a ball that flies at his goal off a player of `team`: draw whether he saves it."""
+    """Set the other keeper on a ball that flies at the goal off a player of `team`: draw whether it is saved."""
     match.saver = NOBODY
     goal_x = -own_goal_x(team)
     if ball_speed(match.ball) < DIVE.shot_speed or match.ball.vx * goal_x <= 0.0:
@@ -108,10 +108,10 @@ def foresee(match, team):
 
 @kernel
 def follow_shot(match, player, goal_x):
-    """Follow the ball ahead to the goal line, and choose where it costs a keeper least to meet it.
+    """Predict the ball's path to the goal line, and choose the meeting point with the least cost for a keeper.
 
-    Returns whether it goes into the goal, near it or just over it; the m/s that meeting it costs; the m by which its
-    path passes him, and after how many s.
+    Returns whether the ball goes into the goal, near it or just over it; the m/s that meeting it costs; the m by which
+    it passes the keeper, and the time in s until then.
     """
     ball = match.ball
     x, y, z, vx, vy, vz = ball.x, ball.y, ball.z, ball.vx, ball.vy, ball.vz
@@ -152,7 +152,7 @@ def save_chance(player, effort, gap, time):
 
 @kernel
 def hands_chance(player, effort, gap, time):
-    """Return the chance that he gets to a shot that his body does not stop."""
+    """Return the chance that the keeper gets to a shot that does not hit the body."""
     out = min(max((HALF_LENGTH - abs(player.x) - SAVE.on_line) / SAVE.off_line, 0.0), 1.0)
     dives = min(max((gap - SAVE.dive_from) / SAVE.dive_range, 0.0), 1.0)
     late = time - SAVE.halfway - (1.0 - out) * SAVE.line_halfway * dives

@@ -1,9 +1,9 @@
-"""Shots: where they are aimed, and what body, speed and skill make of the aim.
+"""Shots: where they are aimed, and the effects of body, speed and skill on the aim.
 
-A shot is a mixture of what was meant and of what a bad one would be: dragged towards the run, scattered, higher and
-weaker. How bad a bad one is follows from the run, its speed and the effort; how much of it there is, from a draw that
-better shooters bend in their favour. The law and its numbers are those documented of Google Research Football, whose
-animations enter as one number, the share of power that a kick from the stand reaches. Read next: `skills.passes`.
+A shot is a mixture of the intended one and of a bad one: dragged towards the run, scattered, higher and weaker. The
+run, its speed and the effort determine the bad one; its share is drawn, and skill reduces it. The law and its numbers
+are documented by Google Research Football, whose animations enter as one number, the share of power that a standing
+kick reaches. Read next: `skills.passes`.
 """
 
 from __future__ import annotations
@@ -22,37 +22,37 @@ from regista.kernels.rng import uniform
 class Aim(NamedTuple):
     """Where on the goal line a shot is aimed."""
 
-    widest: float = 3.33  # m from the middle of the goal when the keys point a quarter turn off it
+    widest: float = 3.33  # m from the middle of the goal when the held direction is a quarter turn off it
     power: float = 0.7
-    lead: float = 0.12  # s of the player's run, from where he aims
-    astern: float = 0.02  # rad within which keys point straight away from the goal
+    lead: float = 0.12  # s of the player's run to the point of aim
+    astern: float = 0.02  # rad within which the held direction leads straight away from the goal
     astern_share: float = 0.23  # of the widest aim then
 
 
 class Power(NamedTuple):
-    """How fast a shot is meant to be."""
+    """The intended speed of a shot."""
 
     full: float = 45.0  # m/s
     least: float = 0.7  # share of it without the gauge
     gauge: float = 0.3  # what the gauge adds
-    strongest: float = 32.0  # m/s that anybody reaches
-    strength: float = 13.0  # m/s that a perfect shot power adds
-    stand_share: float = 0.78  # share of it standing
+    strongest: float = 32.0  # m/s, the maximum of any player
+    strength: float = 13.0  # m/s that perfect shot power adds
+    stand_share: float = 0.78  # share of it when standing
     run_share: float = 0.95  # and running,
     running_from: float = 3.0  # m/s
-    step_in: float = 1.0  # m/s, the stride that a standing player takes into the ball
-    swing_most: float = 5.2  # m/s, the swing slows a sprinter to this
+    step_in: float = 1.0  # m/s, the stride of a standing player into the ball
+    swing_most: float = 5.2  # m/s to which the swing slows a sprinter
     across_from: float = 0.785  # rad from run to shot, from where on power is lost
     across_range: float = 0.534  # rad more, until all of it is:
     across_weak: float = 0.04
     pushed: float = 0.6  # share of it that the hardest push costs
-    meeting_gain: float = 0.2  # more power from a ball that comes with 10 m/s
+    meeting_gain: float = 0.2  # more power from a ball that comes at 10 m/s
 
 
 class Difficulty(NamedTuple):
-    """What makes a shot hard: each share of ease is lost in full at the worst."""
+    """What makes a shot hard: each share of ease is lost in full in the worst case."""
 
-    easy_angle: float = 0.162 * math.pi  # rad between run and shot up to which the direction is no matter
+    easy_angle: float = 0.162 * math.pi  # rad between run and shot up to which the direction has no effect
     direction: float = 0.68
     speed: float = 0.3
     meeting: float = 0.4
@@ -67,7 +67,7 @@ class Difficulty(NamedTuple):
 
 
 class BadShot(NamedTuple):
-    """What becomes of the hardest shot."""
+    """The result of the hardest shot."""
 
     drag: float = 0.8  # towards the run
     scatter: float = 0.5
@@ -80,8 +80,8 @@ class Curl(NamedTuple):
     """How a shot bends."""
 
     bend: float = 0.5  # share of the angle between body and shot, by which the shot starts off towards the body
-    twist: float = 0.18 * math.pi  # rad, the body has turned with the leg to be no further off
-    twist_volley: float = 0.36 * math.pi  # rad, the same of who strikes the ball as it comes
+    twist: float = 0.18 * math.pi  # rad by which the body has turned with the leg to reduce the angle
+    twist_volley: float = 0.36 * math.pi  # rad, the same for a first-time shot
     slow: float = 0.4  # share of that for a slow shot
     fast: float = 0.6  # more for the fastest:
     fastest: float = 70.0  # m/s
@@ -89,24 +89,24 @@ class Curl(NamedTuple):
     spread: float = 14.0  # rad/s
     taken: float = 0.7
     spin: float = -1.65  # m/s, back spin,
-    spin_kept: float = 0.3  # and share of the spin that the ball had: of who runs with it, top spin
+    spin_kept: float = 0.3  # and share of the ball's spin: for a carrier, top spin
     spin_spread: float = 0.3  # share of it that varies, always
     spin_bad: float = 0.7  # and with a bad shot
 
 
-# The law and its numbers are those documented of Google Research Football; power and scatter are checked by
-# `lab.benchmarks --suite grf`, family shots.
+# The law and its numbers are documented by Google Research Football; power and scatter are checked by `regista
+# lab.benchmarks --suite grf`, family shots.
 AIM, POWER, HARD, BAD, CURL = Aim(), Power(), Difficulty(), BadShot(), Curl()
-# Skills of the players of Google Research Football by index within the team: of shooting, and of shot power
+# Skills of Google Research Football's players by index within the team: of shooting, and of shot power
 SHOT_SKILL = (0.35, 0.44, 0.31, 0.24, 0.36, 0.69, 0.36, 0.53, 0.68, 0.68, 0.68)
 SHOT_STRENGTH = (0.65, 0.57, 0.56, 0.64, 0.53, 0.69, 0.56, 0.62, 0.68, 0.68, 0.68)
 
 
 @kernel
 def aim_shot(match, player, ux, uy):
-    """Aim along the way to the goal line: the further the keys (ux, uy) point off its middle, the further off it.
+    """Aim at the goal line: the further the held direction (ux, uy) is off its middle, the further off it.
 
-    Straight away from it they prefer no side: then he aims to that on which he turns round.
+    Straight away from the goal the direction prefers no side: then the aim is on the side of the turn.
     """
     goal_x = attacked_goal_x(player.team)
     dx = goal_x - player.x - AIM.lead * player.vx
@@ -115,7 +115,7 @@ def aim_shot(match, player, ux, uy):
     share = min(abs(deviation) / (0.5 * math.pi), 1.0) ** AIM.power
     side = 1.0 if deviation * dx > 0.0 else -1.0
     if math.pi - abs(deviation) < AIM.astern:
-        left = math.copysign(AIM.astern_share, goal_x)  # as he sees it: turned with the pitch
+        left = math.copysign(AIM.astern_share, goal_x)  # as the player sees it: rotated with the pitch
         side = left if uniform(match) < 0.5 else -left
     player.aim_x, player.aim_y = player.x + dx, player.y + dy + side * AIM.widest * share
 
@@ -158,9 +158,7 @@ def strike(match, player, ux, uy, power):
 
 @kernel
 def run_at_contact(player):
-    """Return the direction and speed in m/s of the body when the foot meets the ball; who stands steps in where he
-    looks.
-    """
+    """Return direction and speed in m/s of the body when the foot meets the ball; a standing player steps forward."""
     speed = length(player.vx, player.vy)
     if speed < POWER.step_in:
         return player.facing_x, player.facing_y, POWER.step_in
@@ -169,9 +167,7 @@ def run_at_contact(player):
 
 @kernel
 def force_of(player, along, speed, power):
-    """Return the speed in m/s that is meant: by the gauge, less across the run and from the stand, and what he has in
-    him.
-    """
+    """Return the intended speed in m/s: by the gauge and the player's power, less across the run and from standing."""
     share = (0.7 + 0.3 * along) * (0.7 + 0.3 * min(speed / 8.0, 1.0) ** 0.3)
     share *= 1.0 - POWER.pushed * player.pushed / PUSH.most
     force = share * POWER.full * (POWER.least + POWER.gauge * math.sqrt(power))
@@ -213,14 +209,14 @@ def bad_direction(match, rx, ry, ux, uy, hard):
 
 @kernel
 def bend(ball, player, twist, share):
-    """Let a kick start off towards the body, which has turned `twist` rad with the leg to be no further off; return by
-    how many rad it would at the fastest.
+    """Let a kick start off towards the body, turned by `twist` rad with the leg; return the angle of the fastest in
+    rad.
     """
     flat = length(ball.vx, ball.vy) + 1e-9
     turn = angle_between(ball.vx, ball.vy, player.facing_x, player.facing_y)
     turn = math.copysign(min(abs(turn), twist), turn)
     if abs(turn) > 0.5 * math.pi:
-        turn = math.copysign(math.pi - abs(turn), turn)  # of who kicks it behind him
+        turn = math.copysign(math.pi - abs(turn), turn)  # of a kick behind the body
     amount = share * CURL.bend * turn / math.pi
     speed = math.sqrt(flat * flat + ball.vz * ball.vz)
     angle = amount * (CURL.slow + CURL.fast * min(speed / CURL.fastest, 1.0))
@@ -231,7 +227,7 @@ def bend(ball, player, twist, share):
 
 @kernel
 def spin_back(match, spread):
-    """Give a shot back spin that varies by this share in its direction and across, beside what it had."""
+    """Give a shot back spin that varies by this share along and across, and keeps a part of the ball's spin."""
     ball = match.ball
     flat = length(ball.vx, ball.vy) + 1e-9
     back = CURL.spin * (1.0 + spread * (2.0 * uniform(match) - 1.0))

@@ -1,6 +1,6 @@
-"""Steering: the velocity that leads a player to a place, to a free ball or to one that is led; and slides.
+"""Steering: the velocity that leads a player to a point, to a free ball or to a led one; and slides.
 
-Read next: `skills.tackles`, what a slide does; `control.keys` and `ai.decide`, who steers.
+Read next: `skills.tackles`, the effects of a slide; `control.actions` and `ai.decide`, which steer.
 """
 
 from __future__ import annotations
@@ -16,30 +16,30 @@ from regista.kernels.jit import kernel
 
 
 class Await(NamedTuple):
-    """How a player takes a ball that comes to him, who is clearly the first at it."""
+    """How a player takes an approaching ball when clearly first at it."""
 
-    in_time: float = 1.1  # of the opponents' time by his, with `Pull.patience`, from where on he takes his time
-    rolling: float = 1.0  # m/s, a slower ball does not come
+    in_time: float = 1.1  # of the opponents' time by the player's, with `Pull.patience`, above which there is no hurry
+    rolling: float = 1.0  # m/s; a slower ball does not approach
     longest: float = 3.0  # s until it passes
-    choices: int = 2  # places are compared: where he has it first, where it passes nearest, and between
-    pace: float = 0.4  # weight of how alike his way's velocity is to that wanted
+    choices: int = 2  # points are compared: the first reachable one, the nearest to the player, and between
+    pace: float = 0.4  # weight of how alike the way's velocity is to the desired one
     way: float = 0.6  # and its direction
-    nearest: float = 0.1  # and of where it passes nearest
+    nearest: float = 0.1  # and of the nearest point of its path
     urgency: float = 2.6  # 1/s, velocity by distance
     fastest: float = 8.0  # m/s
-    stands: float = 1.8  # m/s, slower he stands
+    stands: float = 1.8  # m/s, below which the player stands
 
 
-# Documented of Google Research Football; checked by its own episodes, played on from where they were after each step.
+# Documented by Google Research Football; checked against its episodes, continued from the state after each step.
 AWAIT = Await()
-HUNT_LEAD = 1.2  # s at most by which a carrier's run is led
-ROUND, OVERTAKE = 1.0, 0.4  # m beside a body that is run round, and s ahead of it
+HUNT_LEAD = 1.2  # s at most by which a carrier's run is extrapolated
+ROUND, OVERTAKE = 1.0, 0.4  # m beside an obstructing body, and s ahead of it
 SLIDE_KEEPS = 0.9  # of the run's speed
 
 
 @kernel
 def slide(match, i):
-    """Throw player i into a slide along his run; nothing happens while his team has the ball."""
+    """Start a slide of player i along the run; nothing happens while the own team has the ball."""
     player = match.players[i]
     if player.down_wait > 0.0 or match.game_mode != 0:
         return
@@ -52,7 +52,7 @@ def slide(match, i):
 
 @kernel
 def chase(match, i, speed):
-    """Want to run at this speed to where the ball can be met."""
+    """Desire a velocity of this magnitude to where the ball can be met."""
     player, ball, ahead = match.players[i], match.ball, look_ahead(match.ball)
     share = 0.0
     if ahead.speed > 0.5:
@@ -62,7 +62,7 @@ def chase(match, i, speed):
 
 @kernel
 def run_to(player, x, y, speed):
-    """Want to run to a place, slowing down over the last stride."""
+    """Desire a velocity to a point, slowing down over the last stride."""
     dx, dy = x - player.x, y - player.y
     distance = math.sqrt(dx * dx + dy * dy)
     if distance < 0.05:
@@ -94,10 +94,11 @@ def go_for_ball(match, i, speed):
 
 @kernel
 def await_ball(ball, player, time, ux, uy):
-    """Meet a ball, at which a player is in `time` s, where that suits the velocity that he wants and his direction
-    (ux, uy); return whether it comes to him.
+    """Meet a ball that can be reached in `time` s where that suits the desired velocity and direction (ux, uy) best.
 
-    That is anywhere from where he can have it first to where it passes nearest; he goes there as fast as he must.
+    Return whether the ball approaches.
+
+    The point is between the first reachable one and the nearest of its path; the player goes there as fast as needed.
     """
     speed = ball_speed(ball)
     if speed < AWAIT.rolling:
@@ -117,7 +118,7 @@ def await_ball(ball, player, time, ux, uy):
         share = part / AWAIT.choices
         way = first + share * (last - first)
         dx, dy = ball.x + way * way_x - player.x, ball.y + way * way_y - player.y
-        rating = suits(wanted_x, wanted_y, ux, uy, dx, dy) + AWAIT.nearest * share
+        rating = is_suitable(wanted_x, wanted_y, ux, uy, dx, dy) + AWAIT.nearest * share
         if rating > best:
             best = rating
             distance = length(dx, dy)
@@ -128,8 +129,8 @@ def await_ball(ball, player, time, ux, uy):
 
 
 @kernel
-def suits(wanted_x, wanted_y, ux, uy, dx, dy):
-    """Return how well going (dx, dy) m suits who wants a velocity, in the direction (ux, uy)."""
+def is_suitable(wanted_x, wanted_y, ux, uy, dx, dy):
+    """Rate how well going (dx, dy) m fits the desired velocity, whose direction is (ux, uy)."""
     distance = length(dx, dy) + 1e-9
     pace = min(AWAIT.urgency, AWAIT.fastest / distance)
     like = 1.0 - min(length(wanted_x - pace * dx, wanted_y - pace * dy) / AWAIT.fastest, 1.0)

@@ -1,6 +1,6 @@
-"""Taking the ball off a carrier's feet: standing tackles, slides, and the fouls that come of both.
+"""Winning the ball from a carrier: standing tackles, slides, and the resulting fouls.
 
-Chances are fitted to tackles measured of Google Research Football, severities follow its rule. Read next:
+Chances are fitted to tackles measured in Google Research Football, severities follow its rule. Read next:
 `rules.fouls`.
 """
 
@@ -22,10 +22,10 @@ class Tackle(NamedTuple):
 
     reach: float = 0.85  # m from the body to the ball
     below: float = 0.9  # m, its height
-    idles: float = 0.5  # m/s, who is slower and wants no more does not try
-    meant_cosine: float = 0.85  # of the angle between the way that a tackler wants to go and the ball
-    shielding_cosine: float = 0.5  # of the angle at the carrier's body between the way to him and on to the ball
-    passing_most: float = 9.0  # m/s at which the ball passes
+    idles: float = 0.5  # m/s; a player who is slower, and wants to be, does not try
+    meant_cosine: float = 0.85  # of the angle between the tackler's desired direction and the ball
+    shielding_cosine: float = 0.5  # of the angle at the carrier's body between the ways to the body and on to the ball
+    passing_most: float = 9.0  # m/s at which the ball passes, at most
     contact: float = 0.85  # m between bodies, for a poke round the carrier's
     at_feet: float = 0.6  # m to the ball from the carrier's body, for that
     chance: float = 0.9
@@ -34,52 +34,52 @@ class Tackle(NamedTuple):
     built_in_hurried: float = 0.225  # less per m/s of the carrier,
     built_in_far: float = 1.7  # more per m of the ball from the carrier's body,
     built_in_most: float = 0.9  # but at most:
-    built_in_least: float = 0.6  # of that the least skilful have so much,
-    built_in_skill: float = 0.55  # and the more skilful more, but not more than all
-    beside: float = 0.35  # cosine of straight ahead of who runs, from where on a built-in player tries
-    behind: float = 0.3  # share of the chance that is left from behind
-    behind_cosine: float = -0.3  # of straight ahead of the carrier: behind him
-    skill_least: float = 0.9  # share of the chance that the least skilful have
-    skill_most: float = 1.04  # and the most skilful
-    clumsy: float = 4.5  # more of the chance against a carrier without skill, by the square of what he lacks
+    built_in_least: float = 0.6  # factor of that for the least skillful,
+    built_in_skill: float = 0.55  # and added for the most skillful, up to 1
+    beside: float = 0.35  # cosine of the angle from the carrier's front, from where on a built-in player tries
+    behind: float = 0.3  # factor of the chance from behind
+    behind_cosine: float = -0.3  # of the angle from the carrier's front: behind
+    skill_least: float = 0.9  # factor of the chance for the least skillful
+    skill_most: float = 1.04  # and for the most skillful
+    clumsy: float = 4.5  # factor of the chance against a carrier without skill, times the square of the missing skill
     swerve: float = 20.0  # m/s, see `within_reach`
-    wait: float = 0.6  # s until who has failed can touch the ball again
+    wait: float = 0.6  # s after a failure until the player can touch the ball again
     beaten_down: float = 0.3  # s on the ground
-    robbed_wait: float = 0.7  # s until a carrier who has lost the ball can touch it again
+    robbed_wait: float = 0.7  # s until a robbed carrier can touch the ball again
     won_speed: float = 0.3  # share of the winner's speed that the ball gets
-    trip_chance: float = 0.4  # of a tackle from the side or from behind that misses the ball
+    trip_chance: float = 0.4  # probability of a tackle from the side or from behind that misses the ball
 
 
 class Slide(NamedTuple):
-    """Slides, and the fouls that come of them."""
+    """Slides, and the resulting fouls."""
 
     reach: float = 0.75  # m from the body to the ball
-    legs: float = 0.8  # m ahead of the body that his feet are,
+    legs: float = 0.8  # m from the body to the feet,
     trip_reach: float = 0.6  # m from there to the carrier's body
-    legs_out: float = SLIDE.time - 0.05  # s left of a slide until which it reaches nobody
+    legs_out: float = SLIDE.time - 0.05  # s left of a slide, after which it reaches nobody
     rate: float = 10.0  # wins per s within reach
     moving: float = 0.5  # m/s at which the ball passes, at least
-    shielded: float = 0.05  # share of that from behind, until he has slid past the carrier's body
-    foul_side: float = 0.97  # chance to fell the carrier from the side,
-    foul_side_running: float = 0.87  # if he runs,
-    foul_behind: float = 0.95  # from behind if he runs: who stands is not felled from there
+    shielded: float = 0.05  # share of that from behind, until the slide has passed the carrier's body
+    foul_side: float = 0.97  # probability of felling the carrier from the side,
+    foul_side_running: float = 0.87  # of a running one,
+    foul_behind: float = 0.95  # from behind of a running one: a standing carrier is not felled from there
     foul_front: float = 0.03
     severity: float = 1.0  # of never meeting the ball
-    severity_standing: float = 0.5  # more from beside or behind
-    severity_running: float = 0.9  # more, if he runs
+    severity_standing: float = 0.5  # added from beside or behind
+    severity_running: float = 0.9  # added if the carrier runs
 
 
 # Fitted to tackles measured of Google Research Football: `lab.benchmarks --suite grf`, family tackles.
 TACKLE, SLIDING = Tackle(), Slide()
-STANDING = 1.5  # m/s, a carrier slower than this stands
-SIDE_COSINE = 0.7  # less than this off straight ahead or straight behind is from the side
+STANDING = 1.5  # m/s, below which a carrier stands
+SIDE_COSINE = 0.7  # below this absolute cosine a tackle is from the side
 
 
 @kernel
 def in_tackle_reach(match, i, distance):
-    """Return whether player i, this far from the ball, tries for it, past the carrier's body if need be.
+    """Return whether player i, this far from the ball, tries for it, past the carrier's body if necessary.
 
-    Who stands idly beside a carrier who stands does not.
+    An idle player beside a standing carrier does not.
     """
     player, ball, carrier = match.players[i], match.ball, match.players[match.carrier]
     if ball.z > TACKLE.below:
@@ -94,11 +94,10 @@ def in_tackle_reach(match, i, distance):
 
 @kernel
 def goes_for_ball(match, i, distance):
-    """Return whether player i tries for the ball, this far from him: where the way that he wants to go leads to it, or
-    he stands and lets it come.
+    """Return whether player i tries for the ball at this distance: the desired direction leads to it, or the player
+    stands and lets it come.
 
-    A built-in player does so wherever he goes, but not past the carrier's body, nor when they run at each other too
-    fast.
+    A built-in player tries with any desired direction, but not past the carrier's body, nor at a high closing speed.
     """
     player, ball = match.players[i], match.ball
     carrier = match.players[match.carrier]
@@ -115,7 +114,7 @@ def goes_for_ball(match, i, distance):
 
 @kernel
 def tackle(match, i):
-    """Let player i try to take the ball off the carrier's feet."""
+    """Let player i try to win the ball from the carrier."""
     player, carrier = match.players[i], match.players[match.carrier]
     front, speed = frontal(player, carrier), length(carrier.vx, carrier.vy)
     if player.action == BUILTIN_AI:
@@ -138,9 +137,9 @@ def tackle(match, i):
 
 @kernel
 def chance_of_built_in(match, player, carrier, speed):
-    """Return the chance of a built-in player, who lets the ball come, against a carrier of this speed in m/s.
+    """Return the chance of a built-in player, who lets the ball come, against a carrier at this speed in m/s.
 
-    It is the better the further that one has played the ball ahead.
+    It grows with the distance of the ball from the carrier.
     """
     chance = TACKLE.built_in - TACKLE.built_in_hurried * speed + TACKLE.built_in_far * apart(match.ball, carrier)
     return min(chance, TACKLE.built_in_most) * min(TACKLE.built_in_least + TACKLE.built_in_skill * player.skill, 1.0)
@@ -148,13 +147,13 @@ def chance_of_built_in(match, player, carrier, speed):
 
 @kernel
 def share_of_skill(player):
-    """Return the share of the chance to win the ball that a player of his skill has; 1 for the one who was measured."""
+    """Return the factor of the chance to win the ball for a player's skill; 1 for the measured one."""
     return TACKLE.skill_least + (TACKLE.skill_most - TACKLE.skill_least) * player.skill
 
 
 @kernel
 def slide_into(match, i, distance):
-    """Let player i, sliding this far from the ball, win it or fell the carrier if either is in his reach."""
+    """Let player i, sliding this far from the ball, win it or fell the carrier if either is in reach."""
     player, carrier, ball = match.players[i], match.players[match.carrier], match.ball
     if player.down_wait > SLIDING.legs_out:
         return
@@ -181,9 +180,7 @@ def slide_into(match, i, distance):
 
 @kernel
 def foul_chance(front, runs):
-    """Return the chance that a slide fells the carrier: from the side nearly always, from behind if he runs, seldom
-    frontal.
-    """
+    """Return the chance that a slide fells the carrier: high from the side, from behind if running, low in front."""
     if abs(front) < SIDE_COSINE:
         return SLIDING.foul_side_running if runs else SLIDING.foul_side
     if front > 0.0:
@@ -193,14 +190,14 @@ def foul_chance(front, runs):
 
 @kernel
 def frontal(player, carrier):
-    """Return the cosine of where a player comes from, seen from the carrier: 1 from ahead of him, -1 from behind."""
+    """Return the cosine of the direction from which a player comes: 1 from in front of the carrier, -1 from behind."""
     ux, uy = toward(player.x - carrier.x, player.y - carrier.y)
     return ux * carrier.facing_x + uy * carrier.facing_y
 
 
 @kernel
 def win(match, i):
-    """Give player i the ball of the carrier, who cannot take it back at once."""
+    """Give player i the ball of the carrier, who cannot win it back at once."""
     match.players[match.carrier].touch_wait = TACKLE.robbed_wait
     take(match, i)
     if match.carrier == i:
@@ -210,7 +207,7 @@ def win(match, i):
 
 @kernel
 def within_reach(match, i, widest):
-    """Return the share of player i's chance to win the ball that is left by a carrier who swerves across his reach.
+    """Return the factor of player i's chance to win the ball from a carrier who swerves across the player's reach.
 
     At `widest` m/s across it the ball cannot be won.
     """

@@ -1,6 +1,6 @@
-"""What a touch does to the ball: it is taken.
+"""What a touch does to the ball: the player takes it.
 
-Read next: `skills.hands`, for keepers; `skills.contacts`, where it is decided who touches it how.
+Read next: `skills.hands`, for keepers; `skills.contacts`, which decides on touches.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from regista.kernels.jit import kernel
 
 @kernel
 def take(match, i):
-    """Give player i the ball at his feet, moving with him, unless he is offside."""
+    """Give player i the ball at the feet, moving along, unless the player is offside."""
     if whistled(match, i):
         return
     player, ball = match.players[i], match.ball

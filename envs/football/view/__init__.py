@@ -1,1 +1,1 @@
-"""Matches as pictures, films and records."""
+"""Matches as pictures, videos and records."""

@@ -1,11 +1,11 @@
 """A rule-based player: dribble to the goal, shoot in range, pass under pressure, win the ball back.
 
-It needs nothing but a `raw` observation and the numbers of the actions, so it plays Google Research Football unchanged:
+It needs only a `raw` observation and the numbers of the actions, so it also plays Google Research Football unchanged:
 
-    action = act(observation)               # here:    FootballEnv(program, representation="raw")
-    action = act(observations[0])           # there:   gfootball, representation="raw", one controlled player
+    action = act(observation)               # our simulator:  FootballEnv(program, representation="raw")
+    action = act(observations[0])           # GRF:            gfootball, representation="raw", one controlled player
 
-It remembers nothing between steps: which keys are pressed stands in `sticky_actions`. Read next: `observation.raw`.
+It has no memory between steps: `sticky_actions` holds the active actions. Read next: `observation.raw`.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from collections.abc import Mapping
 from typing import Any
 
 LONG_PASS, HIGH_PASS, SHORT_PASS, SHOT, SPRINT, RELEASE_SPRINT = 9, 10, 11, 12, 13, 15
-SPRINT_KEY = 8  # in `sticky_actions`, after the eight directions
+SPRINT_INDEX = 8  # in `sticky_actions`, after the eight directions
 NORMAL, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = 0, 2, 3, 4, 5, 6
 KEEPER = 0  # role
 
-X, Y = 54.4, -83.6  # m per unit; y of the observations points down, here up
+X, Y = 54.4, -83.6  # m per unit; y points down in observations, up in this module
 GOAL = (55.0, 0.0)
 DIAGONAL = math.sqrt(0.5)
 DIRECTIONS = (  # of actions 1 to 8
@@ -37,15 +37,15 @@ SHOT_RANGE = 16.0  # m
 LONG_SHOT = 21.0  # m, when an opponent is about to take the ball
 PRESSED = 5.0  # m to an opponent who is not behind
 LOOK_AHEAD = 7.0  # m along which opponents count when dribbling
-LANE = 3.5  # m that opponents must be off the way
+LANE = 3.5  # m that opponents must be off the lane
 PASS_LEAST, PASS_MOST = 5.0, 28.0  # m
-SIDE = 33.0  # m from the middle: further out the side line repels
-LEAD = 0.5  # s by which a running opponent or a ball is led
+SIDE = 33.0  # m from the middle, beyond which the side line repels
+LEAD = 0.5  # s by which an opponent's run or a ball is extrapolated
 Point = tuple[float, float]
 
 
 def act(observation: Mapping[str, Any]) -> int:
-    """Return the action, 0 to 18, for a `raw` observation (a dict as Google Research Football gives it)."""
+    """Return the action, 0 to 18, for a `raw` observation (a dict in Google Research Football's format)."""
     pitch = Pitch(observation)
     if observation["game_mode"] != NORMAL:
         return restart(pitch, observation)
@@ -55,7 +55,7 @@ def act(observation: Mapping[str, Any]) -> int:
 
 
 class Pitch:
-    """What the observation says, in metres with +y up and per second."""
+    """The content of an observation, in meters with +y up and per second."""
 
     def __init__(self, observation: Mapping[str, Any]) -> None:
         me = int(observation["active"])
@@ -75,7 +75,7 @@ class Pitch:
         self.ball = _metres(observation["ball"])
         self.ball_run = tuple(10 * speed for speed in _metres(observation["ball_direction"]))
         self.even = int(observation["steps_left"]) % 2 == 0
-        self.keys = [bool(key) for key in observation["sticky_actions"]]
+        self.sticky_actions = [bool(held) for held in observation["sticky_actions"]]
 
 
 # ---------------------------------------------------------------- with the ball
@@ -98,9 +98,7 @@ def attack(pitch: Pitch) -> int:
 
 
 def best_mate(pitch: Pitch) -> Point | None:
-    """Return a mate to whom the way is free, the closer to the goal the better; none if all of them are worse
-    placed.
-    """
+    """Return a teammate with a free lane, preferably close to the goal; None if all are placed worse."""
     best, best_worth = None, -8.0
     for mate in pitch.mates:
         distance = _distance(pitch.me, mate)
@@ -114,7 +112,7 @@ def best_mate(pitch: Pitch) -> Point | None:
 
 
 def dribble_direction(pitch: Pitch) -> int:
-    """Return the direction that gains most ground towards the goal and leads past the opponents."""
+    """Return the direction that gains most ground towards the goal past the opponents."""
     goal = _unit(pitch.me, GOAL)
     best, best_worth = 5, -math.inf
     for action, (dx, dy) in enumerate(DIRECTIONS, start=1):
@@ -126,7 +124,7 @@ def dribble_direction(pitch: Pitch) -> int:
                 worth -= 1.5 * (1.0 - ahead / LOOK_AHEAD) * (1.0 - across / LANE) + 0.3
         if abs(pitch.me[1]) > SIDE and dy * pitch.me[1] > 0:
             worth -= 1.0
-        if pitch.keys[action - 1]:
+        if pitch.sticky_actions[action - 1]:
             worth += 0.1  # turning takes time
         if worth > best_worth:
             best, best_worth = action, worth
@@ -140,15 +138,15 @@ def _shot_direction(pitch: Pitch) -> int:
 
 
 def _kick(pitch: Pitch, direction: int, kick: int) -> int:
-    """Press the direction that aims the kick, then the button every other step: releasing it is what kicks."""
-    return kick if pitch.keys[direction - 1] and pitch.even else direction
+    """Hold the direction that aims the kick, then the kick every other step: the release kicks."""
+    return kick if pitch.sticky_actions[direction - 1] and pitch.even else direction
 
 
 # ---------------------------------------------------------------- without the ball
 
 
 def defend(pitch: Pitch, observation: Mapping[str, Any]) -> int:
-    """Run to where the ball will be; when they have it, a little towards our goal."""
+    """Run to where the ball will be; a little towards our goal if the opponents have it."""
     x = pitch.ball[0] + LEAD * pitch.ball_run[0]
     y = pitch.ball[1] + LEAD * pitch.ball_run[1]
     if observation["ball_owned_team"] == 1 and _distance(pitch.me, (x, y)) > 3.0:
@@ -158,7 +156,7 @@ def defend(pitch: Pitch, observation: Mapping[str, Any]) -> int:
 
 
 def restart(pitch: Pitch, observation: Mapping[str, Any]) -> int:
-    """Take our set pieces; a penalty is shot, everything else passed."""
+    """Take our set pieces: shoot a penalty, pass otherwise."""
     mode = observation["game_mode"]
     if mode == PENALTY:
         return _kick(pitch, 5, SHOT)
@@ -175,10 +173,10 @@ def restart(pitch: Pitch, observation: Mapping[str, Any]) -> int:
 
 
 def _run(pitch: Pitch, direction: int) -> int:
-    """Press a direction, and sprint once it is pressed."""
-    if not pitch.keys[direction - 1]:
+    """Hold a direction, and sprint once it is held."""
+    if not pitch.sticky_actions[direction - 1]:
         return direction
-    return direction if pitch.keys[SPRINT_KEY] else SPRINT
+    return direction if pitch.sticky_actions[SPRINT_INDEX] else SPRINT
 
 
 def _metres(place: Any) -> Point:

@@ -1,7 +1,7 @@
-"""A match as a picture: `draw_match` gives one moment as pixels, `write_video` many as a film.
+"""A match as a picture: `draw_match` draws one state as pixels, `write_video` many as a video.
 
-Drawn with Pillow at twice the size and shrunk, so that edges are smooth. Pixels count from the upper left, metres from
-the middle of the pitch with +y up. Read next: `view.render`, which knows the lines of the pitch.
+Pictures are drawn with Pillow at twice the size and shrunk, so that edges are smooth. Pixels count from the upper left,
+meters from the middle of the pitch with +y up. Read next: `view.render`, the lines of the pitch.
 """
 
 from __future__ import annotations
@@ -33,30 +33,30 @@ if TYPE_CHECKING:
 MODES = ("", "kick-off", "goal kick", "free kick", "corner", "throw-in", "penalty")
 FRAMES_PER_SECOND = round(1 / STEP)
 
-SHARPER = 2  # drawn at so many times the size
-SCALE = 7 * SHARPER  # pixels per metre
+SHARPER = 2  # oversampling factor
+SCALE = 7 * SHARPER  # pixels per meter
 BORDER = 4.0  # m of grass around the pitch
 BAR = 34 * SHARPER  # pixels, the bar with the score above the pitch
 WIDTH = round(2 * (HALF_LENGTH + BORDER) * SCALE)
 HEIGHT = round(2 * (HALF_WIDTH + BORDER) * SCALE) + BAR
-STRIPE = 5.5  # m of grass that are mown in one direction
+STRIPE = 5.5  # m, width of the stripes of mown grass
 
 BODY = 1.3  # m, radius of a player, larger than life
 BALL = 0.55  # m, likewise
-RISE = 0.55  # m that the ball is drawn higher per metre of its height
-GROWTH = 0.12  # that it is drawn larger per metre
+RISE = 0.55  # m that the ball is drawn higher per meter of its height
+GROWTH = 0.12  # by which it is drawn larger per meter of height
 GRASS: tuple[Colour, Colour] = ((46, 125, 66), (54, 137, 74))
 CHALK: Colour = (232, 240, 232)
 DARK: Colour = (18, 24, 20)
-MARKED: Colour = (255, 235, 59)  # whom an agent moves
+MARKED: Colour = (255, 235, 59)  # players moved by agents
 CARD: Colour = (255, 214, 0)
 
 
 def draw_match(match: Any) -> np.ndarray:
-    """Return a moment of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
+    """Return the state of one match, a row of MATCH, as uint8 `[height, width, 3]`: 594 × 826 pixels.
 
-    Keepers wear other colours, whom agents move has a yellow ring, a nose shows where a player looks, the ball's shadow
-    lies where it is above the ground. The bar tells score, time, and what is to be taken.
+    Keepers wear other colors, agents' players have a yellow ring, a nose shows a player's facing, and the ball's shadow
+    is below it. The bar shows score, time, and the pending restart.
     """
     from PIL import Image
     from PIL.ImageDraw import Draw
@@ -72,10 +72,10 @@ def draw_match(match: Any) -> np.ndarray:
 
 
 def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1.0) -> None:
-    """Write pictures uint8 `[height, width, 3]`, one per step, as a film that runs at `speed` times life.
+    """Write pictures uint8 `[height, width, 3]`, one per step, as a video at `speed` times real time.
 
-    `.gif` and `.webp` need nothing more; `.mp4` needs imageio-ffmpeg, `pip install regista[video]`. Raises ValueError
-    for another suffix or without a frame, ImportError where the package is missing.
+    `.gif` and `.webp` need no other package; `.mp4` needs imageio-ffmpeg, `pip install regista[video]`. Raises
+    ValueError for another suffix or without a frame, ImportError if the package is missing.
     """
     path = Path(path)
     check_film(path)
@@ -88,11 +88,11 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
 
 
 def check_film(path: Path) -> None:
-    """Raise what `write_video` would raise for this file, before there is anything to write."""
+    """Raise the errors that `write_video` would raise for this file, before any picture is drawn."""
     if path.suffix not in (".gif", ".webp", ".mp4"):
-        raise ValueError(f"{path.name}: a film ends in .gif, .webp or .mp4")
+        raise ValueError(f"{path.name}: the name of a video must end in .gif, .webp or .mp4")
     if not path.absolute().parent.is_dir():
-        raise ValueError(f"{path}: there is no folder {path.parent}")
+        raise ValueError(f"{path}: the folder {path.parent} does not exist")
     if path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
         raise ImportError("writing .mp4 needs imageio-ffmpeg: pip install 'regista[video]'; or choose .gif")
 
@@ -101,7 +101,7 @@ def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], 
     from PIL import Image
 
     first_image = Image.fromarray(first)
-    # One palette for all, for the pitch must not flicker, with a place for rare colours such as the keepers'.
+    # One palette for all frames, so that the pitch does not flicker, with room for rare colors such as the keepers'.
     palette = first_image.quantize(256, Image.Quantize.MAXCOVERAGE)
 
     def paged(frame: np.ndarray) -> Image.Image:
@@ -130,12 +130,12 @@ def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: 
 
 
 def _at(x: float, y: float) -> tuple[float, float]:
-    """Return the pixel of a place in metres."""
+    """Return the pixel of a position in meters."""
     return (x + HALF_LENGTH + BORDER) * SCALE, (HALF_WIDTH + BORDER - y) * SCALE + BAR
 
 
 def _disc(draw: ImageDraw, centre: tuple[float, float], radius: float, **colours: Any) -> None:
-    """Draw a disc with its centre and radius in pixels."""
+    """Draw a disc with center and radius in pixels."""
     x, y = centre
     draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colours)
 
@@ -175,7 +175,7 @@ def _draw_net(draw: ImageDraw, side: int) -> None:
         draw.line([_at(x, -GOAL_HALF_WIDTH), _at(x, GOAL_HALF_WIDTH)], fill=(150, 180, 150), width=1)
 
 
-# ---------------------------------------------------------------- what moves
+# ---------------------------------------------------------------- players and ball
 
 
 def _draw_player(draw: ImageDraw, player: Any) -> None:
@@ -209,7 +209,7 @@ def _draw_ball(draw: ImageDraw, ball: Any) -> None:
 
 
 def _draw_bar(draw: ImageDraw, match: Any) -> None:
-    """Score and time in the middle; what happens, to the right of it."""
+    """Draw score and time in the middle, the pending restart to the right of it."""
     draw.rectangle((0, 0, WIDTH, BAR), fill=DARK)
     font, middle = _font(round(0.6 * BAR)), BAR / 2
     seconds = int(match["step"] * STEP)

@@ -1,7 +1,7 @@
-"""What football looks like: the lines of the pitch, and where everybody stands, in metres with +y up.
+"""The look of football: the lines of the pitch and the positions of players, in meters with +y up.
 
-`FootballPainter` tells a recorder or a plot what a level looks like; `draw_pitch` and `draw_scene` draw with
-Matplotlib, which is imported when they are called. Read next: `scenic.lineup`, from which the places come.
+`FootballPainter` describes a level to a recorder or a plot; `draw_pitch` and `draw_scene` draw with Matplotlib, which
+is imported when they are called. Read next: `scenic.lineup`, which gives the positions.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ BALL_COLOUR: Colour = (255, 255, 255)
 GRASS: Colour = (24, 58, 36)
 CHALK: Colour = (214, 226, 214)
 
-# Markers: name, colour, radius in metres, larger than life. The classes of `FootballPainter` are indices into it.
+# Markers: name, color, radius in meters, larger than life. The classes of `FootballPainter` are indices into it.
 MARKERS = (
     ("left team", LEFT_COLOUR, 1.1),
     ("left keeper", LEFT_KEEPER_COLOUR, 1.1),
@@ -61,19 +61,19 @@ class HasMatches(Protocol):
 
     @property
     def matches(self) -> np.ndarray:
-        """The matches as they are, MATCH `[N]`."""
+        """The current matches, MATCH `[N]`."""
 
 
 class FootballPainter:
-    """Tell what the levels of one football program look like. It is a `ued.recorder.layout.ScenePainter`.
+    """Describes the appearance of one football program's levels. It is a `ued.recorder.layout.ScenePainter`.
 
     Attributes:
         classes: `[K]` the class of each point, an index into `MARKERS`; the P players in the order of the match, then
             the ball, so K = P + 1.
-        focus: the point that stands for a level: the program's ego.
-        bounds: x low, x high, y low, y high in metres: what matters of the right half if everybody but the left keeper
-            starts there, else the whole pitch.
-        reach: the whole pitch, likewise.
+        focus: the point that represents a level: the program's ego.
+        bounds: x low, x high, y low, y high in meters: the relevant part of the right half if everybody except the left
+            keeper starts there, else the whole pitch.
+        reach: the whole pitch in the same format.
     """
 
     background = GRASS
@@ -102,18 +102,18 @@ class FootballPainter:
         return pitch_lines()
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
-        """Return the places in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
+        """Return the positions in the scenes of θ `[L, D]`: `[L, K, 2]` m."""
         return self.places(self._lineup.starts(theta, np.zeros(len(theta), np.uint64)))
 
     def places(self, matches: np.ndarray) -> np.ndarray:
-        """Return the places in matches MATCH `[N]` under way: `[N, K, 2]` m."""
+        """Return the positions in running matches MATCH `[N]`: `[N, K, 2]` m."""
         players = matches["players"][:, : len(self.classes) - 1]
         people = np.stack([players["x"], players["y"]], -1)  # [N, P, 2]
         ball = np.stack([matches["ball"]["x"], matches["ball"]["y"]], -1)  # [N, 2]
         return np.concatenate([people, ball[:, None]], 1)
 
     def frame(self, env: HasMatches) -> np.ndarray:
-        """Return the places in the first match of `env` as it stands: `[K, 2]` m."""
+        """Return the positions in the first match of `env`: `[K, 2]` m."""
         return self.places(env.matches[:1])[0]
 
     def draw(self, axes: Axes, theta: np.ndarray, dots: float = 60.0) -> None:
@@ -124,14 +124,14 @@ class FootballPainter:
 
 
 def pitch_lines() -> list[np.ndarray]:
-    """Return the markings of a whole pitch as strips `[n, 2]` in metres."""
+    """Return the markings of a whole pitch as strips `[n, 2]` in meters."""
     x, y = HALF_LENGTH, HALF_WIDTH
     strips = [
         np.array([[-x, -y], [x, -y], [x, y], [-x, y], [-x, -y]]),
         np.array([[0, -y], [0, y]]),
         _arc(0.0, CIRCLE_RADIUS, 0.0, math.tau),
     ]
-    reach = math.acos((BOX_DEPTH - PENALTY_SPOT) / CIRCLE_RADIUS)  # how much of the arc lies outside the box
+    reach = math.acos((BOX_DEPTH - PENALTY_SPOT) / CIRCLE_RADIUS)  # half angle of the arc outside the box
     for side in (-1, 1):
         for depth, half in (
             (BOX_DEPTH, BOX_HALF_WIDTH),
@@ -154,11 +154,11 @@ def _arc(x: float, radius: float, start: float, end: float) -> np.ndarray:
 
 PAPER_GRASS = "#f3f6f2"
 PAPER_CHALK = "#b9c6bb"
-PAPER_COLOURS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light ground
+PAPER_COLOURS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light background
 
 
 def draw_pitch(axes: Axes, bounds: tuple[float, float, float, float]) -> None:
-    """Draw the part of the pitch within `bounds` (x low, x high, y low, y high in metres), without axes."""
+    """Draw the part of the pitch within `bounds` (x low, x high, y low, y high in meters), without axes."""
     axes.set_facecolor(PAPER_GRASS)
     for strip in pitch_lines():
         axes.plot(strip[:, 0], strip[:, 1], color=PAPER_CHALK, linewidth=1.0, zorder=1, solid_capstyle="round")

@@ -1,4 +1,4 @@
-"""Behaviors, monitors and conditions compiled into code for the machine (`vm`).
+"""The compiler of behaviors, monitors and conditions into code for the virtual machine (`vm`).
 
 Read next: `dynamics.compiler.compile`.
 """

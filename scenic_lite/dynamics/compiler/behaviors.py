@@ -1,6 +1,7 @@
-"""Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors inlined into the thread that runs them.
+"""Scenic's statements: `take`, `wait`, `do`, `terminate`, `require`; behaviors are inlined into their threads.
 
-What each means, and in which order its parts are evaluated, is the reference interpreter's to say. Read next:
+The reference interpreter defines the meaning of each statement, and the order in which its parts are evaluated. Read
+next:
 `dynamics.compiler.compile`, which makes threads of behaviors.
 """
 
@@ -47,7 +48,7 @@ def take(c: Compilation, scope: CompiledScope, node: nodes.Take) -> None:
 
 
 def command(c: Compilation, actions: Value) -> Value:
-    """Return the number of a command: its actions as one number, or its place in a list; of none -1."""
+    """Return the number of a command: its actions as one number, or its index in a list; -1 for none."""
     if isinstance(actions, RegisterList):
         actions = by_length(actions)
     if isinstance(actions, RandomChoice):
@@ -63,7 +64,7 @@ def command(c: Compilation, actions: Value) -> Value:
 
 
 def checked(c: Compilation, action: Value) -> Value:
-    """Return an action as the world wants it: a fault if it is none."""
+    """Return an action in the world's format, with a fault for an invalid one."""
     if isinstance(action, RandomChoice):
         return over_options(c, action, partial(checked, c))
     assert c.site.agent is not None, "the checker lets only behaviors take actions"
@@ -115,7 +116,7 @@ def terminate(c: Compilation, scope: CompiledScope, node: nodes.Terminate) -> No
 
 
 def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """Compile `require[p] condition` in a behavior or monitor: reject the match if it does not hold now."""
+    """Compile `require[p] condition` in a behavior or monitor: reject the match if it is violated now."""
     if is_temporal(node.condition):
         require_later(c, scope, node)
         return
@@ -130,20 +131,20 @@ def require(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
     c.code.put(fine)
 
 
-# ------------------------------------------------------------ what objects did last
+# ------------------------------------------------------------ the objects' last actions
 
 LATELY = {2: "(actions of this step)", 3: "lastActions"}
 
 
 def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
-    """Note the actions of the present object, for whoever asks for its `lastActions`."""
+    """Record the actions of the present object, for programs that read its `lastActions`."""
     if c.remembering:
         assert c.site.agent is not None
         c.keep(("object", c.site.agent.label, LATELY[c.program.dialect]), actions)
 
 
 def renew(c: Compilation, agents: list[Instance]) -> None:
-    """Note that nobody has done anything yet: as a step begins; in dialect 2 as it ends, and others see what was."""
+    """Clear the actions of all objects: as a step begins; in dialect 2 as it ends, after others have read them."""
     for agent in agents:
         lately = ("object", agent.label, LATELY[c.program.dialect])
         if c.program.dialect == 2:
@@ -151,9 +152,9 @@ def renew(c: Compilation, agents: list[Instance]) -> None:
         c.keep(lately, ())
 
 
-# ------------------------------------------------------------ behaviors inside each other
+# ------------------------------------------------------------ nested behaviors
 def run_behavior(c: Compilation, call: BehaviorCall, node: ast.AST, guards: bool = True) -> None:
-    """Write a behavior in place: its guards, then its body."""
+    """Write an inlined behavior: its guards, then its body."""
     with c.entered(call.behavior, node, call.place):
         scope = interrupts.frame_of(c, call)
         if guards:
@@ -166,7 +167,7 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
     named = named_by_do(scope, node, "scenario" if c.site.composing else "behavior")
     calls = [(store_in_register(c.code, call), store_in_register(c.code, weight)) for call, weight in named]
     if node.how == "choose":
-        chosen = pick(c, calls, node)  # before a condition is looked at
+        chosen = pick(c, calls, node)  # before a condition is evaluated
         run = partial(run_one_of, c, [call for call, _ in calls], node, chosen)
     elif node.how == "shuffle":
         run = partial(shuffle, c, calls, node)
@@ -180,7 +181,7 @@ def do(c: Compilation, scope: CompiledScope, node: nodes.Do) -> None:
 
 
 def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
-    """Run a behavior, or whichever one it is in the match; in a compose block scenarios."""
+    """Run a behavior, or the one that the match chooses; in a compose block scenarios."""
     if c.site.composing:
         run_scenarios(c, calls, node)
     elif isinstance(calls[0], BehaviorCall):
@@ -190,7 +191,7 @@ def run_called(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
 
 
 def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: int) -> None:
-    """Run that of some whose number stands in a register."""
+    """Run the one of several whose number is in a register."""
 
     def run(number: int, call: Value) -> None:
         with c.round(node, number):
@@ -201,7 +202,7 @@ def run_one_of(c: Compilation, calls: Iterable[Value], node: nodes.Do, chosen: i
 
 # ------------------------------------------------------------ one of several
 def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
-    """Compile `do shuffle`: again and again one of those that are left."""
+    """Compile `do shuffle`: repeatedly choose one of the remaining."""
     code = c.code
     left = code.variables.take(len(calls))
     for i in range(len(calls)):
@@ -213,7 +214,7 @@ def shuffle(c: Compilation, calls: list[Called], node: nodes.Do) -> None:
 
 
 def pick(c: Compilation, calls: list[Called], node: nodes.Do, left: int | None = None) -> int:
-    """Return a register with the number of one that is chosen by weight, of those left whose guards hold now."""
+    """Return a register with the number of one chosen by weight among the remaining whose guards hold now."""
     able = c.code.variables.take(len(calls))
     for i, (call, _) in enumerate(calls):
         register_of(c.code, 0, able + i)
@@ -236,7 +237,7 @@ def can_start(c: Compilation, call: Value, node: nodes.Do, number: int, able: in
 
 
 def drawn(c: Compilation, weights: list[Value], able: int) -> int:
-    """Return a register with the place of one of those that are able, by weight; a single one is not drawn for."""
+    """Return a register with the index of one of the enabled, chosen by weight; a single one needs no draw."""
     code = c.code
     total, count, mark, share = (code.temporaries.take() for _ in range(4))
     chosen = code.variables.take()
@@ -255,7 +256,7 @@ def drawn(c: Compilation, weights: list[Value], able: int) -> int:
     code.put(certain)
     for i, weight in enumerate(weights):
         with code.when(able + i):
-            register_of(code, i, chosen)  # and so at last the last one, should rounding leave something over
+            register_of(code, i, chosen)  # the last one, in case of rounding errors
             code.row(op.SUBTRACT, mark, mark, register_of(code, weight))
             code.row(op.JUMP_LESS, mark, code.constant(0), end)
     code.put(end)

@@ -1,9 +1,9 @@
-"""Values that are one of several things: an object or None, a player found in a loop, one of two texts.
+"""Values that are one of several: an object or None, a player found in a loop, one of two texts.
 
-What is done to them is done to each of the things: at once if that costs nothing, else behind jumps, so that only what
-is really there is computed. Where it cannot be done to some of them (None has no position) the match stops with the
-program's line if one of those is met. Conditions are here too: what need not be evaluated is not, so that a guard
-protects what stands behind it and no draw is made in vain. Read next: `dynamics.compiler.lists`.
+An operation on a choice is applied to each option: directly if that costs nothing, else behind jumps, so that only the
+actual option is computed. If it fails for some options (None has no position) the match stops with the program's line
+when it meets one of those. This module also handles conditions: operands that are not needed are not evaluated, so that
+a guard protects what follows it and no draw is wasted. Read next: `dynamics.compiler.lists`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Computed = tuple[list[Row], Value]  # a value, and the rows that compute it
 
 
 def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value], Value]) -> Value:
-    """Return `of_one` of whichever option it is in the match. Raises its error if it fails for all."""
+    """Return `of_one` of the actual option. Raises its error if it fails for all options."""
     computed: dict[int, Computed] = {}
     failed: dict[int, ScenicError] = {}
     for i, option in enumerate(choice.options):
@@ -56,7 +56,7 @@ def over_options(c: Compilation, choice: RandomChoice, of_one: Callable[[Value],
 
 
 def costs_nothing(value: Value) -> bool:
-    """Return whether a value needs no computing."""
+    """Return whether a value needs no computation."""
     if isinstance(value, RegisterValue) or not isinstance(value, RandomExpr | RandomChoice):
         apart = None if isinstance(value, RegisterValue) else flatten(value)
         return apart is None or all(map(costs_nothing, apart[1]))
@@ -66,7 +66,7 @@ def costs_nothing(value: Value) -> bool:
 
 
 def switch(c: Compilation, choice: RandomChoice, results: dict[int, Computed]) -> Value:
-    """Write rows that compute what belongs to the option that is met, and nothing else."""
+    """Write the rows of the actual option only."""
     place = place_for(c.code, [value for _, value in results.values()])
     cases = {i: partial(compute_into, c, place, computed) for i, computed in results.items()}
     c.code.dispatch(register_of(c.code, choice.index), cases)
@@ -80,11 +80,11 @@ def compute_into(c: Compilation, place: Place, computed: Computed) -> None:
 
 
 def whole_choice(value: Value, c: Compilation) -> Value:
-    """Return a choice without None: a fault if it is None in the match."""
+    """Return a choice without None, with a fault if it is None in the match."""
     if not isinstance(value, RandomChoice) or value.options[-1] is not None:
         return value
     there = apply(NOT_EQUAL, value.index, len(value.options) - 1)
-    c.code.fault_unless(register_of(c.code, there), "None is no object, number or vector")
+    c.code.fault_unless(register_of(c.code, there), "None is not an object, a number or a vector")
     options = value.options[:-1]
     return options[0] if len(options) == 1 else choose(value.index, options)
 
@@ -144,7 +144,7 @@ def boolean(c: Compilation, scope: Scope, node: ast.BoolOp) -> Value:
 
 
 def in_turn(c: Compilation, is_and: bool, operands: list[Callable[[], Value]]) -> Value:
-    """Return the first operand that decides, or the last one; what stands behind it is not evaluated."""
+    """Return the first operand that decides, or the last one; the operands after it are not evaluated."""
     value = operands[0]()
     for evaluate in operands[1:]:
         known = truth(value)
@@ -214,13 +214,13 @@ def same_thing(left: Value, right: Value) -> Value:
 
 
 def numbered(choice: RandomChoice, things: list[Value]) -> Value:
-    """Return the place of what is chosen in a list of things."""
+    """Return the index of the chosen value in a list."""
     places = [next(i for i, thing in enumerate(things) if thing is option) for option in choice.options]
     return renumbered(choice.index, places)
 
 
 def in_steps(c: Compilation, duration: Value, unit: str | None) -> Value:
-    """Return how many steps a duration takes that is given in steps or in seconds."""
+    """Return the number of steps of a duration in steps or in seconds."""
     if isinstance(duration, RandomChoice | RegisterList) or not isinstance(duration, int | float | RandomExpr):
         raise ScenicError("type", f"a duration is a number, not {describe_kind(duration)}")
     return duration if unit == "steps" else duration / c.world.timestep

@@ -1,7 +1,7 @@
-"""Writing code: rows with labels, registers for constants, inputs, variables and intermediate results.
+"""The assembler: rows with labels, registers for constants, inputs, variables and intermediate results.
 
-Registers are numbered in areas while a program is compiled, and laid side by side when it is finished: constants,
-inputs, the world and the threads' variables keep their values, intermediate results are shared by all. Read next:
+Registers are numbered by area during compilation, and placed side by side at the end: constants, inputs, the world and
+the threads' variables keep their values, intermediate results are shared by all. Read next:
 `dynamics.compiler.emit`, which turns nodes into rows.
 """
 
@@ -22,8 +22,8 @@ from scenic_lite.values.graph import RandomExpr, ThetaColumn
 
 MOST_ROWS = 200_000
 MOST_REGISTERS = 100_000
-LABEL = -1  # in place of an opcode: the label of this row stands here
-AREA = 1 << 24  # registers are numbered by area until they are laid side by side
+LABEL = -1  # in place of an opcode: marks the label of this row
+AREA = 1 << 24  # registers are numbered by area until they are placed side by side
 FIXED, CONSTANTS, INPUTS, VARIABLES, TEMPORARIES = (area * AREA for area in range(5))
 
 
@@ -50,11 +50,11 @@ class Row(NamedTuple):
     c: int | Label | Operands
     place: SourceSpan | None
     note: str = ""
-    called: SourceSpan | None = None  # where the program calls the function of a library in which this stands
+    called: SourceSpan | None = None  # where the program calls the library function that contains this row
 
 
-class DrawnNow(ThetaColumn):
-    """A draw at run time, as distributions know it; `register` holds its value."""
+class RuntimeDraw(ThetaColumn):
+    """A draw at run time, with the interface of distributions; `register` holds its value."""
 
     __slots__ = ("register",)
 
@@ -65,7 +65,7 @@ class DrawnNow(ThetaColumn):
 
 @dataclass
 class Area:
-    """Registers of one kind, handed out like a stack."""
+    """Registers of one kind, allocated like a stack."""
 
     base: int
     used: int = 0
@@ -83,10 +83,10 @@ class Area:
 
 @dataclass
 class Assembler:
-    """The rows written so far, and where the next ones go."""
+    """The rows written so far, and the state for the next ones."""
 
     rows: list[Row] = field(default_factory=list)
-    reachable: bool = True  # whether the next row can be come to
+    reachable: bool = True  # whether control can reach the next row
     place: SourceSpan | None = None  # of the statement that is being compiled
     called: SourceSpan | None = None  # as in `Row`
     variables: Area = field(default_factory=lambda: Area(VARIABLES))
@@ -95,9 +95,9 @@ class Assembler:
     inputs: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # by the node's id
     initial: dict[int, float] = field(default_factory=dict)  # registers that a match starts with
     texts: dict[str, int] = field(default_factory=dict)
-    register_names: dict[int, str] = field(default_factory=dict)  # of registers: what a person calls them
+    register_names: dict[int, str] = field(default_factory=dict)  # of registers: readable names
     fixed: Area = field(default_factory=lambda: Area(FIXED, FIRST_FREE))
-    known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way to here, by id
+    known: dict[int, tuple[int, RandomExpr]] = field(default_factory=dict)  # nodes computed on the way here, by id
 
     # ------------------------------------------------------------ rows
 
@@ -141,14 +141,14 @@ class Assembler:
 
     @contextmanager
     def when(self, register: int) -> Iterator[None]:
-        """Execute the rows written inside if the register is not 0."""
+        """Execute the rows written inside the context if the register is not 0."""
         otherwise = Label()
         self.row(op.JUMP_UNLESS, register, c=otherwise)
         yield
         self.put(otherwise)
 
     def dispatch(self, register: int, cases: Mapping[int, Callable[[], object]]) -> None:
-        """Write the rows of each case; the register says which of them are executed."""
+        """Write the rows of each case; the register selects the case."""
         end = Label()
         for number, write in cases.items():
             following = Label()
@@ -161,8 +161,9 @@ class Assembler:
 
     @contextmanager
     def rounds(self, stop: int, start: int | None = None, step: int = 1) -> Iterator[tuple[RegisterValue, Label]]:
-        """Execute the rows written inside for the numbers from one register up or down to another; the label begins the
-        next. Without `start` they are the places of a list, which are never too many.
+        """Repeat the rows written inside the context for the numbers from one register up or down to another.
+
+        The label begins the next round. Without `start` the numbers are the indices of a list, which is never too long.
         """
         counter, again, following, over = RegisterValue(self.variables.take(), whole=True), Label(), Label(), Label()
         now = counter.register
@@ -177,7 +178,7 @@ class Assembler:
 
     @contextmanager
     def captured(self) -> Iterator[list[Row]]:
-        """Keep aside the rows written inside."""
+        """Collect the rows written inside the context separately."""
         inside: list[Row] = []
         outside, known, reachable = self.rows, dict(self.known), self.reachable
         self.rows = inside
@@ -196,7 +197,7 @@ class Assembler:
         number = float(self.text(value)) if isinstance(value, str) else float(value)
         key = number if number != 0 else 0.0
         if number != number:
-            raise ScenicError("value", "nan is no number to compute with")
+            raise ScenicError("value", "nan cannot be computed with")
         if key not in self.constants:
             self.constants[key] = CONSTANTS + len(self.constants)
         return self.constants[key]
@@ -205,13 +206,13 @@ class Assembler:
         return self.texts.setdefault(value, len(self.texts))
 
     def input(self, node: RandomExpr) -> int:
-        """Return the register of a value that is the same for a whole match: it is computed when the match starts."""
+        """Return the register of a value that is constant in a match: it is computed when the match starts."""
         if id(node) not in self.inputs:
             self.inputs[id(node)] = (INPUTS + len(self.inputs), node)
         return self.inputs[id(node)][0]
 
     def begin_with(self, register: int, value: Any) -> None:
-        """Note what a register holds when a match starts: a fixed value, or one that the scene gives."""
+        """Set the initial value of a register: a fixed value, or one from the scene."""
         if isinstance(value, RandomExpr):
             self.inputs[-register] = (register, value)
         else:
@@ -219,7 +220,7 @@ class Assembler:
 
     @contextmanager
     def statement(self) -> Iterator[None]:
-        """Forget the intermediate results of one statement after it."""
+        """Free the intermediate results of a statement after it."""
         used = self.temporaries.used
         self.known.clear()
         try:

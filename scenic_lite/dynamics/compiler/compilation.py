@@ -1,6 +1,6 @@
-"""What the compiler knows while it walks a program: the frames of inlined behaviors and functions, and one compilation.
+"""The state of the compiler during a pass over a program: frames of inlined behaviors and functions, one compilation.
 
-Names are looked up as everywhere; their values are fixed, or made of registers. Read next:
+Names are looked up as usual; their values are fixed, or are in registers. Read next:
 `dynamics.compiler.statements`.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from scenic_lite.core.scope import Scope
-from scenic_lite.core.state import LoadState, Mode, Watched
+from scenic_lite.core.state import EpisodeStatement, LoadState, Mode
 from scenic_lite.core.types import Behavior, BehaviorCall, Environment, Function, Instance, Namespace, Source
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.code import Assembler, Label
@@ -27,35 +27,35 @@ from scenic_lite.scene.program import Program
 from scenic_lite.values.graph import Value
 
 Key = tuple[str, str, str]  # of an attribute: "object", its label, the name
-DEEPEST = 40  # behaviors and functions inside each other
+DEEPEST = 40  # nested behaviors and functions
 OWN = "behavior or function"
 SHARED = "what several share is an attribute of an object: ego.count = 0"
 
 
 @dataclass(eq=False)
 class Loop:
-    """Where `break` and `continue` lead."""
+    """The targets of `break` and `continue`."""
 
     exit: Label
     again: Label
-    parts: int = 0  # scenarios in the compose block that are written before it
+    parts: int = 0  # scenarios in the compose block written before the loop
 
 
 @dataclass(eq=False)
 class InlinedBody:
     """One inlined behavior or function, besides its names."""
 
-    path: tuple  # of calls and rounds that lead here: what it is known by from one walk to the next
+    path: tuple  # of calls and rounds that lead here: its identity in all passes
     end: Label
     behavior: Behavior | None = None
-    result: Variable | None = None  # of a function that returns from several places
+    result: Variable | None = None  # of a function with several returns
     loops: list[Loop] = field(default_factory=list)
     aborts: list[Label] = field(default_factory=list)
-    live: int = 0  # constructs around the present statement that are decided during a match
+    live: int = 0  # constructs around the present statement that the match decides
 
 
 class CompiledScope(Scope):
-    """A frame whose variables may stand in registers."""
+    """A frame whose variables may be in registers."""
 
     __slots__ = ("compilation", "inlined", "unset", "variables")
 
@@ -70,7 +70,7 @@ class CompiledScope(Scope):
         super().__init__(compilation.mode, source, names, outer)
         self.compilation, self.inlined = compilation, inlined
         self.variables: dict[str, Variable] = {}
-        self.unset: set[str] = set()  # variables of which the match decides whether they have a value where the walk is
+        self.unset: set[str] = set()  # variables that may have no value at this point of the pass: the match decides
 
     def run(self, statements: Iterable[ast.stmt]) -> None:
         """Compile statements as far as they can be reached."""
@@ -97,12 +97,12 @@ class CompiledScope(Scope):
             raise ScenicError("unsupported", message, hint=f"give it one before: {name} = None")
         if variable.mark is None:
             c.types.marked.add(variable.key)
-            c.types.outdated.add(variable.key)
+            c.types.changed_types.add(variable.key)
         else:
             c.code.fault_unless(variable.mark, f"'{name}' has no value yet in this function")
 
     def pin(self, names: Iterable[str]) -> None:
-        """Put these variables into registers from here on: what assigns them is decided during a match."""
+        """Put these variables into registers from here on, since the match decides on their assignments."""
         for name in sorted(names):
             if name in self.variables or name not in self.assigned | self.locals.keys():
                 continue
@@ -120,7 +120,7 @@ class CompiledScope(Scope):
 
     @contextmanager
     def in_dynamic_branch(self) -> Iterator[None]:
-        """Treat statements inside as ones of which a match decides whether they are reached."""
+        """Treat statements inside the context as reached only in some matches."""
         self.inlined.live += 1
         before = set(self.unset)
         try:
@@ -132,9 +132,9 @@ class CompiledScope(Scope):
 
 @dataclass(eq=False)
 class Thread:
-    """A part of the program that goes on where its slot says, a register that holds a row; 0 while it does not run.
+    """A part of the program that resumes at its slot, a register with a row; 0 while it does not run.
 
-    `number`: its place among those of its scenario, or what its agent has while it has this behavior.
+    `number`: its index within its scenario, or the value in its agent's register while the agent has this behavior.
     """
 
     title: str
@@ -146,25 +146,25 @@ class Thread:
 
 
 class WatchedItem(NamedTuple):
-    """A statement that watches a scenario while it runs.
+    """A statement that monitors a scenario while it runs.
 
-    Of a requirement: `register`, the state of its automaton; `scope`: the frame of its names, None if that is the
-    statement's.
+    For a requirement: `register` holds the state of its automaton; `scope` is the frame of its names, None if that is
+    the statement's.
     """
 
-    watched: Watched
+    watched: EpisodeStatement
     register: int | None = None
     automaton: Any = None
     scope: CompiledScope | None = None
 
 
 class ScenarioInstance:
-    """A scenario at one place of the program that runs it; the program itself is the one that has no parent.
+    """A scenario at one place of the program that runs it; the program itself has no parent.
 
     It runs while the register `running` is not 0. Labels: `stop`, a routine that returns to the register `back`;
-    `over`, where its own step goes when it ends; `kill`, where a `terminate simulation` in it goes; `after`, where its
-    compose block goes when it lets time pass; `progress`, where its temporal requirements see a step. `halted`: a
-    monitor of its own has ended the simulation, which counts more than one that ends the scenario.
+    `over`, the target of its own step when it ends; `kill`, the target of its `terminate simulation`; `after`, the
+    target of its compose block when time passes; `progress`, the step of its temporal requirements. `halted`: one of
+    its own monitors has ended the simulation, which takes precedence over one that ends the scenario.
     """
 
     def __init__(self, code: Assembler, parent: ScenarioInstance | None, call: BehaviorCall | None) -> None:
@@ -184,8 +184,8 @@ class ScenarioInstance:
         self.terminations: list[WatchedItem] = []
         self.records: list[WatchedItem] = []
         self.temporal: list[WatchedItem] = []
-        self.overridden: dict[Key, tuple[int, Variable]] = {}  # whether it has, and what was before
-        self.resets: list[tuple[int, float]] = []  # what its registers are while it does not run
+        self.overridden: dict[Key, tuple[int, Variable]] = {}  # whether it has, and the previous value
+        self.resets: list[tuple[int, float]] = []  # values of its registers while it does not run
 
     def family(self) -> Iterator[ScenarioInstance]:
         """Yield this scenario and all inside it, outer ones first."""
@@ -194,14 +194,14 @@ class ScenarioInstance:
             yield from part.family()
 
     def call_stop(self, code: Assembler) -> None:
-        """Write rows that end the scenario and come back."""
+        """Write rows that end the scenario and return."""
         on = Label()
         code.row(op.SET_SLOT, self.back, c=on)
         code.row(op.JUMP, c=self.stop)
         code.put(on)
 
     def register(self, code: Assembler, at_rest: float = 0.0) -> int:
-        """Return a register that has this value again whenever the scenario has ended."""
+        """Return a register that is reset to this value whenever the scenario has ended."""
         register = code.fixed.take()
         code.begin_with(register, at_rest)
         self.resets.append((register, at_rest))
@@ -210,72 +210,72 @@ class ScenarioInstance:
 
 @dataclass(frozen=True)
 class Site:
-    """Where in the program a walk is."""
+    """The present place of a pass in the program."""
 
     path: tuple = ()  # of calls and rounds that lead here
-    calls: tuple[tuple[Behavior | Function, SourceSpan], ...] = ()  # the same: what is called, and where
+    calls: tuple[tuple[Behavior | Function, SourceSpan], ...] = ()  # the same: the callees, and the places of the calls
     inside: tuple = ()  # bodies of the behaviors and functions that are being inlined
-    agent: Instance | None = None  # which `self` is
-    slot: int = 0  # register of the innermost block: where it goes on when time has passed
-    repeating: int = 0  # constructs around it that may execute it several times
-    part: ScenarioInstance | None = None  # the scenario to which it belongs
-    composing: bool = False  # to its compose block
-    setting_up: bool = False  # to its setup, which runs during the match
+    agent: Instance | None = None  # the value of `self`
+    slot: int = 0  # register of the innermost block: where it resumes when time has passed
+    repeating: int = 0  # enclosing constructs that may execute it several times
+    part: ScenarioInstance | None = None  # the scenario that contains it
+    composing: bool = False  # in its compose block
+    setting_up: bool = False  # in its setup, which runs during the match
 
 
 @dataclass(eq=False)
 class Output:
-    """What a walk gives besides rows."""
+    """The results of a pass besides rows."""
 
-    diagnostics: list[ScenicError] = field(default_factory=list)  # what would stop a match, and warnings
+    diagnostics: list[ScenicError] = field(default_factory=list)  # statements that would stop a match, and warnings
     commands: list[tuple[Value, ...]] = field(default_factory=list)
-    end_reasons: list[str] = field(default_factory=list)  # for the end of a match
-    rejections: list[str] = field(default_factory=list)  # requirements that reject a match
+    end_reasons: list[str] = field(default_factory=list)  # of the match
+    rejections: list[str] = field(default_factory=list)  # the requirements that reject a match
     records: list[Record] = field(default_factory=list)
     overridden: list[tuple[int, int, bool]] = field(default_factory=list)  # as in `Compiled`
     sets_reward: bool = False
-    starting: dict[int, Label] = field(default_factory=dict)  # slots that begin at a row
-    titles: dict[Label, str] = field(default_factory=dict)  # of rows that begin something
+    starting: dict[int, Label] = field(default_factory=dict)  # slots with an initial row
+    titles: dict[Label, str] = field(default_factory=dict)  # titles of entry rows
     counts: tuple[int, int, int, int] = (0, 0, 0, 0)  # threads of the scenario, of behaviors, of records, of monitors
 
 
 @dataclass(eq=False)
 class WorldRegisters:
-    """Where a match shows the world."""
+    """The world in the registers of a match."""
 
     base: int = 0  # of the table [O, F]
     facts: int = 0
     clock: RegisterValue | None = None  # steps since the start
-    names: frozenset[str] = frozenset()  # properties that the world shows
+    names: frozenset[str] = frozenset()  # properties that the world provides
 
 
 @dataclass(eq=False)
 class Compilation:
-    """One walk over a program's behaviors, monitors and conditions."""
+    """One pass over a program's behaviors, monitors and conditions."""
 
     program: Program
     world: World
     code: Assembler
     types: TypeTable
-    simulation: Namespace  # what `simulation()` gives: one for all walks, since variables hold it
+    simulation: Namespace  # the value of `simulation()`: one for all passes, since variables hold it
     mode: Mode = field(init=False)  # how nodes are evaluated for the compiler
     site: Site = field(default_factory=Site)
     output: Output = field(default_factory=Output)
     shown: WorldRegisters = field(default_factory=WorldRegisters)
-    overrides: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors that scenarios give objects, by label
+    overrides: dict[str, list[Thread]] = field(default_factory=dict)  # behaviors given by scenarios, by label
     shared: dict[tuple, Variable] = field(default_factory=dict)  # attributes that the program sets, by owner and name
     remembering: bool = False  # the program reads `lastActions`
 
     @property
     def state(self) -> LoadState:
-        """What the statements of the walk make, `ego` among it."""
+        """The state that the statements of the pass create, with `ego`."""
         return self.mode.state
 
-    # ------------------------------------------------------------ where the walk is
+    # ------------------------------------------------------------ the place of the pass
 
     @contextmanager
     def at(self, site: Site | None = None, **changes: Any) -> Iterator[None]:
-        """Walk inside at another site, or at this one but for some of it."""
+        """Compile inside the context at another site, given as a whole or by changes."""
         outside, self.site = self.site, replace(site or self.site, **changes)
         try:
             yield
@@ -284,7 +284,7 @@ class Compilation:
 
     @contextmanager
     def entered(self, thing: Behavior | Function, node: ast.AST, place: SourceSpan) -> Iterator[None]:
-        """Inline a behavior or function inside, which is called at a place. Raises ScenicError for recursion."""
+        """Inline a behavior or function inside the context, called at a place. Raises ScenicError for recursion."""
         body = thing.node if isinstance(thing, Behavior) else thing.body
         site = self.site
         if any(outer is body for outer in site.inside) or len(site.inside) >= DEEPEST:
@@ -302,22 +302,22 @@ class Compilation:
                 self.code.called = called
 
     def seen_from_calls(self, error: ScenicError) -> ScenicError:
-        """Return an error of the present statement as those see it who have called what it stands in."""
+        """Return an error of the present statement with notes for its callers."""
         for thing, place in reversed(self.site.calls):
             error = seen_from(self.state, thing, place, error)
         return error
 
     def round(self, node: ast.AST, *number: int | str | None) -> AbstractContextManager[None]:
-        """Walk inside one round of a loop that is unrolled, or one of several uses of a node."""
+        """Compile one round of an unrolled loop, or one of several uses of a node, inside the context."""
         return self.at(path=(*self.site.path, id(node), *number))
 
     def repeated(self) -> AbstractContextManager[None]:
-        """Treat statements inside as ones that may be executed several times."""
+        """Treat statements inside the context as possibly executed several times."""
         return self.at(repeating=self.site.repeating + 1)
 
     @contextmanager
     def within(self, part: ScenarioInstance, **changes: Any) -> Iterator[None]:
-        """Let statements inside belong to a scenario, and `ego` be its own."""
+        """Let statements inside the context belong to a scenario, with its own `ego`."""
         ego, self.state.ego = self.state.ego, part.ego
         with self.at(part.site, **changes):
             try:
@@ -327,10 +327,10 @@ class Compilation:
             finally:
                 part.ego, self.state.ego = self.state.ego, ego
 
-    # ------------------------------------------------------------ what all behaviors of a match see
+    # ------------------------------------------------------------ state shared by all behaviors of a match
 
     def keep(self, key: Key, value: Value) -> None:
-        """Assign an attribute: it lasts as long as the match."""
+        """Assign an attribute for the rest of the match."""
         variable = self.shared_variable(key)
         variable.store(value)
         self.table_of(key)[key[2]] = variable.load()
@@ -341,12 +341,12 @@ class Compilation:
         return owner.properties if key[2] in owner.properties else owner.attributes
 
     def shared_variable(self, key: Key) -> Variable:
-        """Return the variable of an attribute; at the start of a match it holds what the program gave it."""
+        """Return the variable of an attribute; at the start of a match it has the program's value."""
         if key in self.shared:
             return self.shared[key]
         table, name = self.table_of(key), key[2]
-        if key not in self.types.types:  # what was read of it before was taken for fixed
-            self.types.outdated.add(key)
+        if key not in self.types.types:  # earlier reads took it for fixed
+            self.types.changed_types.add(key)
         variable = self.shared[key] = Variable(self.code, self.types, key, shared=True)
         if name in table:
             place = variable.declare(table[name])
@@ -355,7 +355,7 @@ class Compilation:
         return variable
 
     def refuse_live(self, owner: Instance, name: str) -> None:
-        """Raise the error for an attribute that is the world's."""
+        """Raise the error for an attribute that the world controls."""
         if name in ("x", "y") or name in self.shown.names:
             hint = "players move by what they do: take an action"
             raise ScenicError("type", f"the {name} of {owner.title()} belongs to the world", hint=hint)
@@ -365,24 +365,24 @@ class Compilation:
         return len(self.site.part.parts) if self.site.part is not None and self.site.composing else 0
 
     def stop_scenarios(self, since: int) -> None:
-        """End the scenarios that the compose block has begun in a statement and not come back to."""
+        """End the scenarios that a statement of the compose block has begun and not returned to."""
         if self.site.part is not None and self.site.composing:
             for part in self.site.part.parts[since:]:
                 part.call_stop(self.code)
 
     def forget_scenarios(self, since: int) -> None:
-        """Let those never have been that a statement has begun whose rows are deleted."""
+        """Remove the scenarios begun by a statement whose rows are deleted."""
         if self.site.part is not None and self.site.composing:
             del self.site.part.parts[since:]
 
     def time(self) -> Any:
-        """Return steps since the start. Raises ScenicError if the world does not tell."""
+        """Return steps since the start. Raises ScenicError if the world does not provide the time."""
         if self.shown.clock is None:
             raise ScenicError("unsupported", f"the world {self.world.name} does not tell the time")
         return self.shown.clock
 
     def stop_with(self, error: ScenicError) -> None:
-        """Write a row that stops a match which comes to it, or rejects it if it has nothing to draw from."""
+        """Write a row that stops a match which reaches it, or rejects it if a choice has no options."""
         if error.kind == "rejection":
             return self.reject(error.message)
         message = f"{error.message} ({error.hint})" if error.hint else error.message

@@ -1,23 +1,22 @@
-"""Compile the behaviors, monitors, endings and scenarios of a program into code for the machine.
+"""Compile the behaviors, monitors, endings and scenarios of a program into code for the virtual machine.
 
-The one idea: **the compiler is the static evaluator, run with registers as leaves of its expression graph.** What
-makes scenes also evaluates `distance from self to ball` here; only that `self.x` is a register of the running match,
-so that the graph becomes rows of the machine and no column of a scene. Arithmetic, specifiers, operators and geometry
-are therefore written once. Code of their own need only
+The one idea: **the compiler is the static evaluator, run with registers as leaves of its expression graph.** The code
+that creates scenes also evaluates `distance from self to ball` for the compiler; only that `self.x` is a register of
+the running match, so that the graph becomes rows of the machine instead of columns of a scene. Arithmetic, specifiers,
+operators and geometry are therefore written once. Only these need code of their own:
 
     statements, by jumps                                `statements`, `behaviors`, `interrupts`
     values that are one of several, conditions          `choices`, `expressions`
     lists whose length the match decides                `lists`
     variables, by the type that they are assigned       `types`, `registers`
     operations of the graph, one row each               `emit`
-    scenarios that run inside each other                `scenarios`, `watchers`
+    nested scenarios                                    `scenarios`, `watchers`
     threads                                             below
     the arrays of a finished program                    `layout`
 
-Behaviors and functions are written in place where they are called. A loop `best = None; for o in ...: best = o` reads
-a variable before the text says what else it holds: a walk over the program that finds a type too late is followed by
-another that knows it. Read next: `dynamics.compiler.statements`, the plainest part; `dynamics.machine.compiled`, which
-plays a match.
+Behaviors and functions are inlined where they are called. A loop `best = None; for o in ...: best = o` reads a variable
+before the compiler knows all of its types: if a type changes after it was used, another pass over the program follows.
+Read next: `dynamics.compiler.statements`, the simplest part; `dynamics.machine.compiled`, which runs a match.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ from scenic_lite.core.state import COMPILE, Mode
 from scenic_lite.core.types import BehaviorCall, Builtin, Environment, Namespace, ScenicClass
 from scenic_lite.core.world import World
 from scenic_lite.dynamics.compiler.behaviors import DYNAMIC, renew, run_behavior
-from scenic_lite.dynamics.compiler.code import LABEL, Assembler, DrawnNow
+from scenic_lite.dynamics.compiler.code import LABEL, Assembler, RuntimeDraw
 from scenic_lite.dynamics.compiler.compilation import Compilation, CompiledScope, ScenarioInstance, Thread
 from scenic_lite.dynamics.compiler.emit import register_of
 from scenic_lite.dynamics.compiler.expressions import EXPRESSIONS, call_value, dictionary, for_undecided
@@ -57,27 +56,27 @@ from scenic_lite.scene.program import Program
 from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import ThetaColumn, Value
 
-MOST_WALKS = 12
+MAX_PASSES = 12
 
 
 def compile_program(program: Program, world: World) -> Compiled:
-    """Return the code of a program in a world. Raises ScenicError, with its place, for what cannot be compiled."""
+    """Return the code of a program in a world. Raises ScenicError, with its place, for code that cannot be compiled."""
     types = TypeTable()
     simulation = Namespace("simulation()", {}, open=True)
-    for _ in range(MOST_WALKS):
-        types.read, types.outdated = set(), set()
+    for _ in range(MAX_PASSES):
+        types.read, types.changed_types = set(), set()
         compilation = Compilation(program, world, Assembler(), types, simulation)
         compilation.mode = compile_mode(compilation)
         with live_objects(compilation):
-            threads = walk(compilation)
-        if not types.outdated:
+            threads = compile_pass(compilation)
+        if not types.changed_types:
             return finished(compilation, threads)
     raise ScenicError("budget", "the variables of the program's behaviors take their types from too many others")
 
 
 @contextmanager
 def live_objects(c: Compilation) -> Iterator[None]:
-    """Give objects live properties inside; outside, they and all variables are as they were loaded."""
+    """Give objects live properties inside the context; afterwards objects and variables are as they were loaded."""
     instances = list(c.program.instances)
     loaded = [(instance.properties, instance.attributes) for instance in instances]
     for instance in instances:
@@ -94,7 +93,7 @@ def live_objects(c: Compilation) -> Iterator[None]:
 
 
 def compile_mode(c: Compilation) -> Mode:
-    """Return how nodes are evaluated while a program is compiled; what statements make is the walk's own."""
+    """Return the mode of the compiler; the state that statements create belongs to the pass."""
     loaded = c.program.mode
     own: dict[type, Any] = {kind: partial(handler, c) for kind, handler in EXPRESSIONS.items()}
     own |= {kind: partial(dictionary, loaded.handlers.expressions[kind]) for kind in (ast.Dict, ast.DictComp)}
@@ -118,7 +117,7 @@ def compile_mode(c: Compilation) -> Mode:
 
 
 def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Name) -> Value:
-    """Return what a name stands for; a match that has given it no value yet stops."""
+    """Return the value of a name; a match in which it has no value yet stops."""
     at: Environment | None = scope
     while at is not None and node.id not in at.locals and not (isinstance(at, CompiledScope) and node.id in at.unset):
         at = at.outer
@@ -128,15 +127,15 @@ def name(handler: Callable[[Scope, ast.Name], Value], scope: Scope, node: ast.Na
 
 
 def draw(c: Compilation, kind: str, place: SourceSpan, offset: float, span: float) -> ThetaColumn:
-    """Return a number from the match's stream, drawn where the program is now."""
+    """Return a number from the match's stream, drawn at the present point of the program."""
     code = c.code
     register = code.temporaries.take()
     code.row(op.DRAW, register, code.constant(offset), code.constant(span))
-    return DrawnNow(register, kind, place, offset, span)
+    return RuntimeDraw(register, kind, place, offset, span)
 
 
 def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
-    """Return a point that a behavior speaks of; objects are made before the match."""
+    """Return a point in a behavior; objects are created before the match."""
     cls = scope.value(node.cls)
     if isinstance(cls, ScenicClass) and cls.derives_from(OBJECT):
         if c.site.setting_up:
@@ -150,10 +149,10 @@ def new(c: Compilation, scope: Scope, node: nodes.New) -> Value:
 def with_location(
     compilation: Compilation, handler: Callable[[Compilation, CompiledScope, Any], None]
 ) -> Callable[[CompiledScope, Any], None]:
-    """Return a handler of statements that notes the place of the rows it writes.
+    """Return a handler of statements that records the place of the rows it writes.
 
-    A statement that cannot be executed as it is found to be (a name that is not there, a region that moves) stops a
-    match that comes to it, as in the reference; what cannot be compiled refuses the program.
+    A statement that cannot be executed in its present form (an unknown name, a moving region) stops a match that
+    reaches it, as in the reference; unsupported code is refused with the whole program.
     """
 
     def handle(scope: CompiledScope, node: ast.stmt) -> None:
@@ -169,7 +168,7 @@ def with_location(
                 raise
             error = compilation.seen_from_calls(error)
             inner = [error for error in compilation.output.diagnostics[known:] if error.kind != "warning"]
-            if inner and not code.reachable:  # a function has failed before, and so this is not come to
+            if inner and not code.reachable:  # unreachable: an earlier call already failed
                 error = inner[0]
             else:
                 compilation.output.diagnostics.append(error)
@@ -187,10 +186,10 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 
 
 # ------------------------------------------------------------ the threads of a match
-def walk(c: Compilation) -> list[Thread]:
+def compile_pass(c: Compilation) -> list[Thread]:
     """Compile everything once; return the threads."""
     code = c.code
-    code.row(op.END, code.fixed.take())  # row 0: where a thread stands that has ended
+    code.row(op.END, code.fixed.take())  # row 0: the place of a thread that has ended
     show_world(c)
     for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that the program is known to set
         c.table_of(key)[key[2]] = c.shared_variable(key).load()
@@ -217,13 +216,13 @@ def walk(c: Compilation) -> list[Thread]:
     last = [each for each in c.output.records if each.when == "final"]
     c.output.records = [each for each in c.output.records if each.when != "final"]
     write_routines(c, main)
-    c.output.records += last  # of one name with those of scenarios inside, the program's own counts
+    c.output.records += last  # of records with one name, the program's own takes precedence
     c.output.counts = (len(scenarios), len(behaviors), len(records), len(monitors))
     return [*scenarios, *behaviors, *records, *monitors, *ends]
 
 
 def start(c: Compilation, main: ScenarioInstance, agents: list[Thread]) -> None:
-    """Check before all else the guards of the main scenario, of behaviors and of monitors; note the time limit."""
+    """Check first the guards of the main scenario, of behaviors and of monitors; record the time limit."""
     with c.within(main):
         if main.scope is not None:
             check_guards(c, main.scope)
@@ -257,7 +256,7 @@ def behavior_threads(c: Compilation, main: ScenarioInstance, agents: list[Thread
 
 
 def write_overridden(c: Compilation, thread: Thread, overrides: list[Thread], main: ScenarioInstance) -> None:
-    """Write the thread of an object whose behavior changes: it goes on where the one that it has now says."""
+    """Write the thread of an object whose behavior changes: it resumes the object's present behavior."""
     code, agent, call = c.code, thread.agent, thread.call
     assert agent is not None
     register = register_of(code, c.shared_variable(("object", agent.label, BEHAVIOR)).load())
@@ -276,19 +275,19 @@ def write_overridden(c: Compilation, thread: Thread, overrides: list[Thread], ma
 
 
 def end_all(c: Compilation, main: ScenarioInstance) -> None:
-    """Write what happens when a match is over: what it leaves unsatisfied, and what is recorded last."""
+    """Write the end of a match: unsatisfied requirements, and final records."""
     if main.temporal or main.parts:
         main.call_stop(c.code)
     record(c, main, "final")
 
 
 def write_routines(c: Compilation, main: ScenarioInstance) -> None:
-    """Write how each scenario ends, and where its step begins how its temporal requirements see that."""
+    """Write the end of each scenario, and the step of its temporal requirements at the beginning of its step."""
     code = c.code
     for part in main.family():
         code.place = None if part.call is None else part.call.place
         code.reachable = True
-        code.temporaries.used = code.temporaries.most  # others' intermediate results stay as they are
+        code.temporaries.used = code.temporaries.most  # intermediate results of callers are preserved
         with c.within(part):
             with code.captured() as rows:
                 see_steps(c, part)
@@ -301,9 +300,9 @@ def write_routines(c: Compilation, main: ScenarioInstance) -> None:
                 code.row(op.RESUME, part.back)
 
 
-# ------------------------------------------------------------ what a match shows
+# ------------------------------------------------------------ the state of a match
 def show_world(c: Compilation) -> None:
-    """Give the objects their live properties and `simulation()` its meaning."""
+    """Give the objects their live properties and `simulation()` its value."""
     world, program, code = c.world, c.program, c.code
     c.remembering = any(
         "lastActions" in line for source in program.mode.state.sources.values() for line in source.lines
@@ -327,7 +326,7 @@ def show_world(c: Compilation) -> None:
     for i, name in enumerate(world.facts):
         code.register_names[c.shown.facts + i] = name
     c.shown.names = frozenset(names)
-    if not c.simulation.names:  # once: the world has the same registers in every walk, and variables hold parts of it
+    if not c.simulation.names:  # once: the world has the same registers in every pass, and variables hold parts of it
         c.simulation.names.update(world.simulation(list(program.instances), dict(facts)).names)
         c.simulation.names["scenic_reward"] = RegisterValue(REWARD)
 
@@ -341,7 +340,7 @@ def every(
     once: bool = False,
     needed: bool = False,
 ) -> None:
-    """Write a thread that runs from its beginning in every step, or once; none if it has nothing to do."""
+    """Write a thread that runs from its beginning in every step, or once; none if it would be empty."""
     code, first = c.code, len(c.code.rows)
     thread = Thread(title, code.fixed.take())
     begin(c, thread)

@@ -1,8 +1,8 @@
 """From nodes to rows: each operation of the evaluator's graph becomes an opcode.
 
-A node that mentions nothing of the running match is an input: it is computed once, with the scene. Not so if that can
-fail, as 1 / x of a column x: it must fail when and where the match comes to it. Read next: `dynamics.compiler.types`,
-which says what a variable holds.
+A node that does not depend on the running match is an input: it is computed once, with the scene. The exception is a
+node that can fail, as 1 / x of a column x: it must fail when and where the match reaches it. Read next:
+`dynamics.compiler.types`, the types of variables.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from scenic_lite.dynamics.compiler.code import Assembler, DrawnNow, Label, Operands
+from scenic_lite.dynamics.compiler.code import Assembler, Label, Operands, RuntimeDraw
 from scenic_lite.dynamics.machine import opcodes as op
 from scenic_lite.dynamics.machine.bytecode import DOMAIN_ERROR, FAULT_MESSAGES
 from scenic_lite.dynamics.machine.opcodes import NUMBERS, OPCODES
@@ -26,7 +26,7 @@ from scenic_lite.values.graph import RandomExpr, Table, ThetaColumn, Value, appl
 from scenic_lite.values.operations import Operation, row_of
 from scenic_lite.values.polygons import Holds
 
-# What gives -0.0 of registers, but 0 of Python's integers.
+# Operations that give -0.0 for registers, but 0 for Python's integers.
 MINUS_ZEROS = (operations.MULTIPLY, operations.MODULO, operations.NEGATE)
 
 
@@ -38,7 +38,7 @@ COMPUTED = "write it with what can: arithmetic, sqrt, exp, log, sin, cos, atan2,
 
 
 def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
-    """Return the register that holds a number, truth value or text; the rows that compute it are written first.
+    """Return the register of a number, truth value or text; the rows that compute it are written first.
 
     With `into` the value is put there.
     """
@@ -55,7 +55,7 @@ def register_of(code: Assembler, value: Value, into: int | None = None) -> int:
 
 
 def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
-    if isinstance(node, RegisterValue | DrawnNow):
+    if isinstance(node, RegisterValue | RuntimeDraw):
         return node.register
     if id(node) in code.known:
         return code.known[id(node)][0]
@@ -69,8 +69,8 @@ def _register(code: Assembler, node: RandomExpr, into: int | None) -> int:
 
 
 def is_live(value: Value) -> bool:
-    """Return whether a value is computed in the running match; what is not is known when it starts."""
-    if isinstance(value, RegisterValue | DrawnNow):
+    """Return whether a value is computed in the running match, not when it starts."""
+    if isinstance(value, RegisterValue | RuntimeDraw):
         return True
     if not isinstance(value, RandomExpr):
         return False
@@ -78,7 +78,7 @@ def is_live(value: Value) -> bool:
     while pending:
         node = pending.pop()
         if isinstance(node, RandomExpr) and node not in seen:
-            if isinstance(node, RegisterValue | DrawnNow):
+            if isinstance(node, RegisterValue | RuntimeDraw):
                 return True
             seen.add(node)
             pending.extend(node.inputs)
@@ -86,7 +86,7 @@ def is_live(value: Value) -> bool:
 
 
 def can_fail(node: RandomExpr) -> bool:
-    """Return whether arithmetic of which all operands are computed has a step that some numbers cannot take."""
+    """Return whether arithmetic on computed operands has a step that fails for some numbers."""
     pending: list[Value] = [node]
     seen = set()
     while pending:
@@ -105,14 +105,14 @@ def can_fail(node: RandomExpr) -> bool:
 
 
 def _harmless(row: Operation, operand: Value) -> bool:
-    """Return whether a division by this, or a power of this exponent, is always a number."""
+    """Return whether division by this, or a power with this exponent, never fails."""
     if isinstance(operand, RandomExpr):
         return False
     return operand >= 0 and operand == int(operand) if row.opcode == "POWER" else operand != 0
 
 
 def table_row(operation: Any) -> Operation | None:
-    """Return the row of an operation in the table, if it is one of those and not one with a shape of its own."""
+    """Return the row of an operation in the table, if it is there and has no special form."""
     return row_of(operation) if type(operation).__hash__ is not None else None
 
 
@@ -146,13 +146,13 @@ def compute(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def of_scene(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows that take what was computed with the scene; a fault if that is no finite number."""
+    """Write rows that read a value computed with the scene; a fault if it is not a finite number."""
     register_of(code, RegisterValue(code.input(node)), out)
     fault_unless_finite(code, out, FAULT_MESSAGES[DOMAIN_ERROR])
 
 
 def fault_unless_finite(code: Assembler, register: int, message: str) -> None:
-    """Write rows that stop a match in which a number is endless or none."""
+    """Write rows that stop a match in which a number is infinite or NaN."""
     finite = code.temporaries.take()
     code.row(op.SUBTRACT, finite, register, register)
     code.row(op.EQUAL, finite, finite, code.constant(0))
@@ -164,13 +164,13 @@ def _is(operation: Any, kind: Any) -> bool:
 
 
 def describe(operation: Any) -> str:
-    """Return what an operation is called, for a message."""
+    """Return the name of an operation, for a message."""
     name = operation.__name__ if isinstance(operation, np.ufunc | FunctionType) else type(operation).__name__
     return name.strip("_").replace("_", " ")
 
 
 def select(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows for one of some values, by a live index."""
+    """Write rows that select one of several values, by a live index."""
     index, *options = node.inputs
     if isinstance(node.operation, Table):
         options = node.operation.options.tolist()
@@ -179,13 +179,13 @@ def select(code: Assembler, node: RandomExpr, out: int) -> None:
 
 
 def bucketize(code: Assembler, node: RandomExpr, out: int) -> None:
-    assert isinstance(node.operation, distributions.Cut)
+    assert isinstance(node.operation, distributions.Bucketize)
     bounds = tuple(code.constant(float(bound)) for bound in node.operation.bounds)
     code.row(op.BUCKETIZE, out, register_of(code, node.inputs[0]), Operands(bounds))
 
 
 def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
-    """Write rows that ask whether a point lies in a fixed polygon: its edges stand in the operands."""
+    """Write rows that test whether a point is in a fixed polygon, whose edges are operands."""
     import shapely
 
     assert isinstance(node.operation, Holds)
@@ -195,20 +195,20 @@ def in_shape(code: Assembler, node: RandomExpr, out: int) -> None:
         corners = shapely.get_coordinates(ring)
         edges += np.hstack([corners[:-1], corners[1:]]).ravel().tolist()
     if len(edges) > 4000:
-        raise ScenicError("unsupported", "a region of more than 1000 edges cannot be asked for points in a match")
+        raise ScenicError("unsupported", "a region of more than 1000 edges cannot be tested for points in a match")
     registers = (register_of(code, x), register_of(code, y), *(code.constant(edge) for edge in edges))
     code.row(op.IN_RINGS, out, 0, Operands(registers))
 
 
 def by(expression: Callable[..., Value]) -> Callable[[Assembler, RandomExpr, int], object]:
-    """Return what writes the rows of an operation that other operations can do."""
+    """Return a function that writes the rows of an operation composed of others."""
     return lambda code, node, out: register_of(code, expression(*node.inputs), out)
 
 
 SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] = (
     (Table, select),
     (operations.SELECT.array, select),
-    (distributions.Cut, bucketize),
+    (distributions.Bucketize, bucketize),
     (Holds, in_shape),
     (
         operations.CLIP.array,
@@ -222,7 +222,7 @@ SPECIAL: tuple[tuple[Any, Callable[[Assembler, RandomExpr, int], object]], ...] 
 
 
 def is_whole(value: Value) -> bool:
-    """Return whether a number is an integer, as Python would have it: it is written without a point."""
+    """Return whether a number is an integer in Python: it is written without a decimal point."""
     if isinstance(value, RegisterValue):
         return value.whole
     if not isinstance(value, RandomExpr):
@@ -234,7 +234,7 @@ def is_whole(value: Value) -> bool:
         return operation.options.dtype.kind == "i"
     if operation is operations.SELECT.array:
         return all(map(is_whole, value.inputs[1:]))
-    if isinstance(operation, distributions.Cut):
+    if isinstance(operation, distributions.Bucketize):
         return True
     row = table_row(operation)
     if row is None or row.integers != operations.KEPT:
@@ -244,7 +244,7 @@ def is_whole(value: Value) -> bool:
 
 # ------------------------------------------------------------ jumps
 
-JUMPS: dict[int, tuple[int, int]] = {  # by what is computed otherwise: if it holds, if it does not
+JUMPS: dict[int, tuple[int, int]] = {  # by the test otherwise computed: the jumps if it holds, and if not
     op.LESS: (op.JUMP_LESS, op.JUMP_NOT_LESS),
     op.LESS_EQUAL: (op.JUMP_LESS_EQUAL, op.JUMP_NOT_LESS_EQUAL),
     op.EQUAL: (op.JUMP_EQUAL, op.JUMP_NOT_EQUAL),

@@ -1,7 +1,7 @@
-"""Expressions: the evaluator's own, over choices and lists of the match; functions of the program are inlined.
+"""Expressions: those of the evaluator, also on choices and lists of the match; functions of the program are inlined.
 
-Only what may meet a value that is one of several things, or a list whose length the match decides, has code here; all
-else is the evaluator's. Read next: `dynamics.compiler.statements`.
+Only operations on values that are one of several, or on lists whose length the match decides, have code in this
+module; the evaluator handles all others. Read next: `dynamics.compiler.statements`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from scenic_lite.values.operations import ADD, LESS
 
 
 def for_undecided(c: Compilation, function: Callable[..., Value], at: int, arguments: tuple, keywords: dict) -> Value:
-    """Do one of the evaluator's functions to whichever option, or list of whichever length, it is in the match."""
+    """Apply one of the evaluator's functions to the actual option, or to a list of the actual length."""
     before, value, after = arguments[:at], arguments[at], arguments[at + 1 :]
     over = over_lengths if isinstance(value, RegisterList) else choices.over_options
     return over(c, value, lambda option: function(*before, option, *after, **keywords))
@@ -50,7 +50,7 @@ def subscript(c: Compilation, scope: Scope, node: ast.Subscript) -> Value:
 
 
 def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
-    """Return `container[index]`; a fault if there is no such element."""
+    """Return `container[index]`, with a fault if there is no such element."""
     if isinstance(container, RandomChoice):
         return choices.over_options(c, container, lambda option: item(c, scope, option, index))
     if isinstance(index, RandomChoice):
@@ -72,7 +72,7 @@ def item(c: Compilation, scope: Scope, container: Value, index: Value) -> Value:
         raise ScenicError("value", "list index out of range")
     length = items.length if isinstance(items, RegisterList) else len(items)
     place = from_start(c.code, index, length)
-    if isinstance(items, RegisterList) or all(element is items[0] for element in items):  # no choice would tell
+    if isinstance(items, RegisterList) or all(element is items[0] for element in items):  # all options are equal
         inside = c.code.temporaries.take()
         c.code.row(op.IS_INDEX, inside, register_of(c.code, place), register_of(c.code, length))
         c.code.fault_unless(inside, "list index out of range")
@@ -90,10 +90,10 @@ def from_start(code: Assembler, index: Value, length: Value) -> Value:
 
 # ------------------------------------------------------------ texts, operators, comparisons
 def formatted(c: Compilation, scope: Scope, node: ast.FormattedValue) -> Value:
-    """Return a value as it stands in an f-string; a fraction has other formats than an integer."""
+    """Return a value in an f-string; a fraction has other formats than an integer."""
     value, spec = scope.value(node.value), "" if node.format_spec is None else scope.value(node.format_spec)
     if kind_of(value) == "number" and not is_whole(value):
-        format(0.5, spec)  # raises ValueError if the spec is none for it
+        format(0.5, spec)  # raises ValueError for an invalid format
     return text_of(scope, value, spec)
 
 
@@ -116,7 +116,7 @@ def scenic_operator(c: Compilation, scope: Scope, node: nodes.Operator) -> Value
 
 
 def comparison(c: Compilation, scope: Scope, node: ast.Compare) -> Value:
-    """Return the truth of a chain of comparisons; what stands behind a link that fails is not evaluated."""
+    """Return the truth of a chain of comparisons; the links after one that fails are not evaluated."""
     sides = [materialize(c.code, scope.value(node.left))]
 
     def next_link(sign: ast.cmpop, operand: ast.expr) -> Value:
@@ -140,7 +140,7 @@ def link(c: Compilation, scope: Scope, node: ast.Compare, sign: ast.cmpop, left:
 
 
 def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.expr) -> Value:
-    """Return what may be a dictionary; an error if its keys are not the same in all matches."""
+    """Return a possible dictionary; an error if its keys are not the same in all matches."""
     return certain(handler(scope, node))
 
 
@@ -148,7 +148,7 @@ def dictionary(handler: Callable[[Scope, Any], Value], scope: Scope, node: ast.e
 def call_value(
     c: Compilation, scope: Scope, function: Value, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
-    """Call whatever can be called."""
+    """Call any callable value."""
     if isinstance(function, RandomChoice):
         return choices.over_options(c, function, lambda option: call_value(c, scope, option, arguments, keywords, node))
     if isinstance(function, Bound):
@@ -186,7 +186,7 @@ CHANGING = frozenset({"append", "extend", "remove", "pop", "clear", "reverse", "
 
 
 def refuse_method(method: Bound, arguments: list) -> None:
-    """Raise the error for methods that change a container, or ask a dictionary for what a match decides."""
+    """Raise the error for methods that change a container, or look up live values in a dictionary."""
     if not isinstance(method.receiver, list | dict) or not isinstance(method.function, Builtin):
         return
     name, kind = method.function.name, "list" if isinstance(method.receiver, list) else "dictionary"
@@ -204,7 +204,7 @@ def certain(value: Value) -> Value:
 
 
 def undecided(value: Value) -> bool:
-    """Return whether matches may disagree about what a value is equal to: never about a behavior or a draw's mark."""
+    """Return whether equality with a value may differ between matches: never for a behavior or an undrawn value."""
     if isinstance(value, BehaviorCall | ThetaColumn):
         return False
     if isinstance(value, list | tuple):
@@ -216,7 +216,7 @@ def undecided(value: Value) -> bool:
 def inlined(
     c: Compilation, scope: Scope, function: Function, arguments: list, keywords: dict[str, Value], node: ast.AST
 ) -> Value:
-    """Write the rows of a function of the program in place."""
+    """Inline a function of the program."""
     bound, before = function.bind(arguments, keywords), c.code.place
     try:
         with c.entered(function, node, scope.place(node)):
@@ -227,7 +227,7 @@ def inlined(
 
 
 def value_of_call(c: Compilation, function: Function, names: dict[str, Value]) -> Value:
-    """Return the value of a call; written again while its rows rely on types that were not the last, at little cost."""
+    """Return the value of a call, which is compiled again while the types it relied on change; this is cheap."""
     code, path, diagnostics = c.code, c.site.path, len(c.output.diagnostics)
     rows, known, reachable = len(code.rows), dict(code.known), code.reachable
     used = code.variables.used, code.temporaries.used
@@ -241,7 +241,7 @@ def value_of_call(c: Compilation, function: Function, names: dict[str, Value]) -
 
 
 def scope_of(c: Compilation, function: Function, names: dict[str, Value]) -> CompiledScope:
-    """Return the variables of a function that begins."""
+    """Return the variables of a function at its start."""
     body = InlinedBody(c.site.path, Label())
     inner = CompiledScope(c, function.scope.source, names, function.scope, body)
     inner.assigned = function.assigned

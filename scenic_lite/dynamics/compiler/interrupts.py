@@ -1,9 +1,9 @@
-"""How time passes in a behavior: guards, `try / interrupt`, `do ... until`, `do ... for`; blocks with a slot each.
+"""The passing of time in a behavior: guards, `try / interrupt`, `do ... until`, `do ... for`; each block has a slot.
 
-Every block has a slot: the row where it goes on, 0 while it is not running. Entering a statement clears the slots of
-its handlers and lets the block around it go on at a scan, so that whenever time has passed the outermost scan runs
-first. The scan asks the handlers from the last to the first: one that is running, or whose condition is true, goes on;
-if there is none, the body. A handler that ends clears its slot and scans again in the same step. Read next:
+A block's slot is the row where it resumes, 0 while it is not running. Entering a statement clears the slots of its
+handlers and sets the slot of the enclosing block to a scan, so that when time has passed the outermost scan runs first.
+The scan checks the handlers from the last to the first and resumes one that is running or whose condition is true,
+otherwise the body. A handler that ends clears its slot and scans again in the same step. Read next:
 `dynamics.compiler.watchers`.
 """
 
@@ -26,14 +26,14 @@ from scenic_lite.syntax import nodes
 
 
 class Handler(NamedTuple):
-    """What interrupts a body: what writes rows that jump when it does, and its block; without one the body ends."""
+    """An interrupt of a body: the writer of rows that jump when it occurs, and its block; without one the body ends."""
 
     ask: Callable[[Label], None]
     block: list[ast.stmt] | None = None
 
 
 def suspend(c: Compilation, on: Label) -> None:
-    """Let time pass and go on at a label. A compose block lets the step of its scenario go on."""
+    """Let time pass and resume at a label. A compose block lets the step of its scenario go on."""
     if c.site.part is not None and c.site.composing:
         c.code.row(op.SET_SLOT, c.site.slot, c=on)
         c.code.row(op.JUMP, c=c.site.part.after)
@@ -50,7 +50,7 @@ def pause(c: Compilation) -> None:
 
 # ------------------------------------------------------------ behaviors and their guards
 def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
-    """Return the variables of a behavior that begins."""
+    """Return the variables of a behavior at its start."""
     behavior = call.behavior
     names = {name: store_in_register(c.code, value) for name, value in call.arguments.items()} | {"self": c.site.agent}
     scope = CompiledScope(c, behavior.scope.source, names, behavior.scope, InlinedBody(c.site.path, Label(), behavior))
@@ -59,7 +59,7 @@ def frame_of(c: Compilation, call: BehaviorCall) -> CompiledScope:
 
 
 def check_guards(c: Compilation, scope: CompiledScope) -> None:
-    """Check what must hold when a behavior begins."""
+    """Check the preconditions and invariants of a behavior at its start."""
     behavior = scope.inlined.behavior
     assert behavior is not None
     check(c, scope, "precondition", behavior.node.preconditions)
@@ -67,7 +67,7 @@ def check_guards(c: Compilation, scope: CompiledScope) -> None:
 
 
 def check_invariants(c: Compilation, scope: CompiledScope) -> None:
-    """Check what must hold whenever a thread goes on after time has passed."""
+    """Check the invariants whenever a thread resumes after time has passed."""
     behavior = scope.inlined.behavior
     if behavior is not None:
         check(c, scope, "invariant", behavior.node.invariants)
@@ -87,7 +87,7 @@ def try_interrupt(c: Compilation, scope: CompiledScope, node: nodes.TryInterrupt
 
 
 def interruptible(c: Compilation, scope: CompiledScope, handlers: list[Handler], run: Callable[[], None]) -> None:
-    """Compile a body under the eyes of some handlers, of which the last comes first."""
+    """Compile a body with some handlers, of which the last takes precedence."""
     code, begun, before = c.code, c.scenarios_begun(), set(scope.unset)
     body = code.variables.take(1 + len(handlers))
     begin, scan, end = Label(), Label(), Label()
@@ -141,12 +141,12 @@ def enter(c: Compilation, scope: CompiledScope, body: int, begin: Label, scan: L
 
 
 def limited(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait, run: Callable[[], None]) -> None:
-    """Compile a body that its limit ends: looked at before it begins and whenever it would be resumed."""
+    """Compile a body with a limit, checked before it begins and whenever it would be resumed."""
     interruptible(c, scope, [Handler(limit_of(c, scope, node))], run)
 
 
 def limit_of(c: Compilation, scope: CompiledScope, node: nodes.Do | nodes.Wait) -> Callable[[Label], None]:
-    """Return what writes rows that jump when a `do` or `wait` is over."""
+    """Return a writer of rows that jump when a `do` or `wait` is over."""
     if node.until is not None:
         return partial(jump_on, c, scope, node.until, when=True)
     assert node.duration is not None

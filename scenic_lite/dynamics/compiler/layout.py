@@ -21,7 +21,7 @@ from scenic_lite.values.graph import Tape
 
 
 def finished(c: Compilation, threads: list[Thread]) -> Compiled:
-    """Lay out the rows and registers of one walk."""
+    """Lay out the rows and registers of one pass."""
     code, program = c.code, c.program
     rows = placed(code.rows)
     layout = Layout(code)
@@ -59,7 +59,7 @@ def number_of(program: Program, thread: Thread) -> int:
 
 
 def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Code:
-    """Return what the kernels read."""
+    """Return the arrays that kernels read."""
     program = c.program
     lists: list[int] = []
     table = np.zeros((len(rows), 4), dtype=np.uint32)
@@ -79,7 +79,7 @@ def code_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layo
 
 
 def start_of(c: Compilation, layout: Layout) -> np.ndarray:
-    """Return the registers [R] with which a match starts, but for what its scene gives."""
+    """Return the initial registers [R] of a match, except those that its scene provides."""
     code, start = c.code, np.zeros(layout.count)
     for value, register in code.constants.items():
         start[layout(register)] = value
@@ -92,7 +92,7 @@ def start_of(c: Compilation, layout: Layout) -> np.ndarray:
 
 
 def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: Layout) -> Listing:
-    """Return what a person reads beside the rows."""
+    """Return the readable names of rows and registers."""
     nowhere = SourceSpan(c.program.file, 1, 0, 1, 1)
     places = tuple(row.place or nowhere for row in rows)
     names = {layout(register): note for register, note in c.code.register_names.items()}
@@ -106,7 +106,7 @@ def listing_of(c: Compilation, rows: list[Row], threads: list[Thread], layout: L
 
 
 class Layout:
-    """Where each area of registers begins."""
+    """The first register of each area."""
 
     def __init__(self, code: Assembler) -> None:
         areas = (code.variables, code.temporaries)
@@ -130,7 +130,7 @@ class Layout:
 
 
 def placed(rows: list[Row]) -> list[Row]:
-    """Return the rows without the labels, which now know theirs."""
+    """Return the rows without the labels, whose rows are now known."""
     real = [row for row in rows if row.opcode != LABEL]
     at = 0
     for row in rows:

@@ -1,9 +1,8 @@
 """Lists while a match runs: filters, loops, indices, `in`, `append`, and the built-in functions of lists.
 
-A fixed list is Python's own list of values. What is filtered or grown during a match stands in registers, as long as
-its first register says; it is read and looped over, but not cut, added to another or compared. `rounds` is how all that
-goes through a list does so: one body for many objects and for a list in registers, else one for each element. Read
-next: `dynamics.compiler.expressions`.
+A fixed list is Python's own list of values. A list that is filtered or grown during a match is in registers, with its
+length in the first; it can be read and iterated, but not sliced, concatenated or compared. All iteration uses `rounds`:
+one body for many objects and for a list in registers, else one body for each element. Read
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from scenic_lite.evaluation.access import unpack
 from scenic_lite.values.graph import RandomExpr, Value, apply, kind_of
 from scenic_lite.values.operations import AND, LESS, NEGATE, OR
 
-MANY = 8  # objects: a loop over so many has the same rows for all of them
+MANY = 8  # objects: a loop over this many shares the same rows
 DECIDED = "whose length the match decides"
 
 
@@ -48,7 +47,7 @@ def refused(what: str, hint: str = "write a loop or a comprehension") -> ScenicE
 
 
 def elements(c: Compilation, scope: Scope, value: Value, node: ast.AST) -> list[Value]:
-    """Return the elements of what has a fixed number of them."""
+    """Return the elements of a list of fixed length."""
     value = one_list(c, value)
     if isinstance(value, RegisterList | LiveRange):
         raise scope.placed(refused(f"a list {DECIDED} cannot be taken apart here"), node)
@@ -56,14 +55,14 @@ def elements(c: Compilation, scope: Scope, value: Value, node: ast.AST) -> list[
 
 
 def is_list(value: Value, of: Callable[[Iterable], bool] = all) -> bool:
-    """Return whether a value is a list or tuple; of a choice, whether `all` or `any` of its options are."""
+    """Return whether a value is a list or tuple; for a choice, whether `all` or `any` of its options are."""
     if isinstance(value, RandomChoice):
         return of(is_list(option, of) for option in value.options)
     return isinstance(value, list | tuple | RegisterList)
 
 
 def one_list(c: Compilation, value: Value) -> Value:
-    """Return a choice among lists as one, in registers where their lengths differ; anything else as it is."""
+    """Return a choice of lists as one, in registers if their lengths differ; any other value unchanged."""
     if not isinstance(value, RandomChoice) or not is_list(value):
         return value
     length, items = parts_of_list(value)
@@ -71,12 +70,12 @@ def one_list(c: Compilation, value: Value) -> Value:
 
 
 def by_length(items: RegisterList) -> Value:
-    """Return a list as a choice among lists of fixed lengths, all that it may have."""
+    """Return a list as a choice of lists of fixed lengths, all that it may have."""
     return choose(items.length, [[*map(items.at, range(length))] for length in range(items.type.capacity + 1)])
 
 
 def over_lengths(c: Compilation, items: Value, of_one: Callable[[Value], Value]) -> Value:
-    """Return `of_one` of a list of whichever length it has. Raises ScenicError if the longest cannot be handled."""
+    """Return `of_one` of a list of the actual length. Raises ScenicError if the longest cannot be handled."""
     choice = by_length(items)
     with c.code.captured():
         try:
@@ -88,7 +87,7 @@ def over_lengths(c: Compilation, items: Value, of_one: Callable[[Value], Value])
 
 
 def in_registers(code: Assembler, items: Value, more: Value = None, capacity: int = 0) -> RegisterList:
-    """Return any list in registers, a copy, with room for another element if one is given."""
+    """Return a copy of any list in registers, with room for another element if one is given."""
     parts = parts_of_list(items)[1]
     own = items.type if isinstance(items, RegisterList) else ListType(common_type(parts), len(parts))
     element = own.element if more is None else join(own.element, type_of(more))
@@ -97,13 +96,13 @@ def in_registers(code: Assembler, items: Value, more: Value = None, capacity: in
     return place.load()
 
 
-# ------------------------------------------------------------ going through
+# ------------------------------------------------------------ iteration
 def are_objects(items: Value) -> bool:
     return isinstance(items, list | tuple) and all(isinstance(item, Instance) and item.label for item in items)
 
 
 def many(items: Value) -> bool:
-    """Return whether there are so many objects that a loop over them is worth one body for all."""
+    """Return whether there are so many objects that a loop over them should share one body."""
     return are_objects(items) and len(items) >= MANY
 
 
@@ -111,7 +110,7 @@ def many(items: Value) -> bool:
 def loop(
     code: Assembler, items: LiveRange | RegisterList | list | tuple
 ) -> Iterator[tuple[Value, RegisterValue, Label]]:
-    """Execute the rows written inside for each element; yield its place, and the label that begins the next round."""
+    """Repeat the rows written inside the context for each element; yield its index, and the next round's label."""
     if isinstance(items, LiveRange):
         stop = register_of(code, items.stop, code.variables.take())
         with code.rounds(stop, register_of(code, items.start), items.step) as (counter, following):
@@ -123,7 +122,7 @@ def loop(
 
 
 def rounds(code: Assembler, items: RegisterList | list) -> Iterator[tuple[Value, Value, Label]]:
-    """Yield elements, with their places and the labels that begin the next rounds: rows written now are for them."""
+    """Yield elements, with their indices and the labels of the next rounds: rows written meanwhile are for them."""
     if isinstance(items, RegisterList) or many(items):
         with loop(code, items) as whole:
             yield whole
@@ -143,12 +142,12 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
         c.code.rows.extend(rows)
         return fixed
     if len(node.generators) > 1:
-        raise refused("a comprehension over several lists, of which the match decides the length", "write a loop")
+        raise refused("a comprehension over several lists whose lengths the match decides", "write a loop")
     return filtered(c, scope, node.generators[0], node.elt)
 
 
 def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
-    """Return the elements of a comprehension; None if the match decides which they are."""
+    """Return the elements of a comprehension; None if the match decides on them."""
     first, *rest = generators
     items = one_list(c, scope.value(first.iter))
     if isinstance(items, RegisterList):
@@ -170,7 +169,7 @@ def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.
 
 
 def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Value, following: Label) -> Scope:
-    """Return the scope of one round; rows that follow are come to if the tests hold."""
+    """Return the scope of one round; the rows that follow are reached if the tests hold."""
     inner = scope.inner({})
     unpack(inner, generator.target, item)
     for test in generator.ifs:
@@ -179,7 +178,7 @@ def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Val
 
 
 def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element: ast.expr) -> Value:
-    """Return the list of a comprehension of which the match decides which elements it has."""
+    """Return the list of a comprehension whose elements the match decides."""
     code, items = c.code, one_list(c, scope.value(generator.iter))
     if not isinstance(items, RegisterList):
         items = elements(c, scope, items, generator.iter)
@@ -201,7 +200,7 @@ def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element
 
 # ------------------------------------------------------------ elements
 def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value) -> Value:
-    """Return an element that is known to be there."""
+    """Return an element that is known to exist."""
     if not isinstance(items, RegisterList):
         return items[index] if isinstance(index, int) else choose(index, items)
     if isinstance(index, int):
@@ -216,7 +215,7 @@ def element_at(code: Assembler, items: RegisterList | list | tuple, index: Value
     return loaded(items.type.element, iter(registers))
 
 
-# ------------------------------------------------------------ adding
+# ------------------------------------------------------------ append
 def appended(c: Compilation, items: Value, item: Value) -> Value:
     """Return a list with one more element."""
     if not isinstance(items, RegisterList):
@@ -227,7 +226,7 @@ def appended(c: Compilation, items: Value, item: Value) -> Value:
 
 
 def put_item(code: Assembler, items: RegisterList, item: Value, checked: bool = True) -> None:
-    """Put an element behind the last, in place; a fault if there is no room, where that is `checked`."""
+    """Append an element in place; with `checked` a fault if there is no room."""
     (element, capacity), length = (items.type.element, items.type.capacity), items.registers[0]
     assert element is not None
     if checked:
@@ -263,7 +262,7 @@ def folded(decisive: bool, c: Compilation, scope: Scope, node: ast.AST, values: 
 def extreme(
     least: bool, c: Compilation, scope: Scope, node: ast.AST, *values: Value, key: Value = None, default: Value = ...
 ) -> Value:
-    """Return `min`, `max` with a key, or of a list in registers: the first of those that are equal."""
+    """Return `min`, `max` with a key, or of a list in registers: the first of equal ones."""
     code, number = c.code, partial(number_of, c, scope, node, key)
     items = one_list(c, values[0]) if len(values) == 1 else values
     if not isinstance(items, RegisterList):
@@ -281,7 +280,7 @@ def extreme(
 
 
 def place_of_extreme(code: Assembler, items: Value, number: Callable[[Value], Value], least: bool) -> RegisterValue:
-    """Return the place of the first element whose number is the least, or the greatest."""
+    """Return the index of the first element whose number is the least, or the greatest."""
     best = RegisterValue(code.variables.take())
     chosen = RegisterValue(code.variables.take(), whole=True)
     for item, place, following in rounds(code, items):
@@ -342,7 +341,7 @@ def permuted(code: Assembler, items: RegisterList, order: int) -> RegisterList:
     return ordered
 
 
-# With the arguments of the evaluator's functions of these names, which go on where one of these gives NotImplemented.
+# With the arguments of the evaluator's functions of these names, which take over if one returns NotImplemented.
 FUNCTIONS: dict[str, Callable[..., Value]] = {
     "len": lambda c, scope, node, value: value.length if isinstance(value, RegisterList) else NotImplemented,
     "range": to_range,

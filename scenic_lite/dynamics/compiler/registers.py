@@ -1,4 +1,4 @@
-"""Values into registers and back: moves that happen as if at once, places for values, variables with their types.
+"""Values in registers and back: simultaneous moves, registers of values, variables with their types.
 
 Read next: `dynamics.compiler.compilation`.
 """
@@ -35,11 +35,11 @@ from scenic_lite.errors import ScenicError
 from scenic_lite.values.graph import RandomExpr, Value, apply, select
 from scenic_lite.values.operations import ADD
 
-Move = tuple[int, Value]  # a register, and the number, truth value or text that goes there
+Move = tuple[int, Value]  # a register, and the number, truth value or text for it
 
 
 def moves_to(type: Type, registers: Iterator[int], value: Value) -> Iterator[Move]:
-    """Yield what must be put where, so that some registers hold a value that fits the type."""
+    """Yield the moves after which some registers hold a value that fits the type."""
     if isinstance(type, Scalar):
         yield next(registers), value
     elif isinstance(type, Struct):
@@ -77,7 +77,7 @@ def option_moves(type: OneOf, registers: Iterator[int], value: Value) -> Iterato
 
 
 def unnested(choice: RandomChoice) -> RandomChoice:
-    """Return a choice of whose options none is a choice."""
+    """Return a choice whose options are not choices."""
     if not any(isinstance(option, RandomChoice) for option in choice.options):
         return choice
     options: list[Value] = []
@@ -90,7 +90,7 @@ def unnested(choice: RandomChoice) -> RandomChoice:
 
 
 def renumbered(index: RandomExpr, numbers: list[int]) -> Value:
-    """Return numbers[index]: the index itself where they are 0, 1, 2, ..."""
+    """Return numbers[index]: the index itself if they are 0, 1, 2, ..."""
     return index if numbers == list(range(len(numbers))) else choose(index, numbers)
 
 
@@ -109,21 +109,21 @@ def list_moves(type: ListType, registers: list[int], value: Value) -> Iterator[M
 
 
 def parts_of_list(value: Value) -> tuple[Value, list[Value]]:
-    """Return the length of a list and all elements that it may have; of a choice among lists whichever it is."""
+    """Return the length of a list and all elements that it may have; for a choice of lists, of the actual one."""
     if isinstance(value, RegisterList):
         return value.length, [value.at(i) for i in range(value.type.capacity if value.type.element is not None else 0)]
     if not isinstance(value, RandomChoice):
         return len(value), list(value)
     lengths, lists = zip(*map(parts_of_list, value.options), strict=True)
     places = range(max(map(len, lists)))
-    there = [next(own[i] for own in lists if i < len(own)) for i in places]  # where a list is shorter nobody looks
+    there = [next(own[i] for own in lists if i < len(own)) for i in places]  # beyond a shorter list nothing is read
     elements = [choose(value.index, [own[i] if i < len(own) else there[i] for own in lists]) for i in places]
     return lengths[0] if all(length is lengths[0] for length in lengths) else choose(value.index, lengths), elements
 
 
 # ------------------------------------------------------------ moving
 def store(code: Assembler, moves: list[Move]) -> None:
-    """Put all values into their registers, as if at once."""
+    """Move all values into their registers, as if simultaneously."""
     moves = [(to, value) for to, value in moves if not (isinstance(value, RegisterValue) and value.register == to)]
     targets = {to for to, _ in moves}
     if len(moves) == 1 or targets.isdisjoint(leaf.register for _, value in moves for leaf in leaves(value)):
@@ -139,7 +139,7 @@ def store(code: Assembler, moves: list[Move]) -> None:
         register_of(code, RegisterValue(register), to)
 
 
-# ------------------------------------------------------------ places for values
+# ------------------------------------------------------------ registers of values
 class Place:
     """Registers that hold a value of a type."""
 
@@ -159,14 +159,14 @@ class Place:
 
 
 def place_for(code: Assembler, values: list[Value]) -> Place:
-    """Return a place for whichever it is of some values."""
+    """Return registers for the actual one of some values."""
     common = common_type(values)
     assert common is not None
     return Place(code, common, code.variables)
 
 
 def store_in_register(code: Assembler, value: Value) -> Value:
-    """Return a value with everything in it that varies copied into registers of its own, where it lasts."""
+    """Return a value whose varying parts are copied into registers that last."""
     if not varies(value):
         return value
     place = Place(code, type_of(value), code.variables)
@@ -175,9 +175,9 @@ def store_in_register(code: Assembler, value: Value) -> Value:
 
 
 def materialize(code: Assembler, value: Value, area: Area | None = None) -> Value:
-    """Return a value with everything in it computed now, so that it is not computed again wherever it is read.
+    """Return a value whose parts are computed now, so that reading it does not compute them again.
 
-    What is computed stands there until the statement ends, with an `area` as long as that lasts.
+    The results last until the statement ends; with an `area` as long as that lasts.
     """
     if isinstance(value, RegisterValue | RegisterList):
         read = value.registers if isinstance(value, RegisterList) else (value.register,)
@@ -192,15 +192,15 @@ def materialize(code: Assembler, value: Value, area: Area | None = None) -> Valu
 # ------------------------------------------------------------ variables
 @dataclass
 class TypeTable:
-    """The types of all variables by their keys, as the walks over a program have found them so far."""
+    """The types of all variables by their keys, as found by the passes over a program so far."""
 
     types: dict[tuple, Type] = field(default_factory=dict)
-    read: set[tuple] = field(default_factory=set)  # in this walk
-    outdated: set[tuple] = field(default_factory=set)  # rows of this walk have relied on a type that was not the last
-    marked: set[tuple] = field(default_factory=set)  # a register says whether the match has given it a value
+    read: set[tuple] = field(default_factory=set)  # in this pass
+    changed_types: set[tuple] = field(default_factory=set)  # read in this pass and widened afterwards
+    marked: set[tuple] = field(default_factory=set)  # a register tells whether the match has assigned it
 
     def declare(self, key: tuple, type: Type) -> bool:
-        """Note that a variable can hold this; return whether its type is another one now."""
+        """Record that a variable can hold this; return whether its type has changed."""
         before = self.types.get(key)
         after = join(before, type)
         if after == before:
@@ -208,14 +208,14 @@ class TypeTable:
         assert after is not None
         self.types[key] = after
         if key in self.read:
-            self.outdated.add(key)
+            self.changed_types.add(key)
         return True
 
     def settle(self, path: tuple) -> bool:
-        """Return whether rows of what is inlined here must be written again; those are then as if never written."""
-        own = {key for key in self.outdated if key[: len(path)] == path}
+        """Return whether the rows inlined here must be compiled again; they are then discarded."""
+        own = {key for key in self.changed_types if key[: len(path)] == path}
         if own:
-            self.outdated -= own
+            self.changed_types -= own
             self.read = {key for key in self.read if key[: len(path)] != path}
         return bool(own)
 
@@ -237,7 +237,7 @@ class Variable:
         return self.place.load()
 
     def declare(self, value: Value) -> Place:
-        """Make room for a value."""
+        """Allocate registers for a value."""
         if self.table.declare(self.key, with_registers(type_of(value))) or self.place is None:
             self.place = Place(self.code, self.table.types[self.key], self.area)
         return self.place

@@ -1,10 +1,10 @@
-"""Scenarios in a match: every `do` of a compose block becomes parts, which begin, take a step at each time, and end.
+"""Scenarios in a match: every `do` of a compose block creates parts, which begin, take steps, and end.
 
-What each of this means is `dynamics.reference.scenarios`' to say. The whole tree of scenarios is one thread: the
-program's own takes a step, its compose block goes on where its slot says, and in that the parts that it runs take
-theirs. Where a compose block lets time pass it notes where to go on and jumps to the end of its scenario's step. A
-routine ends a scenario from wherever that happens. What the statements of a setup make belongs to its scenario; some
-of them may also stand in a compose block. Read next: `dynamics.compiler.watchers`.
+`tests/reference/scenarios.py` defines the meaning. The whole tree of scenarios is one thread: the program's own takes a
+step, its compose block resumes at its slot, and so do the parts that it runs. When time passes in a compose block, it
+stores where to resume and jumps to the end of its scenario's step. A routine ends a scenario from anywhere. What the
+statements of a setup create belongs to its scenario; some of them are also allowed in a compose block. Read next:
+`dynamics.compiler.watchers`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, RandomChoice, choose
 from scenic_lite.dynamics.compiler.code import Label
 from scenic_lite.dynamics.compiler.compilation import (
@@ -45,12 +45,12 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import Value
 
 DEFINING = (ast.FunctionDef, ast.Lambda, ast.ClassDef, nodes.Behavior, nodes.Scenario)
-BEHAVIOR = "(number of its behavior)"  # of an object: 0 the one that it begins with, then those that scenarios give it
-NOBODY = -1  # instead of one: it has none
+BEHAVIOR = "(number of its behavior)"  # of an object: 0 its initial behavior, then those that scenarios give it
+NOBODY = -1  # no behavior
 
 
 def main_part(c: Compilation) -> ScenarioInstance:
-    """Return the program as a scenario: what loading it has made; its variables are those of its setup."""
+    """Return the program as a scenario: what loading has created; its variables are those of its setup."""
     program, code, main = c.program, c.code, c.program.main
     part = ScenarioInstance(code, None, main)
     part.ego = c.state.ego
@@ -74,11 +74,11 @@ def main_part(c: Compilation) -> ScenarioInstance:
 
 # ------------------------------------------------------------ `do` of scenarios
 def run_scenarios(c: Compilation, calls: list[Value], node: nodes.Do) -> None:
-    """Begin all that are named, one after the other, then let each take a step at each time until all have ended."""
+    """Begin all named scenarios, one after the other, then let each take steps until all have ended."""
     code = c.code
     parts: list[ScenarioInstance] = []
     for call in calls:
-        if isinstance(call, RandomChoice):  # whichever one it is in the match
+        if isinstance(call, RandomChoice):  # the one that the match chooses
             cases = {i: partial(begin, c, option, node, parts) for i, option in enumerate(call.options)}
             code.dispatch(register_of(code, call.index), cases)
         else:
@@ -128,7 +128,7 @@ def begin(c: Compilation, call: BehaviorCall, node: nodes.Do, parts: list[Scenar
 
 
 def show_names(part: ScenarioInstance) -> None:
-    """Let others read the variables of a scenario as its attributes."""
+    """Make the variables of a scenario readable as its attributes."""
     assert part.call is not None
     part.call.names.clear()
     part.call.names.update(part.scope.locals)
@@ -172,7 +172,7 @@ def ended(c: Compilation, part: ScenarioInstance, reason: str) -> None:
 
 
 def compose(c: Compilation, part: ScenarioInstance) -> None:
-    """Let the compose block go on. Without one, guards are watched over while time passes."""
+    """Resume the compose block. Without one, guards are checked while time passes."""
     code, scope = c.code, part.scope
     assert part.call is not None
     node = part.call.behavior.scenario
@@ -186,12 +186,12 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     else:
         pause(c)
         check_invariants(c, scope)
-        code.row(op.JUMP, c=part.after)  # where its slot goes on next time is where it went on now
+        code.row(op.JUMP, c=part.after)  # it resumes where it was resumed now
     code.put(part.after)
 
 
 def watched_names(part: ScenarioInstance, node: nodes.Scenario) -> frozenset[str]:
-    """Return the variables that a compose block assigns and what watches the scenario may read."""
+    """Return the variables that a compose block assigns and that monitors of the scenario may read."""
     loops = [part for tree in node.compose for part in ast.walk(tree) if isinstance(part, ast.For)]
     changed = names_in(*(loop.target for loop in loops)) | assigned_names(*node.compose)
     watching: list[ast.AST] = [item.watched.tree for item in (*part.terminations, *part.records)]
@@ -204,7 +204,7 @@ def names_in(*trees: ast.AST) -> frozenset[str]:
 
 
 def stop(c: Compilation, part: ScenarioInstance) -> None:
-    """Record what is last, stop what runs inside, give back what was overridden, reject for what does not hold."""
+    """Take final records, stop inner scenarios, restore overridden properties, reject for violated requirements."""
     code, out = c.code, Label()
     code.row(op.JUMP_UNLESS, part.running, c=out)
     register_of(code, 0, part.running)
@@ -222,9 +222,9 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
     code.put(out)
 
 
-# ------------------------------------------------------------ what a setup makes
+# ------------------------------------------------------------ what a setup creates
 def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
-    """Return the scenario that keeps what a statement makes. Raises ScenicError if that may be made never or twice."""
+    """Return the scenario that owns what a statement creates. Raises ScenicError if it may run never or twice."""
     where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
     if uncertain:
         raise ScenicError("unsupported", f"no match can make this in a {where}", hint=f"write it before the {where}")
@@ -235,7 +235,7 @@ def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
 def watch(
     c: Compilation, scope: CompiledScope, node: nodes.TerminateWhen | nodes.TerminateAfter | nodes.Record
 ) -> None:
-    """Let the scenario watch a condition, a time limit or a value."""
+    """Let the scenario monitor a condition, a time limit or a value."""
     part = own_part(c, scope)
     if isinstance(node, nodes.Record):
         keep_record(scope, node)
@@ -255,7 +255,7 @@ def require_monitor(c: Compilation, scope: CompiledScope, node: nodes.RequireMon
 
 
 def with_own_arguments(c: Compilation, call: BehaviorCall) -> BehaviorCall:
-    """Return a behavior or monitor whose arguments stay as they are now."""
+    """Return a behavior or monitor whose arguments keep their present values."""
     return replace(call, arguments={name: store_in_register(c.code, value) for name, value in call.arguments.items()})
 
 
@@ -268,13 +268,13 @@ def add_monitor(c: Compilation, part: ScenarioInstance, call: BehaviorCall) -> T
 
 
 def launch(c: Compilation, thread: Thread) -> None:
-    """Check the guards of a monitor or behavior, and let it begin."""
+    """Check the guards of a monitor or behavior, and start it."""
     check_first(c, thread)
     c.code.row(op.SET_SLOT, thread.slot, c=thread.entry)
 
 
 def check_first(c: Compilation, thread: Thread) -> None:
-    """Check the guards of what begins."""
+    """Check the guards of a thread at its start."""
     assert thread.call is not None
     node = thread.call.behavior.node
     if node.preconditions or node.invariants:
@@ -288,7 +288,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
     """Compile `override object with p v, ...`, until the scenario ends."""
     target = scope.value(node.target)
     if isinstance(target, RandomChoice):
-        raise ScenicError("unsupported", "`override` of whichever object a match finds")
+        raise ScenicError("unsupported", "`override` of an object that the match chooses")
     values = overridden_properties(scope, node, target, c.shown.names)
     for name, value in values.items():
         if name != "behavior":
@@ -299,7 +299,7 @@ def override(c: Compilation, scope: CompiledScope, node: nodes.Override) -> None
 
 
 def set_until_end(c: Compilation, key: Key, value: Value) -> None:
-    """Give an object another property until the scenario ends, which then gives back what was before."""
+    """Override an object's property until the scenario ends, which restores the previous value."""
     part, code, done = c.site.part, c.code, Label()
     assert part is not None
     if key not in part.overridden:
@@ -314,7 +314,7 @@ def set_until_end(c: Compilation, key: Key, value: Value) -> None:
 
 
 def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
-    """Give an object another behavior, or one of several: a register says which one it has now."""
+    """Override an object's behavior, by one or several: a register tells which one it has now."""
     numbers, cases = [], {}
     known = c.overrides.setdefault(target.label, [])
     for i, call in enumerate(value.options if isinstance(value, RandomChoice) else (value,)):
@@ -338,16 +338,16 @@ def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
 
 # ------------------------------------------------------------ temporal requirements
 def require_later(c: Compilation, scope: CompiledScope, node: nodes.Require) -> None:
-    """Make a temporal requirement during the match: its scenario watches it from the next step on."""
+    """Create a temporal requirement during the match: its scenario monitors it from the next step on."""
     part, own = own_part(c, scope), with_present_names(c, scope, node)
-    watched = Watched(node, scope.place(node), own, node.name or source_text(scope, node))
+    watched = EpisodeStatement(node, scope.place(node), own, node.name or source_text(scope, node))
     state = part.register(c.code, -1)
     part.temporal.append(WatchedItem(watched, state, Automaton(formula_of(node.condition)), own))
     register_of(c.code, 0, state)
 
 
 def with_present_names(c: Compilation, scope: CompiledScope, node: nodes.Require) -> CompiledScope:
-    """Return a frame in which the names of a condition keep the values that they have now."""
+    """Return a frame in which the names of a condition keep their present values."""
     code, names = c.code, dict[str, Value]()
     at: Environment | None = scope
     outside, code.variables = code.variables, code.fixed

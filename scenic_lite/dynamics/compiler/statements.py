@@ -1,7 +1,7 @@
 """Python's statements: assignments, branches, loops, `return`, `assert`.
 
-What is fixed is decided now: a branch on `self.team == "right"` leaves one side, a loop over a fixed list is unrolled.
-What the match decides becomes jumps. Read next: `dynamics.compiler.behaviors`.
+Fixed values are decided by the compiler: a branch on `self.team == "right"` leaves one side, a loop over a fixed list
+is unrolled. Live values become jumps. Read next: `dynamics.compiler.behaviors`.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def expression(c: Compilation, scope: CompiledScope, node: ast.Expr) -> None:
 
 
 def is_library_call(scope: CompiledScope, node: ast.expr) -> bool:
-    """Return whether an expression calls a function of a library by its name."""
+    """Return whether an expression calls a library function by its name."""
     called = scope.value(node.func) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
     return isinstance(called, Function) and called.scope.source.library
 
@@ -87,7 +87,7 @@ def bind(c: Compilation, scope: CompiledScope, target: ast.expr, value: Value) -
 
 
 def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) -> None:
-    """Heed `ego = ...` in the setup of a scenario that a match starts: it lasts as long as that."""
+    """Handle `ego = ...` in the setup of a scenario started by a match: it lasts as long as the scenario."""
     if target.id not in TRACKED:
         return
     part = c.site.part
@@ -99,7 +99,7 @@ def track(c: Compilation, scope: CompiledScope, target: ast.Name, value: Value) 
 
 
 def append(c: Compilation, scope: CompiledScope, node: ast.Call) -> bool:
-    """Compile `items.append(x)` where `items` is a variable or an attribute; return whether it is that."""
+    """Compile `items.append(x)` if `items` is a variable or an attribute; return whether it is."""
     function = node.func
     if not (isinstance(function, ast.Attribute) and function.attr == "append" and len(node.args) == 1):
         return False
@@ -131,7 +131,7 @@ def set_attribute(c: Compilation, scope: CompiledScope, target: ast.Attribute, o
         value = checked(name, value, c.program.dialect) if name in owner.properties else value
         c.keep(("object", owner.label, name), value)
     elif isinstance(owner, RandomChoice):
-        raise ScenicError("unsupported", "attributes are set of one object, not of whichever a match finds")
+        raise ScenicError("unsupported", "attributes can be set on one object, not on one that the match chooses")
     else:
         raise ScenicError("type", f"the attributes of {describe_kind(owner)} cannot be assigned")
 
@@ -144,7 +144,7 @@ def compile_if(c: Compilation, scope: CompiledScope, node: ast.If) -> None:
         reachable = c.code.reachable
     c.code.reachable = True
     live = no.used and reachable
-    if live:  # before the test: a side that assigns a variable may not be come to
+    if live:  # before the test: a side that assigns a variable may not be reached
         scope.pin(assigned_names(*node.body, *node.orelse))
     c.code.rows.extend(rows)
     c.code.reachable = reachable
@@ -209,7 +209,7 @@ def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
 
 
 def needs_one_object(node: ast.For) -> bool:
-    """Return whether what a loop does to its element can be compiled for a known object only."""
+    """Return whether the body of a loop can only be compiled for a known object."""
     names = {part.id for part in ast.walk(node.target) if isinstance(part, ast.Name)}
 
     def of_one(part: ast.AST) -> bool:
@@ -221,7 +221,7 @@ def needs_one_object(node: ast.For) -> bool:
 
 
 def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Value]) -> None:
-    """Compile a loop over a fixed list: every round has rows of its own, in which the element is known."""
+    """Compile a loop over a fixed list: every round has its own rows, in which the element is known."""
     code = c.code
     keep = store_in_register if suspends(*node.body) else materialize
     items = [keep(code, item) for item in items]
@@ -243,14 +243,14 @@ def unroll(c: Compilation, scope: CompiledScope, node: ast.For, items: list[Valu
 
 
 def leave_round(c: Compilation, scope: CompiledScope, node: ast.Break | ast.Continue) -> None:
-    """Compile `break` and `continue`: the scenarios that the round has begun end."""
+    """Compile `break` and `continue`, which end the scenarios begun in the round."""
     around = scope.inlined.loops[-1]
     c.stop_scenarios(around.parts)
     c.code.row(op.JUMP, c=around.exit if isinstance(node, ast.Break) else around.again)
 
 
 def compile_return(c: Compilation, scope: CompiledScope, node: ast.Return) -> None:
-    """End a behavior; give the value of a function, in registers if it returns from several places."""
+    """End a behavior; return the value of a function, in registers if it has several returns."""
     inlined = scope.inlined
     if inlined.behavior is not None:
         c.code.row(op.JUMP, c=inlined.end)
@@ -275,10 +275,10 @@ def refuse(c: Compilation, scope: CompiledScope, node: ast.stmt) -> None:
     raise ScenicError("unsupported", "this has no meaning in a match", hint="write it outside of behaviors")
 
 
-# ------------------------------------------------------------ what statements change
+# ------------------------------------------------------------ assigned variables
 @lru_cache(maxsize=4096)
 def assigned_names(*trees: ast.AST) -> frozenset[str]:
-    """Return the variables that some statements change, loop targets aside: a loop looks after its own."""
+    """Return the variables that some statements assign, except loop targets, which the loop handles."""
     names: set[str] = set()
     for node in walk_own(*trees):
         if isinstance(node, ast.Assign):
@@ -295,7 +295,7 @@ def assigned_names(*trees: ast.AST) -> frozenset[str]:
 
 
 def base_names(target: ast.expr) -> Iterator[ast.Name]:
-    """Yield the variables that assigning to a target changes."""
+    """Yield the variables that an assignment to a target changes."""
     if isinstance(target, ast.Name):
         yield target
     elif isinstance(target, ast.Tuple | ast.List):

@@ -1,8 +1,8 @@
 """Types: what is known of a variable before a match, and how many registers hold the rest.
 
-A variable has one type, declared by what the program assigns to it: `Const` is one fixed value and needs no register,
-`Scalar` a number, truth value or text, `Struct` a vector, tuple, region, ... of such, `ListType` a list whose length
-varies, `OneOf` one of several things of a sort, such as an object or None. Read next: `dynamics.compiler.registers`,
+A variable has one type, determined by the program's assignments: `Const` is one fixed value and needs no register,
+`Scalar` a number, truth value or text, `Struct` a composite such as a vector, tuple or region, `ListType` a list of
+varying length, `OneOf` one of several values, such as an object or None. Read next: `dynamics.compiler.registers`,
 which stores values by their types.
 """
 
@@ -22,7 +22,7 @@ from scenic_lite.values.operations import SELECT
 from scenic_lite.values.regions import Region
 
 MOST_OPTIONS = 256
-LONGEST = 64  # elements of a list that grows while a match runs
+LONGEST = 64  # elements of a list that grows during a match
 SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
 
 
@@ -43,7 +43,7 @@ class Scalar(Type):
 
 @dataclass(frozen=True, eq=False)
 class Const(Type):
-    """A fixed value, or one that the scene fixes."""
+    """A fixed value, or one fixed by the scene."""
 
     value: Any
 
@@ -53,7 +53,7 @@ class Const(Type):
 
 @dataclass(frozen=True)
 class Struct(Type):
-    """A structure whose parts may differ; `head` says how to put it together again."""
+    """A structure whose parts may vary; `head` describes how to rebuild it."""
 
     head: tuple
     parts: tuple[Type, ...]
@@ -65,7 +65,7 @@ class Struct(Type):
 
 @dataclass(frozen=True)
 class OneOf(Type):
-    """One of several; the first register says which. None, if it is among them, comes last."""
+    """One of several; the first register selects it. None, if among them, comes last."""
 
     options: tuple[Type, ...]
 
@@ -78,7 +78,7 @@ class OneOf(Type):
 class ListType(Type):
     """A list of at most `capacity` elements of one type: its length, then each register of the elements in turn."""
 
-    element: Type | None  # None: it never has any
+    element: Type | None  # None: it is always empty
     capacity: int
 
     @property
@@ -88,7 +88,7 @@ class ListType(Type):
 
 @dataclass(frozen=True, eq=False)
 class RegisterList(Undecided):
-    """A list in registers: as long as the first one says."""
+    """A list in registers; the first holds its length."""
 
     type: ListType
     registers: tuple[int, ...]
@@ -98,13 +98,13 @@ class RegisterList(Undecided):
         return RegisterValue(self.registers[0], whole=True)
 
     def at(self, index: int) -> Value:
-        """Return the element in a place that is known."""
+        """Return the element at a known index."""
         element = self.type.element
         return None if element is None else loaded(element, iter(self.registers[1 + index :: self.type.capacity]))
 
 
 def alike(a: Value, b: Value) -> bool:
-    """Return whether two fixed values are the same for every purpose."""
+    """Return whether two fixed values are interchangeable."""
     if a is b:
         return True
     if isinstance(a, RandomExpr) or isinstance(b, RandomExpr) or type(a) is not type(b):
@@ -123,7 +123,7 @@ def alike(a: Value, b: Value) -> bool:
 
 # ------------------------------------------------------------ structures
 def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
-    """Return how a structure is put together, and its parts; None if it is none."""
+    """Return the head of a structure, and its parts; None if it is not a structure."""
     if type(value) in SIMPLE or (type(value) is Instance and value.label):
         return None
     if isinstance(value, Vector):
@@ -146,7 +146,7 @@ def flatten(value: Value) -> tuple[tuple, list[Value]] | None:
 
 
 def unflatten(head: tuple, parts: list[Value]) -> Value:
-    """Put a structure together again."""
+    """Rebuild a structure."""
     kind, *rest = head
     if kind is Vector:
         return Vector(*parts)
@@ -168,7 +168,7 @@ def unflatten(head: tuple, parts: list[Value]) -> Value:
 
 
 def with_parts(value: Value, change: Callable[[Value], Value]) -> Value:
-    """Return a choice or structure with other parts; what is neither as it is."""
+    """Return a choice or structure with other parts; other values unchanged."""
     if isinstance(value, RandomChoice):
         return RandomChoice(change(value.index), tuple(map(change, value.options)))
     apart = flatten(value)
@@ -176,7 +176,7 @@ def with_parts(value: Value, change: Callable[[Value], Value]) -> Value:
 
 
 def builds_text(value: Value) -> bool:
-    """Return whether a text is made of parts in the match, so that it has no number."""
+    """Return whether a text is composed during the match, so that it has no number."""
     if not isinstance(value, RandomExpr) or isinstance(value, RegisterValue) or value.kind != "text":
         return False
     if value.operation is SELECT.array:
@@ -185,7 +185,7 @@ def builds_text(value: Value) -> bool:
 
 
 def varies(value: Value) -> bool:
-    """Return whether anything in a value depends on the running match."""
+    """Return whether any part of a value depends on the running match."""
     if type(value) in SIMPLE:
         return type(value) is RegisterValue
     if isinstance(value, RandomExpr):
@@ -214,7 +214,7 @@ def type_of(value: Value) -> Type:
 
 
 def common_type(values: list[Value]) -> Type | None:
-    """Return the type of whichever it is of some values."""
+    """Return the type of the actual one of some values."""
     common: Type | None = None
     for value in values:
         common = join(common, type_of(value))
@@ -222,7 +222,7 @@ def common_type(values: list[Value]) -> Type | None:
 
 
 def with_registers(type: Type) -> Type:
-    """Return the same type with registers for fixed numbers, truth values and texts, which will hardly stay so."""
+    """Return the same type with registers for fixed numbers, truth values and texts, which are likely to vary."""
     own = opened(type)
     if isinstance(own, Struct):
         return Struct(own.head, tuple(map(with_registers, own.parts))) if own.head[0] in (tuple, Vector) else type
@@ -237,7 +237,7 @@ def join(a: Type | None, b: Type | None) -> Type | None:
 
 
 def merge(a: Type, b: Type) -> Type | None:
-    """Return one type for both that is no choice between them, if there is one."""
+    """Return one type for both other than a choice, if there is one."""
     if a == b:
         return a
     if isinstance(a, OneOf) or isinstance(b, OneOf):
@@ -257,7 +257,7 @@ def merge(a: Type, b: Type) -> Type | None:
 
 
 def opened(type: Type) -> Type:
-    """Return a fixed value's type as that of a register or structure that can hold it, if one can."""
+    """Return a fixed value's type as a register or structure, if possible."""
     if not isinstance(type, Const):
         return type
     if kind_of(type.value) in ("number", "truth", "text") and not builds_text(type.value):
@@ -267,7 +267,7 @@ def opened(type: Type) -> Type:
 
 
 def as_list(type: Type) -> ListType | None:
-    """Return the type of a list as one whose length varies."""
+    """Return the type of a list as one of varying length."""
     if isinstance(type, Struct) and type.head[0] is list:
         element: Type | None = None
         for part in type.parts:
@@ -277,7 +277,7 @@ def as_list(type: Type) -> ListType | None:
 
 
 def one_of(types: list[Type]) -> Type:
-    """Return a choice among types; those that go well together become one."""
+    """Return a choice of types; compatible ones are merged."""
     options: list[Type] = []
     for type in types:
         for option in type.options if isinstance(type, OneOf) else (type,):
@@ -298,7 +298,7 @@ def add_option(options: list[Type], type: Type) -> None:
 
 
 def option_for(type: OneOf, value: Value) -> int:
-    """Return which option of a type holds a value."""
+    """Return the option of a type that holds a value."""
     own = type_of(value)
     for i, option in enumerate(type.options):
         if option == own or (not isinstance(option, Const) and merge(option, own) == option):
@@ -307,7 +307,7 @@ def option_for(type: OneOf, value: Value) -> int:
 
 
 def loaded(type: Type, registers: Iterator[int]) -> Value:
-    """Return the value that stands in some registers."""
+    """Return the value in some registers."""
     if isinstance(type, Const):
         return type.value
     if isinstance(type, Scalar):

@@ -1,7 +1,7 @@
-"""What watches a match: `terminate when`, `terminate after`, `record`, temporal requirements.
+"""Statements that monitor a match: `terminate when`, `terminate after`, `record`, temporal requirements.
 
-A temporal requirement is a small automaton: what remains to be required after a step (`temporal`) is its state, the
-truths of the expressions that the state mentions choose the next one. Read next: `dynamics.compiler.layout`.
+A temporal requirement is a small automaton: its state is the remaining requirement after a step (`temporal`), and the
+truths of the expressions in the state select the next one. Read next: `dynamics.compiler.layout`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from itertools import product
 
-from scenic_lite.core.state import Watched
+from scenic_lite.core.state import EpisodeStatement
 from scenic_lite.dynamics.compiler.choices import branch, in_steps
 from scenic_lite.dynamics.compiler.code import Label, Operands
 from scenic_lite.dynamics.compiler.compilation import (
@@ -34,11 +34,11 @@ from scenic_lite.syntax import nodes
 from scenic_lite.values.graph import RandomExpr, Value
 
 MOST_STATES = 64  # of one temporal requirement
-MOST_ATOMS = 8  # expressions that one state asks for
+MOST_ATOMS = 8  # expressions that one state evaluates
 
 
-def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
-    """Return the names that a statement outside of behaviors sees."""
+def frame_for(c: Compilation, watched: EpisodeStatement) -> CompiledScope:
+    """Return the names visible to a statement outside of behaviors."""
     c.code.place = watched.place
     inlined = InlinedBody((*c.site.path, id(watched.tree)), Label())
     return CompiledScope(c, watched.scope.source, {}, watched.scope, inlined)
@@ -46,14 +46,14 @@ def frame_for(c: Compilation, watched: Watched) -> CompiledScope:
 
 @contextmanager
 def while_running(c: Compilation, part: ScenarioInstance) -> Iterator[None]:
-    """Write the rows inside for a scenario while it runs."""
+    """Execute the rows written inside the context while a scenario runs."""
     with nullcontext() if part.parent is None else c.code.when(part.running), c.within(part):
         yield
 
 
 # ------------------------------------------------------------ ends
 def limit_of(c: Compilation, part: ScenarioInstance) -> None:
-    """Note the time limit of a scenario that begins, from `terminate after`; the last one counts."""
+    """Store the time limit of a new scenario, from `terminate after`; the last one counts."""
     limits = [item.watched for item in part.terminations if isinstance(item.watched.tree, nodes.TerminateAfter)]
     if limits:
         taken, allowed = part.limit = c.code.fixed.take(), c.code.fixed.take()
@@ -62,7 +62,7 @@ def limit_of(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callable[[str], None]) -> None:
-    """Compile `terminate [simulation] when`: end something with the label of the first that holds."""
+    """Compile `terminate [simulation] when`: end with the label of the first condition that holds."""
     for item in part.terminations:
         tree = item.watched.tree
         if isinstance(tree, nodes.TerminateWhen) and tree.scope == extent:
@@ -72,7 +72,7 @@ def conditions(c: Compilation, part: ScenarioInstance, extent: str, end: Callabl
 
 
 def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
-    """Compile `terminate simulation when` of all scenarios that run."""
+    """Compile `terminate simulation when` of all running scenarios."""
     done = Label()
 
     def end(label: str) -> None:
@@ -87,14 +87,14 @@ def ends_of_match(c: Compilation, main: ScenarioInstance) -> None:
 
 # ------------------------------------------------------------ records
 def record(c: Compilation, main: ScenarioInstance, when: str) -> None:
-    """Take the `record` statements of one kind: of every step those of all scenarios, else those of the program."""
+    """Take the `record` statements of one kind: in every step those of all scenarios, else those of the program."""
     for part in main.family() if when == "each" else [main]:
         with while_running(c, part) if part.records and when != "final" else nullcontext():
             take_records(c, part, when)
 
 
 def take_records(c: Compilation, part: ScenarioInstance, when: str) -> None:
-    """Put the values of a scenario's `record` statements of one kind into registers, with the time of that."""
+    """Store the values of a scenario's `record` statements of one kind in registers, with their time."""
     for item in part.records:
         if item.watched.tree.when == when:
             with c.code.statement():
@@ -115,7 +115,7 @@ def take_record(c: Compilation, item: WatchedItem) -> None:
 
 
 def in_registers(c: Compilation, value: Value) -> Value:
-    """Return a value whose random parts all stand in registers, also those of the scene; a list in full."""
+    """Return a value whose random parts are all in registers, also those of the scene; a list in full."""
     if isinstance(value, RegisterList):
         capacity = 0 if value.type.element is None else value.type.capacity
         return Listed(value.length, [in_registers(c, value.at(i)) for i in range(capacity)])
@@ -126,13 +126,13 @@ def in_registers(c: Compilation, value: Value) -> Value:
 
 # ------------------------------------------------------------ temporal requirements
 class Automaton:
-    """The states of a temporal requirement, in the order in which they were found."""
+    """The states of a temporal requirement, in order of discovery."""
 
     def __init__(self, formula: Formula) -> None:
         self.states: list[Formula] = [formula]
-        self.atoms: list[list] = []  # what each state asks for
-        self.next: list[list[int]] = []  # the numbers of the states that follow, by the truths of these
-        for state in self.states:  # grows while it is gone through
+        self.atoms: list[list] = []  # the expressions of each state
+        self.next: list[list[int]] = []  # the numbers of the following states, by the truths of these
+        for state in self.states:  # grows during the iteration
             atoms: list = []
             state.after(lambda atom, atoms=atoms: atom in atoms or atoms.append(atom) is None)  # type: ignore[misc]
             if len(atoms) > MOST_ATOMS:
@@ -150,7 +150,7 @@ class Automaton:
 
 
 def see_steps(c: Compilation, part: ScenarioInstance) -> None:
-    """Write rows that let the temporal requirements of a scenario see a step."""
+    """Write the step of a scenario's temporal requirements."""
     for item in part.temporal:
         bindings = item.watched.bindings
         with c.code.statement(), nullcontext() if bindings is None else bindings.restored(c.state):
@@ -158,7 +158,7 @@ def see_steps(c: Compilation, part: ScenarioInstance) -> None:
 
 
 def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
-    """Write rows that put a requirement into the state that follows."""
+    """Write rows that set the following state of a requirement."""
     code, automaton, state = c.code, item.automaton, item.register
     assert state is not None
     code.place = item.watched.place
@@ -182,7 +182,7 @@ def progress(c: Compilation, item: WatchedItem, scope: CompiledScope) -> None:
 
 
 def unsatisfied(c: Compilation, part: ScenarioInstance) -> None:
-    """Reject the match at the end of a scenario for what was required and has not come."""
+    """Reject the match at the end of a scenario whose requirements are unsatisfied."""
     for item in part.temporal:
         c.code.place = item.watched.place
         refuse(c, item, lambda rest: not rest.at_end())

@@ -1,1 +1,1 @@
-"""What runs inside the step kernel: the table of instructions, the loop over them, a compiled program."""
+"""The virtual machine: the table of instructions, the loop over them, a compiled program."""

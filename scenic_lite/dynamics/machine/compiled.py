@@ -1,4 +1,4 @@
-"""A compiled program: its code, and all that is needed to run and to explain it.
+"""A compiled program: its code, and everything needed to run and to explain it.
 
 Read next: `dynamics.machine.vm`; `tests/scenic_lite/dynamics/controller.py`, which drives one match from Python.
 """
@@ -36,17 +36,19 @@ class Record(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A program's behaviors as code, and all that is needed to run and to explain it.
+    """A program's behaviors as code, and everything needed to run and to explain it.
 
     Attributes:
-        code: what the kernels read.
-        program: what it was compiled from.
-        threads: of each thread the object that it moves, or -1.
-        commands: in a world whose actions are of any kind, what each command number stands for: values with registers.
-        diagnostics: statements that would stop a match that comes to them, and why; of kind `warning`: slips.
-        records: what `record` statements put into registers.
+        code: the arrays that kernels read.
+        program: its source.
+        threads: for each thread the object that it moves, or -1.
+        commands: in a world whose actions are of any kind, the value of each command number, with registers.
+        diagnostics: statements that would stop a match that reaches them, and why; of kind `warning`: probable
+            mistakes.
+        records: the registers of `record` statements.
         sets_reward: whether a statement assigns `simulation().scenic_reward`.
-        end_reasons, rejections: why a match ends, which requirement it breaks, by the numbers in the registers less 1.
+        end_reasons, rejections: why a match ends, which requirement it violates, by the numbers in the registers less
+            1.
     """
 
     code: bytecode.Code
@@ -58,7 +60,7 @@ class Compiled:
     diagnostics: tuple[ScenicError, ...]
     listing: Listing
     start: np.ndarray  # [R]: constants, entries of the threads
-    inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene fills: register, slot of the tape, text
+    inputs: tuple[tuple[int, int, bool], ...]  # registers that the scene sets: register, slot of the tape, text
     tape: Tape
     texts: dict[str, int]
     records: tuple[Record, ...]
@@ -78,21 +80,21 @@ class Compiled:
         return rows
 
     def text(self, value: str) -> int:
-        """Return the number of a text; a new one if the program does not mention it."""
+        """Return the number of a text; a new one if the program does not contain it."""
         return self.texts.setdefault(str(value), len(self.texts))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Return what `diagnostics` means to whoever wrote the program, with places."""
+        """Return `diagnostics` as messages for the program's author, with places."""
         stops = "a match that comes to this line stops: "
         return tuple(f"{'' if error.kind == 'warning' else stops}{error}" for error in self.diagnostics)
 
     def disassembly(self) -> str:
-        """Return the code in words, with the lines of the program."""
+        """Return a readable listing of the code, with the lines of the program."""
         return disassemble(self.code, self.listing)
 
     def fault(self, registers: np.ndarray) -> ScenicError | None:
-        """Return what went wrong in a match [R], at its place in the program; None if nothing did."""
+        """Return the error of a match [R], at its place in the program; None if there is none."""
         if registers[bytecode.FAULT] == 0:
             return None
         row = min(int(registers[bytecode.FAULT_ROW]), len(self.listing.places) - 1)
@@ -111,17 +113,17 @@ class Compiled:
         return error
 
     def plain(self, value: Value, registers: np.ndarray, scene: dict[RandomExpr, Value]) -> Value:
-        """Return a value with registers as it is in a match [R] whose scene gives the draws these values."""
+        """Return a value with registers in a match [R] whose scene gives the draws these values."""
         names = {number: text for text, number in self.texts.items()}
         return plain(value, registers, dict(scene), names)
 
 
-# ------------------------------------------------------------ what `record` statements have put into registers
+# ------------------------------------------------------------ results of `record` statements
 def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the values by name, after a step that left registers [N, R].
+    """Return the recorded values by name, after a step that left registers [N, R].
 
-    Numbers and truth values are float64 [N], vectors [N, 2], NaN where a match has recorded nothing in this step; all
-    else is an array of Python values, None where there is none. `record initial` counts to the first step, `record
+    Numbers and truth values are float64 [N], vectors [N, 2], NaN where a match has recorded nothing in this step; other
+    values are an array of Python values, None where missing. `record initial` belongs to the first step, `record
     final` to the last.
     """
     by_name: dict[str, np.ndarray] = {}
@@ -133,7 +135,7 @@ def recorded(compiled: Compiled, registers: np.ndarray) -> dict[str, np.ndarray]
         if before is None:
             by_name[record.name] = values
         elif before.shape == values.shape and before.dtype == values.dtype:
-            before[taken] = values[taken]  # scenarios with records of one name: the last that runs counts
+            before[taken] = values[taken]  # of several records with one name the last that ran counts
     return by_name
 
 

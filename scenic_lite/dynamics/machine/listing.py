@@ -1,4 +1,4 @@
-"""What a person reads of code: the program's places beside its rows, and the rows in words.
+"""Readable listings of code: the program's places beside its rows, and the rows in words.
 
 Read next: `dynamics.machine.opcodes`.
 """
@@ -15,18 +15,18 @@ from scenic_lite.errors import SourceSpan
 
 
 class Listing(NamedTuple):
-    """What a person needs to read the code: a place for each row, a name for each register, the program's lines."""
+    """Everything needed to read the code: a place for each row, a name for each register, the program's lines."""
 
     places: tuple[SourceSpan, ...]  # [n]
     names: dict[int, str]  # of registers
     lines: dict[tuple[str, int], str]  # by file and line
     notes: dict[int, str]  # of rows that are faults of the program
     titles: dict[int, str]  # of threads, by their entry row
-    calls: dict[int, SourceSpan]  # of rows in functions of a library: where the program calls them
+    calls: dict[int, SourceSpan]  # of rows in library functions: where the program calls them
 
 
 def disassemble(code: Code, listing: Listing) -> str:
-    """Return the code as text: each line of the program above the rows that it became."""
+    """Return the code as text: each line of the program above its rows."""
     targets = {int(row[3]) for row in code.rows if "t" in OPCODES[row[0]].operands}
     lines: list[str] = []
     shown = None

@@ -1,7 +1,7 @@
-"""The opcodes of the machine: plain integers, each beside its operands and its meaning.
+"""The opcodes of the virtual machine: plain integers, each with its operands and its meaning.
 
 Kernels read plain integers faster than members of an enumeration, and Numba compiles them to constants. A new opcode is
-one row here and one branch in `vm`. Read next: `dynamics.machine.bytecode`, how programs are made of them.
+one row of this table and one branch in `vm`. Read next: `dynamics.machine.bytecode`, how code consists of them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class Opcode(NamedTuple):
-    """One row of the table; `operands` says of each: t target, l list, k number, a..c register, `.` unused."""
+    """One row of the table; `operands` gives their kinds: t target, l list, k number, a..c register, `.` unused."""
 
     name: str
     operands: str
@@ -21,7 +21,7 @@ OPCODES: list[Opcode] = []  # by their number
 
 
 def opcode(name: str, operands: str, meaning: str) -> int:
-    """Enter an opcode into the table and return its number."""
+    """Add an opcode to the table and return its number."""
     OPCODES.append(Opcode(name, operands, meaning))
     return len(OPCODES) - 1
 
@@ -54,7 +54,7 @@ MULTIPLY = opcode("MULTIPLY", "abc", "a = b * c")
 DIVIDE = opcode("DIVIDE", "abc", "a = b / c; a fault if c is 0")
 FLOOR_DIVIDE = opcode("FLOOR_DIVIDE", "abc", "a = b // c; a fault if c is 0")
 MODULO = opcode("MODULO", "abc", "a = b % c, with the sign of c; a fault if c is 0")
-POWER = opcode("POWER", "abc", "a = b ** c; a fault if that is no real number")
+POWER = opcode("POWER", "abc", "a = b ** c; a fault if that is not a real number")
 NEGATE = opcode("NEGATE", "ab.", "a = -b")
 ABSOLUTE = opcode("ABSOLUTE", "ab.", "a = |b|")
 MINIMUM = opcode("MINIMUM", "abc", "a = the smaller of b and c, b if they are equal")
@@ -94,7 +94,7 @@ BUCKETIZE = opcode("BUCKETIZE", "abl", "a = how many of the numbers of the list,
 QUANTILE = opcode("QUANTILE", "ab.", "a = the normal quantile of b")
 # ------------------------------------------------------------ lists and ends
 SORT = opcode("SORT", "abc", "the c registers from a = the order of the c values from b: indices, the least first")
-REJECT = opcode("REJECT", "..k", "the match breaks requirement k of the program: it is none of its matches")
+REJECT = opcode("REJECT", "..k", "the match violates requirement k of the program and is rejected")
 TERMINATE = opcode("TERMINATE", "abt", "the match ends for reason a; slot b = target; nothing more in this step")
 FAULT = opcode("FAULT", "...", "the program's own fault")
 FAULT_UNLESS = opcode("FAULT_UNLESS", "ab.", "the program's own fault unless a is not 0; its text may tell b")

@@ -1,7 +1,7 @@
-"""What must hold of code before it runs: the machine itself looks nothing up twice.
+"""Refuses tampered checkpoints and code: checks bytecode before it runs, since the machine checks almost nothing.
 
-Rows, registers and lists that operands name must exist, and the last row must lead somewhere. What only a match can
-tell, an index that it has computed or a slot in which it has kept a row, the machine checks itself.
+Rows, registers and lists named by operands must exist, and the last row must lead elsewhere. Only values known during
+a match, such as a computed index or a row in a slot, are checked by the machine itself.
 Read next: `dynamics.machine.vm`.
 """
 
@@ -23,46 +23,48 @@ class CodeError(ValueError):
 
 
 def slots(code: Code) -> np.ndarray:
-    """Return the registers that hold rows where something goes on, sorted."""
+    """Return the registers that hold rows of suspended blocks, sorted."""
     jumps = np.isin(code.rows[:, 0], (op.RESUME, op.RESUME_IF_RUNNING))
     return np.unique(np.concatenate([code.threads[:, 0], code.rows[jumps, 1].astype(np.int32)]))
 
 
 def verify(code: Code, objects: int, cells: int) -> Code:
-    """Return code for so many objects, which a world of so many numbers shows, if it can do no harm.
+    """Return code for so many objects, in a world of so many numbers, if it is safe.
 
-    Raises `CodeError` if it can.
+    Raises `CodeError` if it is not.
     """
     rows, registers = code.rows.astype(np.int64), code.register_count
     _demand(int(rows[-1, 0]) in ENDS, "nothing follows the last row")
-    _demand(rows[:, 0] < len(OPCODES), "there is no such opcode")
+    _demand(rows[:, 0] < len(OPCODES), "unknown opcode")
     for opcode in np.unique(rows[:, 0]).tolist():
         mine = rows[rows[:, 0] == opcode]
         for values, kind in zip(mine[:, 1:].T, OPCODES[opcode].operands, strict=True):
-            if kind in "abc.":  # one that is not used is read with the others
-                _demand(values < registers, f"an operand of {OPCODES[opcode].name} is no register")
+            if kind in "abc.":  # an unused operand is read, too
+                _demand(values < registers, f"an operand of {OPCODES[opcode].name} is not a register")
             elif kind == "t":
-                _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is no row")
+                _demand(values < len(rows), f"a target of {OPCODES[opcode].name} is not a row")
             elif kind == "l":
                 for place in values.tolist():
                     _check_list(code, opcode, place)
     many = rows[rows[:, 0] == op.COPY_MANY]
-    _demand(many[:, 1:3] + many[:, 3:] <= registers, "what is copied ends beyond the registers")
+    _demand(many[:, 1:3] + many[:, 3:] <= registers, "a copy ends beyond the registers")
     entries, moved = code.threads.T
-    _demand((entries >= FIRST_FREE) & (entries < registers), "a slot is no register")
+    _demand((entries >= FIRST_FREE) & (entries < registers), "a slot is not a register")
     _demand((moved >= -1) & (moved < objects), "a thread moves no object")
     kinds = code.scenarios, code.behaviors, code.records, code.monitors
     _demand(min(kinds) >= 0 and sum(kinds) + 2 == len(code.threads), "threads are missing")
-    _demand(0 <= code.world_base <= registers - cells and 0 <= code.clock < registers, "the world is in no registers")
+    _demand(
+        0 <= code.world_base <= registers - cells and 0 <= code.clock < registers, "the world is outside the registers"
+    )
     return code
 
 
 def _check_list(code: Code, opcode: int, place: int) -> None:
-    """Check one list of operands: its length stands before it, its elements are registers."""
+    """Check one list of operands: its length precedes it, its elements are registers."""
     _demand(1 <= place < len(code.lists), "a list is not there")
     length = int(code.lists[place - 1])
     _demand(place + length <= len(code.lists), "a list ends beyond the lists")
-    _demand(code.lists[place : place + length] < code.register_count, "an element of a list is no register")
+    _demand(code.lists[place : place + length] < code.register_count, "an element of a list is not a register")
     whole = opcode != op.IN_RINGS or (length - LENGTHS[opcode]) % EDGE == 0
     _demand(whole and length >= LENGTHS.get(opcode, 0), "a list is too short")
 

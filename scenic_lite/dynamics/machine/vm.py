@@ -1,8 +1,8 @@
-"""The machine that runs compiled behaviors: one loop over rows, for one thread of one match until it lets time pass.
+"""The virtual machine of compiled behaviors: one loop over rows, for one thread of a match until it lets time pass.
 
-Nothing is allocated and nothing is decoded; the chain of tests becomes one jump table. The machine knows no football:
-the match shows itself in registers and takes one command for each object. Read next: `dynamics.machine.compiled`,
-which drives it from Python.
+It allocates and decodes nothing; the chain of tests becomes one jump table. The machine does not depend on football:
+the match provides registers and takes one command for each object. Read next: `dynamics.machine.compiled`, which
+drives it from Python.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ TURN = 2 * math.pi
 
 @kernel
 def stop(registers, fault, row):
-    """Note what went wrong and where; the first fault of a match stays."""
+    """Store a fault and its row; the first fault of a match stays."""
     if registers[FAULT] == 0:
         registers[FAULT] = fault
         registers[FAULT_ROW] = row
@@ -230,7 +230,7 @@ def run_thread(code, registers, commands, thread, rng):
 
 @kernel
 def computed(code, registers, opcode, b, c):
-    """Compute the rarer functions: return the result, and whether there is one. Integers have no -0, hence `+ 0.0`."""
+    """Compute the rarer functions: return the result, and whether it exists. Integers have no -0, hence `+ 0.0`."""
     x = registers[b]
     if opcode == op.POWER:
         return power(x, registers[c])
@@ -263,7 +263,7 @@ def computed(code, registers, opcode, b, c):
 
 @kernel
 def run_threads(code, registers, commands, first, count, rng):
-    """Resume some threads, in order, as long as nothing is broken."""
+    """Resume some threads, in order, unless the match is rejected or has failed."""
     for thread in range(first, first + count):
         if registers[FAULT] != 0 or registers[REJECTED] != 0:
             return
@@ -272,7 +272,7 @@ def run_threads(code, registers, commands, first, count, rng):
 
 @kernel
 def step_scenario(code, registers, commands, rng):
-    """Let the scenario take one step at each time, by whatever it is asked for first."""
+    """Let the scenario take one step at each time, at the first call."""
     if registers[SEEN] < registers[code.clock]:
         registers[SEEN] = registers[code.clock]
         run_threads(code, registers, commands, 0, code.scenarios, rng)
@@ -280,13 +280,13 @@ def step_scenario(code, registers, commands, rng):
 
 @kernel
 def end(code, registers, commands, rng):
-    """End the match: it is rejected if that leaves a requirement unsatisfied."""
+    """End the match: it is rejected if a requirement is unsatisfied."""
     run_threads(code, registers, commands, code.threads.shape[0] - 1, 1, rng)
 
 
 @kernel
 def over(registers):
-    """Return whether a match has ended, is broken or has failed."""
+    """Return whether a match has ended, is rejected or has failed."""
     return registers[TERMINATED] != 0 or registers[REJECTED] != 0 or registers[FAULT] != 0
 
 
@@ -294,8 +294,8 @@ def over(registers):
 def run_behaviors(code, registers, commands, rng):
     """Run one step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND for none.
 
-    The registers hold the world and the facts of now. Afterwards they say in `TERMINATED`, `REJECTED` and `FAULT`
-    whether the match goes on; if not, nobody has a command.
+    The registers hold the present world and facts. Afterwards `TERMINATED`, `REJECTED` and `FAULT` tell whether the
+    match goes on; if not, no object has a command.
     """
     commands[:] = NO_COMMAND
     if over(registers):
@@ -315,9 +315,9 @@ def run_behaviors(code, registers, commands, rng):
 
 @kernel
 def run_watchers(code, registers, rng):
-    """Run one step of all that watches a match; return the reward and clear it.
+    """Run one step of everything that monitors a match; return the reward and clear it.
 
-    First what is recorded, then the monitors, then the conditions that end the match.
+    The order is: records, monitors, conditions that end the match.
     """
     if over(registers):
         return 0.0

@@ -1,6 +1,6 @@
-"""The machine's longer functions: formulas of `values` for operands of a list, polygons, sorting, powers.
+"""The virtual machine's longer functions: formulas of `values` on operands of a list, polygons, sorting, powers.
 
-The formulas are compiled as they stand. Read next: `dynamics.machine.vm`.
+The formulas are compiled unchanged. Read next: `dynamics.machine.vm`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ quantile = kernel(formulas.normal_quantile)
 
 @overload(formulas.either)
 def either(condition, first, second):
-    """Choose between two numbers: `np.where` would make an array, which kernels must not."""
+    """Choose between two numbers: `np.where` would create an array, which kernels must not."""
     return lambda condition, first, second: first if condition else second
 
 
@@ -38,7 +38,7 @@ def five(registers, lists, at):
 
 @kernel
 def in_rings(registers, lists, at):
-    """Return whether a point lies inside or on closed edges: a ray from it crosses them an odd number of times."""
+    """Return whether a point is inside or on closed edges: a ray from it crosses them an odd number of times."""
     x, y = registers[lists[at]], registers[lists[at + 1]]
     inside = False
     for edge in range(at + 2, at + lists[at - 1], 4):

@@ -112,7 +112,7 @@ def test_episodes_of_a_level_differ_but_for_the_same_seed(python):
 def test_a_state_of_the_simulator_is_refused(python):
     ours = make(python, engine="regista")
     ours.reset(seed=0)
-    with pytest.raises(ValueError, match="one of the simulator's"):
+    with pytest.raises(ValueError, match="saved by our simulator, not by"):
         make(python).set_state(ours.get_state())
 
 

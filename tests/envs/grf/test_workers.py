@@ -51,7 +51,9 @@ def test_an_episode_is_repeated_where_its_worker_is_gone(tmp_path, monkeypatch, 
 
 
 def test_a_worker_that_always_dies_is_given_up_with_its_last_words(tmp_path):
-    with pytest.raises(GrfError, match=r"failed 3 times over the same step: it has died.*under water"):
+    with pytest.raises(
+        GrfError, match=r"failed 3 times during the same step: the GRF worker process died.*under water"
+    ):
         played(Workers(fake_python(tmp_path, do="die", at=1), 1))
 
 
@@ -73,7 +75,7 @@ def test_a_pool_goes_on_after_an_error(tmp_path, undisturbed):
 
 
 def test_a_worker_of_another_version_is_refused(tmp_path):
-    with pytest.raises(GrfError, match="speaks version 99, not 1"):
+    with pytest.raises(GrfError, match="uses protocol version 99, expected 1"):
         played(Workers(fake_python(tmp_path, do="version"), 1))
 
 
@@ -92,7 +94,7 @@ def test_a_repetition_that_shows_something_else_is_an_error(tmp_path):
     pool.play([episode], ACTIONS[0][:1])
     episode.seed = 2
     pool.close()
-    with pytest.raises(GrfError, match="differently the second time"):
+    with pytest.raises(GrfError, match="did not replay an episode identically"):
         pool.play([episode], ACTIONS[1][:1])
     pool.close()
 

@@ -1,8 +1,8 @@
-"""Actions into desired velocities: the 19 actions, the sticky keys, the kick buttons and the pull of a free ball.
+"""From actions to desired velocities: the 19 actions, sticky actions, kick buttons and the pull of a free ball.
 
-And back: which of the 19 comes nearest to what a program (`key_of_command`) or the built-in AI (`key_of_wish`) has a
-player do. Read next: `control.magnet`; `ai.decide`, which decides for everybody without a command, and
-`skills.kicks`, which carries the kicks out.
+And back: the one of the 19 actions that is nearest to a program's command (`main_action`) or to the built-in AI's
+decision (`desired_action`). Read next: `control.magnet`; `ai.decide`, which decides for all players without a command,
+and `skills.kicks`, which executes kicks.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from regista.envs.football.constants import (
     IDLE,
     KICK_PATIENCE,
     LONG_PASS,
-    NO_KEY,
+    NO_ACTION,
     NOBODY,
     NORMAL,
     NUM_COMMANDS,
@@ -45,51 +45,51 @@ from regista.kernels.rng import uniform
 
 
 class Ask(NamedTuple):
-    """When a button is a kick for a player who has not got the ball: he is hardly later at it than the opponents."""
+    """When a button means a kick for a player without the ball: the player is hardly later at it than the opponents."""
 
-    in_time: float = 0.85  # of their time by his, with `Pull.patience`,
+    in_time: float = 0.85  # of the opponents' time by the player's, with `Pull.patience`,
     high_pass: float = 1.0  # the same for a high pass
-    high: float = 1.5  # m, height of a ball from where on
-    high_ease: float = 0.2  # less is enough
-    slide_from: float = 1.2  # m to a ball that an opponent leads: who is nearer tries for it on his feet,
-    slide: float = 1.15  # and who is in time by more than this for a free ball does not slide
+    high: float = 1.5  # m, height of the ball above which
+    high_ease: float = 0.2  # a lower ratio is enough
+    slide_from: float = 1.2  # m to a ball that an opponent leads: a nearer player tries for it standing up,
+    slide: float = 1.15  # and a player who is in time by more than this for a free ball does not slide
 
 
 class Turns(NamedTuple):
-    """How long a carrier runs on when his keys lead elsewhere: until his touch has ended, or not at all."""
+    """How long a carrier runs on after a new direction: until the present touch has ended, or not at all."""
 
-    at_once: float = 0.1  # s; its share of itself and the longest wait is how often he turns at once
+    at_once: float = 0.1  # s; a turn is immediate with probability at_once / (at_once + longest wait)
     runner: float = 0.15  # s at most
     dribbler: float = 0.2  # s
     sprinter: float = 0.4  # s
-    slow: float = 2.0  # m/s: who has come down to it leaves the arc of a sprinter
-    sets_off: float = 0.3  # s, who stands, or stops, and begins to dribble
+    slow: float = 2.0  # m/s: a sprinter who has slowed down to this leaves the arc
+    sets_off: float = 0.3  # s, for a player who stands, or stops, and begins to dribble
 
 
 # Fitted to 600 drawn turns of Google Research Football: `lab.benchmarks --suite grf`, family motion.
 TURNS = Turns()
-ASK = Ask()  # documented of Google Research Football
+ASK = Ask()  # documented by Google Research Football
 HELD_LONGEST = 6  # steps after which a held button kicks by itself
-CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, were there no touches (`dribble`)
-SETTING_OFF = 4  # steps since he got the ball in which a carrier who has asked for a pass still ends his first turn
-STOPPED = 2.0  # m/s of a ball with which a carrier stops, at most
-PASSING_PACE = 2.9  # m/s up to which a carrier who has asked for a pass still gathers speed
-STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI's wish is to stand, and to sprint
-PACE_EVERY = 4  # steps: how often the pace is told of a wish, not its direction
+CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, without the effect of touches (`dribble`)
+SETTING_OFF = 4  # steps of possession in which a carrier who has requested a pass still completes the first turn
+STOPPED = 2.0  # m/s of the ball, below which a carrier can stop with it
+PASSING_PACE = 2.9  # m/s up to which a carrier who has requested a pass still accelerates
+STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI wants to stand, and to sprint
+PACE_EVERY = 4  # steps: how often the recorded action is the pace, not the direction
 
 
 @kernel
 def apply_action(match, i, actions):
-    """Let player i press a key, or several at once: remember the sticky ones, kick or slide, and want a velocity.
+    """Apply one action of player i, or several: update sticky actions, kick or slide, and set the desired velocity.
 
-    Of several (digits in base NUM_COMMANDS, the first highest) the first counts of those that exclude each other: of
-    directions, of a key and its release, of kicks and slides.
+    Several actions are digits in base NUM_COMMANDS, the first highest. Of actions that exclude each other (two
+    directions, an action and its release, kicks and slides) the first counts.
     """
     player = match.players[i]
     button, direction, dribble = IDLE, player.direction, player.dribble
     while actions > 0:  # from the last to the first
         action = actions % NUM_COMMANDS
-        press_key(player, action)
+        update_sticky_actions(player, action)
         if is_button(action):
             button = action
         actions //= NUM_COMMANDS
@@ -104,10 +104,10 @@ def apply_action(match, i, actions):
 
 @kernel
 def begin_turn(match, player, direction, dribble):
-    """Let a carrier whose keys led along `direction`, and now lead elsewhere, end the touch at which he is first.
+    """Let a carrier whose direction changes from `direction` complete the present touch first.
 
-    That takes as long as chance has it. A turn that begins with sprint held goes in an arc. Who stands, or stops with
-    the ball, and begins to dribble touches it anew before he sets off.
+    The duration is random. A turn that begins in a sprint goes in an arc. A player who stands, or stops with the ball,
+    and begins to dribble touches the ball again before setting off.
     """
     speed = length(player.vx, player.vy)
     if speed > STANDS and player.direction != direction and player.direction > 0 and direction > 0:
@@ -123,7 +123,7 @@ def begin_turn(match, player, direction, dribble):
 
 
 @kernel
-def press_key(player, action):
+def update_sticky_actions(player, action):
     """Update the sticky direction, sprint and dribble."""
     if 1 <= action <= 8:
         player.direction = action
@@ -140,8 +140,8 @@ def press_key(player, action):
 
 
 @kernel
-def release_keys(match, i):
-    """Clear what is sticky, and a kick that has not begun: the built-in AI has taken over player i."""
+def release_sticky_actions(match, i):
+    """Clear the sticky actions and a kick that has not begun: the built-in AI has taken over player i."""
     player = match.players[i]
     player.direction = 0
     player.sprint = False
@@ -152,9 +152,9 @@ def release_keys(match, i):
 
 @kernel
 def hold_kick(player, action):
-    """Count how long a kick button is held; the kick is due on release, or when it was held for too long.
+    """Count how long a kick button is held; the kick is due on release, or after it was held for too long.
 
-    Another button is a release, but that of a short pass, which takes the place of a shot or a high pass.
+    Another button counts as a release, except a short pass, which replaces a shot or a high pass.
     """
     if is_kick(action) and (player.kick in (0, action) or takes_place(player.kick, action)):
         if player.kick_wait > 0.0:
@@ -176,14 +176,14 @@ def hold_kick(player, action):
 
 @kernel
 def takes_place(kick, action):
-    """Return whether a button is a kick of its own for who has asked for another."""
+    """Return whether a button replaces the kick that has been requested."""
     return action == SHORT_PASS and kick in (HIGH_PASS, SHOT)
 
 
 @kernel
 def may_slide(match, i):
-    """Return whether the button of the slide is one for player i: he has asked for no kick, a led ball is not at his
-    feet, and he is not the first at a free one, nor sooner at it than the opponents.
+    """Return whether the slide button works for player i: no kick is requested, a carrier is far enough away, and at a
+    free ball the player is neither first nor sooner than the opponents.
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):
@@ -197,7 +197,7 @@ def may_slide(match, i):
 
 @kernel
 def may_ask(match, i, button):
-    """Return whether a button is a kick for player i: he has the ball, or is the first at it or hardly later."""
+    """Return whether a button means a kick for player i: the carrier, or first at the ball or hardly later."""
     player = match.players[i]
     if i in (match.carrier, match.kicker) or (is_ours(match, player.team) and match.chaser[player.team] == i):
         return True
@@ -209,25 +209,25 @@ def may_ask(match, i, button):
 
 @kernel
 def steer(match, i):
-    """Want the velocity that the sticky keys ask for, or as far as the ball pulls i the way to it.
+    """Set the velocity that the sticky actions request, corrected by the pull of a free ball.
 
-    Who has the ball and has asked for a pass runs on as he runs until he has kicked, and for a shot while his leg
-    swings or if no direction is held: else his keys lead until then. Sprint and dribble held together free who has not
-    got it of the pull: then his keys alone count, as in Google Research Football.
+    A carrier who has requested a pass runs on until it is kicked; one who has requested a shot does so while the leg
+    swings or without a held direction. Sprint and dribble held together disable the pull of a free ball, as in
+    Google Research Football.
     """
     player = match.players[i]
     at_feet = match.carrier == i and apart(match.ball, player) < TOUCH.reach
-    if match.carrier == i and player.stance_wait > 0.0 and player.kick == 0:  # he stops with it, or ends his touch
+    if match.carrier == i and player.stance_wait > 0.0 and player.kick == 0:  # stops with the ball, or ends the touch
         if player.direction == 0 or ball_speed(match.ball) < STOPPED:
             player.desired_vx, player.desired_vy = 0.0, 0.0
         else:
             player.desired_vx, player.desired_vy = player.vx, player.vy
         return
-    speed = key_speed(player, match.carrier == i)
+    speed = requested_speed(player, match.carrier == i)
     if at_feet and player.kick != 0 and (player.kick != SHOT or player.direction == 0 or match.kicker == i):
         run_on(player, speed, player.kick < SHOT and match.carry_age < SETTING_OFF)
         return
-    if match.carrier == i and player.stance_wait > 0.0:  # he stops with the ball first
+    if match.carrier == i and player.stance_wait > 0.0:  # stops with the ball first
         player.desired_vx, player.desired_vy = 0.0, 0.0
         return
     player.desired_vx, player.desired_vy = DIRECTION_X[player.direction] * speed, DIRECTION_Y[player.direction] * speed
@@ -241,10 +241,10 @@ def steer(match, i):
 
 @kernel
 def run_on(player, speed, sets_off):
-    """Let the carrier who has asked for a kick run straight on, up to a run if his keys do not lead back.
+    """Let a carrier who has requested a kick run straight on, up to a run if the direction does not lead back.
 
-    Who hardly runs yet starts where his keys lead, and who sets off with the ball to pass turns to where they led
-    before; who is to pass gathers no more than `PASSING_PACE`.
+    A carrier who hardly runs yet starts in the held direction; one who sets off with the ball to pass turns to the last
+    desired velocity. A carrier about to pass does not accelerate beyond `PASSING_PACE`.
     """
     now = length(player.vx, player.vy)
     ux, uy = DIRECTION_X[player.direction], DIRECTION_Y[player.direction]
@@ -265,8 +265,8 @@ def run_on(player, speed, sets_off):
 
 
 @kernel
-def key_speed(player, with_ball):
-    """Return the speed in m/s that the sprint and dribble keys ask for."""
+def requested_speed(player, with_ball):
+    """Return the speed in m/s that the sprint and dribble actions request."""
     if player.sprint:
         return player.top_speed
     if player.dribble:
@@ -275,9 +275,9 @@ def key_speed(player, with_ball):
 
 
 @kernel
-def key_of_command(player, command):
-    """Return the one of the 19 actions that says most of a command: a kick or a slide, else the first key that changes
-    something, else the first; none for the built-in AI's.
+def main_action(player, command):
+    """Return the main action of a command: a kick or a slide, else the first action that changes something, else the
+    first; IDLE for the built-in AI's.
     """
     told = IDLE
     while command > 0:  # from the last to the first
@@ -291,7 +291,7 @@ def key_of_command(player, command):
 
 @kernel
 def is_button(action):
-    """Return whether an action is a kick or a slide, which counts when it is pressed, not as long as it is held."""
+    """Return whether an action is a kick or a slide, which takes effect once, not as long as it is held."""
     return is_kick(action) or action == SLIDING
 
 
@@ -303,7 +303,7 @@ def is_kick(action):
 
 @kernel
 def excludes(action, other):
-    """Return whether two sticky keys say different things of the same: direction, sprint or dribble."""
+    """Return whether two sticky actions set the same thing: direction, sprint or dribble."""
     if is_direction(action):
         return is_direction(other)
     low, high = min(action, other), max(action, other)
@@ -312,13 +312,13 @@ def excludes(action, other):
 
 @kernel
 def is_direction(action):
-    """Return whether an action presses or releases the direction."""
+    """Return whether an action sets or releases the direction."""
     return 1 <= action <= 8 or action == RELEASE_DIRECTION
 
 
 @kernel
 def changes(player, action):
-    """Return whether a key is not what the player's sticky keys say already."""
+    """Return whether an action would change the player's sticky actions."""
     if 1 <= action <= 8:
         return player.direction != action
     if action == RELEASE_DIRECTION:
@@ -329,16 +329,15 @@ def changes(player, action):
 
 
 @kernel
-def key_of_wish(player, step):
-    """Return the one of the 19 actions that comes nearest to what the built-in AI has a player do; NO_KEY while he is
-    down.
+def desired_action(player, step):
+    """Return the action, of the 19, nearest to what the built-in AI wants of a player; NO_ACTION while he is down.
 
-    A wish has a direction and a pace: which of both is told, goes by the step.
+    The AI wants a direction and a pace at once; one action expresses only one of them, so the step decides which.
     """
     if player.is_sliding and player.down_wait >= SLIDE.time:
         return SLIDING
     if player.down_wait > 0.0:
-        return NO_KEY
+        return NO_ACTION
     if player.kick != 0:
         return player.kick
     speed = length(player.desired_vx, player.desired_vy)
@@ -346,5 +345,5 @@ def key_of_wish(player, step):
         return RELEASE_DIRECTION
     if step % PACE_EVERY == PACE_EVERY - 1:
         return SPRINT if speed > SPRINTS else RELEASE_SPRINT
-    eighths = round(math.atan2(player.desired_vy, player.desired_vx) / (math.pi / 4))  # 0 along +x, anticlockwise
+    eighths = round(math.atan2(player.desired_vy, player.desired_vx) / (math.pi / 4))  # 0 along +x, counterclockwise
     return (4 - eighths) % 8 + 1

@@ -1,4 +1,4 @@
-"""What matches start from on given levels, made for many levels in one go: a hundred take hardly longer than one.
+"""Initial states of matches on given levels, made for many levels at once: a hundred take hardly longer than one.
 
 Read next: `vector_env`.
 """
@@ -13,15 +13,15 @@ from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.state import MATCH
 
-BLOCK = 128  # levels that are made ahead at most
+BLOCK = 128  # levels made ahead at most
 INVALID = -1
 
 
-class Starts:
-    """The starts of a block of levels: those that are wanted, and those that are said to come next.
+class InitialStates:
+    """The initial states of a block of levels: those requested, and those expected next.
 
-    A start depends on θ alone, so no number depends on which levels share a block. Its stream of random numbers is
-    for the environment to set: luck is new in every episode.
+    An initial state depends on θ alone, so results do not depend on which levels share a block. The environment sets
+    its random stream, which is new in every episode.
 
     Attributes:
         matches: MATCH `[B]` of the valid levels of the block; registers: `[B, R]`, of the program's behaviors.
@@ -30,12 +30,12 @@ class Starts:
     def __init__(self, lineup: Lineup, behaviors: CompiledBehaviors) -> None:
         self._lineup, self._behaviors = lineup, behaviors
         self.matches, self.registers = np.zeros(0, MATCH), np.zeros((0, behaviors.num_registers))
-        self._rows: dict[bytes, int] = {}  # of each level of the block; INVALID for those that cannot be played
+        self._rows: dict[bytes, int] = {}  # of each level of the block; INVALID for unplayable ones
 
     def rows(self, levels: np.ndarray, upcoming: Callable[[], np.ndarray] | None) -> np.ndarray:
-        """Return where the starts of levels `[k]` are: `[k]` indices into `matches` and `registers`, or INVALID.
+        """Return the indices of levels `[k]` into `matches` and `registers`: `[k]`, or INVALID.
 
-        `upcoming` gives the levels that are likely to be wanted next.
+        `upcoming` returns the levels that are likely to be requested next.
         """
         keys = _keys(levels)
         if not self._rows.keys() >= set(keys):
