@@ -94,8 +94,8 @@ class Curl(NamedTuple):
     spin_bad: float = 0.7  # and with a bad shot
 
 
-# The law and its numbers are documented by Google Research Football; power and scatter are checked by `regista
-# lab.benchmarks --suite grf`, family shots.
+# The law and its numbers are documented by Google Research Football; power and scatter are checked by
+# `lab.benchmarks --suite grf`, family shots.
 AIM, POWER, HARD, BAD, CURL = Aim(), Power(), Difficulty(), BadShot(), Curl()
 # Skills of Google Research Football's players by index within the team: of shooting, and of shot power
 SHOT_SKILL = (0.35, 0.44, 0.31, 0.24, 0.36, 0.69, 0.36, 0.53, 0.68, 0.68, 0.68)
