@@ -75,12 +75,12 @@ def test_seeds_are_levels():
 def test_an_adversary_proposes_few_seeds_one_by_one_and_many_as_a_range(count, options):
     batch = GymUPOMDP(Rooms, None, ued.Seeds(count), 4)
     paired = METHODS["paired"].load()(batch, PPO, SETTINGS["paired"], seed=0)
-    network = paired.teacher.adversary.network
+    network = paired.curriculum.adversary.network
     assert network.log_weights.numel() == options and len(network.reals) == (not options)
     for _ in range(3):
         metrics = paired.update()
     assert metrics["adversary/gradient_steps"] > 0
-    proposed = batch.make_levels(paired.teacher.adversary.theta(paired.teacher.adversary.propose(100)))
+    proposed = batch.make_levels(paired.curriculum.adversary.theta(paired.curriculum.adversary.propose(100)))
     assert proposed["seed"].max() < count and len(set(proposed["seed"].tolist())) > min(count, 50) / 2
 
 

@@ -268,7 +268,7 @@ def test_the_regularizer_brings_policies_together():
 @pytest.mark.slow
 def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     method = METHODS["repaired"](frontier())
-    batches, adversary = [], method.teacher.adversary
+    batches, adversary = [], method.curriculum.adversary
     learn = adversary.learn
     adversary.learn = lambda proposals, scores: batches.append(len(scores)) or learn(proposals, scores)
     seen = observed(method)
@@ -278,7 +278,7 @@ def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     replayed = records["origin"] == Origin.REPLAYED
     assert replayed.sum() > 20
     own = int((records["origin"] == Origin.PROPOSED).sum())
-    assert sum(batches) + len(method.teacher.pending_proposals) == own
+    assert sum(batches) + len(method.curriculum.pending_proposals) == own
     assert (records["train"] == replayed).all()
     assert not np.isnan(records["returns"][replayed]).any()  # both students played the same replayed level
 

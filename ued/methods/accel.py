@@ -44,9 +44,7 @@ class ACCEL(Method):
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
         levels = self.play()  # [L]
-        score = self.curriculum.score(levels)  # [L] what each is worth replaying
-        metrics = self.curriculum.store(levels, score)
-        self.curriculum.edit_replayed(levels)  # their children are proposed next
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
 
@@ -70,14 +68,11 @@ class ACCELLevels(PLRLevels):
         children, self.children = self.children[:count], self.children[count:]
         return np.concatenate([children, super().propose(count - len(children))])
 
-    def edit_replayed(self, records: np.ndarray) -> None:
-        """Make edited copies of the replayed ones among these levels, to be proposed next."""
-        self.children = np.concatenate([self.children, self._edited(self._parents(records))])
-
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score the levels and store them as PLR; edit copies of those that were replayed."""
         metrics = super().update(records)
-        self.edit_replayed(records)
+        children = self._edited(self._parents(records))
+        self.children = np.concatenate([self.children, children])  # they are proposed next
         return metrics
 
     def _parents(self, records: np.ndarray) -> np.ndarray:

@@ -33,7 +33,8 @@ class DR(Method):
     def update(self) -> dict[str, float]:
         """Play levels drawn uniformly, and learn from all of them."""
         levels = self.play()  # [L]
-        metrics = self.learner.learn(self.env_steps)
+        metrics = self.curriculum.update(levels)  # nothing: random levels have no score
+        metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 

@@ -27,15 +27,14 @@ class Minimax(Method):
     """
 
     def begin(self, config: MinimaxConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.curriculum = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels; pay it the student's loss; let both learn."""
+        """Play the adversary's levels; let the adversary and the student learn."""
         levels = self.play()  # [L]
-        loss = -mean_returns(levels)[:, 0]  # [L] the mean over episodes, as the paper has it
-        metrics = self.teacher.learn(levels, loss)
+        metrics = self.curriculum.update(levels)  # the adversary, from the student's loss
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
@@ -47,5 +46,6 @@ class MinimaxLevels(Teacher):
         super().__init__(space, config, 1, config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the student's mean return, negated."""
-        return self.learn(records, -mean_returns(records)[:, 0])
+        """Reward the adversary with the student's loss."""
+        loss = -mean_returns(records)[:, 0]  # [L] the mean over episodes, as in the paper
+        return self.learn(records, loss)

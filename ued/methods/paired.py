@@ -42,15 +42,14 @@ class Paired(Method):
 
     def begin(self, config: PairedConfig | None, seed: int) -> None:
         self.config = config or PairedConfig()
-        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.curriculum = PairedLevels(self.upomdp, self.config, seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels with all students; pay it their regret; let everybody learn."""
+        """Play the adversary's levels with all students; let the adversary learn from regret, and the students."""
         levels = self.play()  # [L] finished by the protagonist and by the antagonist
-        regret = paired_regret(levels, self.config)  # [L]
-        metrics = self.teacher.learn(levels, regret)
+        metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
         metrics |= regret_split(levels, has_antagonist(self.config))
         for learner in self.learners:
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
@@ -90,8 +89,9 @@ class PairedLevels(Teacher):
         super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the regret that its levels caused."""
-        return self.learn(records, paired_regret(records, self.config))
+        """Reward the adversary with the regret that its levels caused."""
+        regret = paired_regret(records, self.config)  # [L]
+        return self.learn(records, regret)
 
 
 # ---------------------------------------------------------------- who the students are

@@ -40,8 +40,7 @@ class PLR(Method):
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
         levels = self.play()  # [L] each new or replayed, as `propose` tossed the coin
-        score = self.curriculum.score(levels)  # [L] what each is worth replaying
-        metrics = self.curriculum.store(levels, score)
+        metrics = self.curriculum.update(levels)  # score each level and store it
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
         return self.report(levels, metrics)
 
@@ -90,16 +89,8 @@ class PLRLevels(Resumable):
         records["train"] = not self.robust
         return records
 
-    def score(self, records: np.ndarray) -> np.ndarray:
-        """Return the scores `[L]` of level records by the rule of the settings; see `levels.scores`."""
-        records["best"] = self.buffer.best_returns(records)
-        return scores.score(self.config.score, records, records["best"])
-
-    def store(self, records: np.ndarray, score: np.ndarray) -> dict[str, float]:
-        """Offer new levels to the buffer with their scores `[L]`; give replayed ones their new scores."""
-        records["score"] = score
-        return self.buffer.store(records)
-
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels and store them."""
-        return self.store(records, self.score(records))
+        """Score the levels by the rule of the settings, see `levels.scores`; store them in the buffer."""
+        records["best"] = self.buffer.best_returns(records)
+        records["score"] = scores.score(self.config.score, records, records["best"])
+        return self.buffer.store(records)  # new levels are offered, replayed ones get their new scores

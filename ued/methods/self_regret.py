@@ -30,15 +30,14 @@ class SelfRegret(Method):
     """
 
     def begin(self, config: SelfRegretConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.curriculum = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels; pay it how far the student surpassed itself; let both learn."""
+        """Play the adversary's levels; let the adversary and the student learn."""
         levels = self.play()  # [L]
-        regret = self.teacher.self_regret(levels)  # [L]
-        metrics = self.teacher.learn(levels, regret)
+        metrics = self.curriculum.update(levels)  # the adversary, from the student's self-regret
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
@@ -52,11 +51,7 @@ class SelfRegretLevels(Teacher):
         super().__init__(space, config, 1, 2 * config.episodes_per_level, seed, budget)
         self.rule = config.regret
 
-    def self_regret(self, records: np.ndarray) -> np.ndarray:
-        """Return what the later episodes brought above the earlier ones, `[L]`."""
-        earlier, later = np.split(records["returns"][:, 0], 2, axis=1)  # [L, n] each
-        return scores.regret(earlier, later, self.rule)
-
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary self-regret."""
-        return self.learn(records, self.self_regret(records))
+        """Reward the adversary with self-regret: the gain of the later episodes over the earlier ones."""
+        earlier, later = np.split(records["returns"][:, 0], 2, axis=1)  # [L, n] each
+        return self.learn(records, scores.regret(earlier, later, self.rule))
