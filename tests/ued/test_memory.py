@@ -15,9 +15,10 @@ from ued.core import checkpoint
 from ued.core.seeding import torch_generator
 from ued.evaluation import evaluate
 from ued.learning.cloning import Cloner
+from ued.learning.kl import KLRegularizer
 from ued.learning.memory import GRU, Past
+from ued.learning.minibatches import Batch
 from ued.learning.networks import Team
-from ued.learning.ppo import Batch, KLRegularizer
 from ued.learning.student import Player, Student
 from ued.methods import METHODS
 from ued.methods.dr import DR

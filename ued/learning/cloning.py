@@ -24,7 +24,7 @@ from torch import Tensor
 
 from ued.config import CloningConfig
 from ued.core.resumable import Resumable
-from ued.learning.adam import Adam
+from ued.learning.fast_adam import Adam
 from ued.learning.student import Student
 
 

@@ -17,7 +17,8 @@ from gymnasium.spaces import Discrete
 from ued.config import PPOConfig
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
-from ued.learning.ppo import PPO, FadingKL, KLRegularizer
+from ued.learning.kl import FadingKL, KLRegularizer
+from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.upload import Upload

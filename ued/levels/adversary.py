@@ -19,7 +19,7 @@ from torch import Tensor
 from ued.config import AdversaryConfig
 from ued.core.parameters import Parameter, numbered
 from ued.core.resumable import Resumable
-from ued.learning.adam import Adam
+from ued.learning.fast_adam import Adam
 from ued.levels.theta_distribution import ThetaDistribution
 from ued.levels.unimodal import Unimodal
 

@@ -20,8 +20,8 @@ import numpy as np
 
 from ued.config import PairedConfig
 from ued.core.curriculum import LevelSpace
+from ued.learning.kl import KLRegularizer
 from ued.learning.learner import Learner
-from ued.learning.ppo import KLRegularizer
 from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.diagnostics import regret_split
