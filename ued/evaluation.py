@@ -14,7 +14,7 @@ import numpy as np
 
 from ued.core.level_space import SEEDS
 from ued.core.seeding import SeedStream, torch_generator
-from ued.core.upomdp import UPOMDP, successes
+from ued.core.upomdp import PREFETCH, UPOMDP, successes
 from ued.learning.student import Player, Student
 
 OnEnd = Callable[[int], None]  # called with how many episodes have just ended
@@ -103,7 +103,7 @@ def _play(
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
-    upomdp.upcoming = lambda: playlist[next_episode:]
+    announced = _announce(upomdp, playlist, next_episode)
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes], None, visits[episode % episodes])
     while (episode < episodes).any():
         observation, reward, terminated, truncated, info = upomdp.advance(player(observation))
@@ -127,6 +127,16 @@ def _play(
             upomdp.idle |= ends & ~starts  # nobody plays these any more
             if starts.any():
                 now = episode[starts]
+                if now[-1] >= announced:
+                    announced = _announce(upomdp, playlist, next_episode)
                 observation, _ = upomdp.reset_to_levels(playlist[now], starts, visits[now])
-    upomdp.idle[:], upomdp.upcoming = False, None
+    upomdp.idle[:] = False
+    _announce(upomdp, playlist, episodes)
     return returns, success, lengths
+
+
+def _announce(upomdp: UPOMDP, playlist: np.ndarray, first: int) -> int:
+    """Let the environments prefetch the next levels, from number `first` on; return the first one after these."""
+    coming = playlist[first : first + PREFETCH]
+    upomdp.prefetch(coming)
+    return first + len(coming)

@@ -132,14 +132,17 @@ class FootballVectorEnv(UPOMDP):
         return self._observer.unit
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
-        return self._starts.rows(levels, self.upcoming) != INVALID
+        return self._starts.rows(levels) != INVALID
+
+    def prefetch(self, levels: np.ndarray) -> None:
+        self._starts.prefetch(levels)
 
     def sample_theta(self, count: int) -> np.ndarray:
         """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if there are none."""
         return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch, rows = self._batch, self._starts.rows(levels, self.upcoming)
+        batch, rows = self._batch, self._starts.rows(levels)
         whole(batch.starts)[where] = whole(self._starts.matches)[rows]
         batch.start_registers[where] = self._starts.registers[rows]
         self._begin(where)

@@ -31,9 +31,9 @@ from ued import (
     RobustPLR,
     SelfRegret,
     SFLConfig,
-    checkpoint,
 )
 from ued.config import AdversaryConfig, ALPGMMConfig
+from ued.core import checkpoint
 from ued.core.curriculum import ThetaSpace
 from ued.core.parameters import edit, numbered
 from ued.levels.record import NONE, Origin

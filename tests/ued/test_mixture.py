@@ -1,5 +1,7 @@
 """Several programs in one batch, the program a part of the level."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
@@ -63,12 +65,13 @@ def test_the_unit_of_an_entry_is_the_least_of_its_programs(monkeypatch):
     assert env.observation_unit.tolist() == [0.0, 0.1, 1, 1, 1]
 
 
-def test_each_program_is_told_which_levels_of_its_own_are_coming():
-    env = mixture(3)
-    assert not any(len(member.upcoming()) for member in env.members)
+def test_each_program_prefetches_the_levels_of_its_own(monkeypatch):
+    env, coming = mixture(3), {}
+    for k, member in enumerate(env.members):
+        monkeypatch.setattr(member, "prefetch", partial(coming.__setitem__, k))
     levels = env.make_levels([[-1.0, 0.1, 0.2], [0.0, 0.3, -0.4], [1.0, 0.5, 0.5], [-1.0, 0.6, 0.7]])
-    env.upcoming = lambda: levels
-    plain, half, choice = (member.upcoming() for member in env.members)
+    env.prefetch(levels)
+    plain, half, choice = (coming[k] for k in range(3))
     assert plain["theta"].tolist() == [[0.1, 0.2], [0.6, 0.7]] and half["theta"].tolist() == [[0.3, -0.4]]
     assert plain["seed"].tolist() == levels["seed"][[0, 3]].tolist() and len(choice) == 1
 

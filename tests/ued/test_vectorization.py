@@ -4,7 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from ued import DR, PLR, BufferConfig, GymUPOMDP, Paired, PLRConfig, PPOConfig, checkpoint
+from ued import DR, PLR, BufferConfig, GymUPOMDP, Paired, PLRConfig, PPOConfig
+from ued.core import checkpoint
 
 PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)
 RANGES = {"length": (0.2, 2.0), "gravity": (5.0, 20.0)}

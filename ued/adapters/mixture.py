@@ -8,7 +8,6 @@ on it as it stands. Read next: `core.upomdp`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -53,8 +52,6 @@ class Mixture(UPOMDP):
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
         self.seed_is_luck = all(member.seed_is_luck for member in members)
-        for k, member in enumerate(self.members):
-            member.upcoming = partial(self._upcoming_of, k)
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
@@ -143,9 +140,10 @@ class Mixture(UPOMDP):
         own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + dim]
         return own
 
-    def _upcoming_of(self, k: int) -> np.ndarray:
-        levels = self.levels[:0] if self.upcoming is None else self.upcoming()
-        return self._of_member(k, levels[self.program_of(levels["theta"]) == k])
+    def prefetch(self, levels: np.ndarray) -> None:
+        program = self.program_of(levels["theta"])
+        for k, member in enumerate(self.members):
+            member.prefetch(self._of_member(k, levels[program == k]))
 
     def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
         """Put observations of program k, of the environments `where`, in their places."""

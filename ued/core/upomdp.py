@@ -27,6 +27,7 @@ from ued.core.level_space import SEEDS, LevelSpace, check_theta, level_dtype, lu
 from ued.core.parameters import Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
+PREFETCH = 128  # levels that a trainer announces at a time, at most
 LEVEL_STATE = ("levels", "visits", "episodes", "np_random")
 
 
@@ -87,8 +88,6 @@ class UPOMDP(LevelSpace, VectorEnv):
         next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
             next, each a new visit. None: each repeats its own. Domain randomization per episode is
             `next_levels = sample_levels`.
-        upcoming: gives levels that are likely to be started soon, in this order: where starting many takes hardly
-            longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
         idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
             means nothing; see `mixture`.
         num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
@@ -126,7 +125,6 @@ class UPOMDP(LevelSpace, VectorEnv):
         self.visits = np.zeros(num_envs, np.int64)
         self.episodes = np.zeros(num_envs, np.int64)
         self.next_levels: Callable[[int], np.ndarray] | None = None
-        self.upcoming: Callable[[], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
     @property
@@ -171,6 +169,14 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Step all; return observations, rewards, terminated, truncated `[N]`, info.
 
         An environment whose episode ended stays at its end, with its last observation, until it is started again.
+        """
+
+    def prefetch(self, levels: np.ndarray) -> None:
+        """Take note of levels `[k]` that will be reset to soon, in this order; no number depends on it.
+
+        Trainers announce up to `PREFETCH` levels at a time, before they reset to the level that comes before them. An
+        environment that prepares many levels in hardly more time than one can prepare them together. By default
+        nothing happens.
         """
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:

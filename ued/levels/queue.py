@@ -9,6 +9,7 @@ train it but do not count. Read next: `methods.method`, whose `play` hides this 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import chain
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 from ued.core.curriculum import Curriculum
 from ued.core.level_space import whole
 from ued.core.resumable import Resumable
+from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
 # Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
@@ -35,6 +37,10 @@ class LevelQueue(Resumable):
             the curriculum as it is now. Not for a curriculum that is changed by proposing, as replay is.
         resample_level_every: an environment takes a new level when it has played its own often enough ("episode"), or
             the first time that this happens in each rollout ("rollout").
+
+    Attributes:
+        prefetch: for each student, the function that announces to its environments which levels it will play next,
+            `[k]` of them; see `UPOMDP.prefetch`.
 
     Raises `ValueError` for a `max_lead` between 0 and N.
     """
@@ -61,6 +67,8 @@ class LevelQueue(Resumable):
         self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
         self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
+        self.prefetch: list[Callable[[np.ndarray], None]] = [lambda levels: None] * self.students
+        self._announced = [NONE] * self.students  # the last visit that each student's environments know of
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
@@ -111,15 +119,20 @@ class LevelQueue(Resumable):
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
                 self._due[student][env] = episodes
             self.taken[student] += len(envs)
+            if records["turn"][-1] > self._announced[student]:
+                self._announce(student)
         return records
+
+    def _announce(self, student: int) -> None:
+        """Let a student's environments know which levels come after those that it has begun."""
+        start = int(self.taken[student])
+        coming = self.records[start : start + PREFETCH]
+        self._announced[student] = int(coming["turn"][-1] if len(coming) else self.records["turn"][start - 1])
+        self.prefetch[student](coming["level"])
 
     def turns(self, student: int) -> np.ndarray:
         """Return which turn each of a student's environments plays `[N]`; NONE for one that waits."""
         return np.append(self.records["turn"], NONE)[self.playing[student]]  # NONE, -1, is the last
-
-    def upcoming(self, student: int) -> np.ndarray:
-        """Return the levels that a student will begin next, as far as they have been proposed."""
-        return self.records["level"][self.taken[student] :]
 
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
         """Write what the critic thought in the E episodes that ended since the last call, in their order: `[E]` each.
@@ -195,6 +208,7 @@ class LevelQueue(Resumable):
         _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
         _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
         self._forget_ended()  # of an update that broke off
+        self._announced = [NONE] * self.students
         due = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
         due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
         self._due = due[self.playing, np.arange(students)[:, None]].tolist()

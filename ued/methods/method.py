@@ -86,7 +86,7 @@ class Method:
         index = len(self.learners)
         if not scripted:
             check_learners(self.ppo, upomdp.agent_observation_space, upomdp.num_envs, upomdp.num_agents, index + 1)
-        upomdp.upcoming = partial(self.queue.upcoming, index)
+        self.queue.prefetch[index] = upomdp.prefetch
         on_episode_end = partial(self.queue.on_episode_end, index)
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))
         self.learners[index].start(self.queue.first(index))

@@ -1,11 +1,9 @@
-"""What matches start from on given levels, made for many levels in one go: a hundred take hardly longer than one.
+"""The starts of matches on given levels, made for many levels in one go: a hundred take hardly longer than one.
 
 Read next: `vector_env`.
 """
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numpy as np
 
@@ -13,12 +11,11 @@ from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.state import MATCH
 
-BLOCK = 128  # levels that are made ahead at most
 INVALID = -1
 
 
 class Starts:
-    """The starts of a block of levels: those that are wanted, and those that are said to come next.
+    """A cache of starts: those of a block of levels, which were asked for or prefetched.
 
     A start depends on θ alone, so no number depends on which levels share a block. Its stream of random numbers is
     for the environment to set: luck is new in every episode.
@@ -31,15 +28,20 @@ class Starts:
         self._lineup, self._behaviors = lineup, behaviors
         self.matches, self.registers = np.zeros(0, MATCH), np.zeros((0, behaviors.num_registers))
         self._rows: dict[bytes, int] = {}  # of each level of the block; INVALID for those that cannot be played
+        self._coming: list[np.ndarray] = []  # prefetched levels, in one array
 
-    def rows(self, levels: np.ndarray, upcoming: Callable[[], np.ndarray] | None) -> np.ndarray:
+    def prefetch(self, levels: np.ndarray) -> None:
+        """Make the starts of these levels `[k]`, too, with the next block."""
+        self._coming = [levels]
+
+    def rows(self, levels: np.ndarray) -> np.ndarray:
         """Return where the starts of levels `[k]` are: `[k]` indices into `matches` and `registers`, or INVALID.
 
-        `upcoming` gives the levels that are likely to be wanted next.
+        Where one is missing, the block is replaced by these levels and those that were prefetched.
         """
         keys = _keys(levels)
         if not self._rows.keys() >= set(keys):
-            self._make(levels if upcoming is None else np.concatenate([levels, upcoming()[:BLOCK]]))
+            self._make(np.concatenate([levels, *self._coming]))
         return np.array([self._rows[key] for key in keys], np.int64)
 
     def _make(self, levels: np.ndarray) -> None:
