@@ -124,7 +124,7 @@ def _play(
             if on_end is not None:
                 on_end(num_ends)
             starts = ends & (episode < episodes)  # [N]
-            upomdp.idle |= ends & ~starts  # nobody plays these any more
+            upomdp.idle |= ends & ~starts  # no episode left for these
             if starts.any():
                 now = episode[starts]
                 if now[-1] >= announced:

@@ -200,7 +200,9 @@ def test_mutants_differ_in_one_letter():
 
 @pytest.mark.parametrize("name", ["paired", "minimax", "repaired", "self_regret", "alp_gmm"])
 def test_who_places_levels_says_that_these_cannot_be_placed(name):
-    with pytest.raises(ValueError, match="levels of Words can be drawn and mutated, but not placed; use dr, plr"):
+    with pytest.raises(
+        ValueError, match="levels of Words can be sampled and mutated, but not chosen by theta; use dr, plr"
+    ):
         METHODS[name].load()(words(), SMALL, None, seed=0)
 
 

@@ -25,7 +25,7 @@ class Mixture(UPOMDP):
 
     Args:
         members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. They
-            belong to the mixture from then on; those of their environments that nobody plays are `idle`.
+            belong to the mixture from then on; environments on the level of another program are `idle`.
         names: of the programs.
 
     θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
@@ -214,6 +214,6 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
         if member.single_action_space != first.single_action_space:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
         if member.paid_apart:
-            raise ValueError(f"{name} has opponents; a mixture needs agents who are paid together")
+            raise ValueError(f"{name} has opponents; a mixture needs agents with one reward")
         if len(member.agent_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

@@ -35,7 +35,7 @@ class Demonstrated:
     Attributes:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
-        told: bool, like `action`: where it is not, nobody knows what was done, and nothing is learned from it.
+        told: bool, like `action`: False where the action is unknown; such steps are not learned from.
         returns: `[B]`, discounted, from this step on.
     """
 

@@ -74,7 +74,7 @@ class Adam(torch.optim.Adam):
         return Vectors(vectors[0], gradients, means, squares, [step] * len(weights))
 
     @torch.no_grad()
-    def step(self, closure: Any = None) -> None:  # type: ignore[override]  # nobody gives it a loss
+    def step(self, closure: Any = None) -> None:  # type: ignore[override]  # closures are not supported
         """Take a step against the gradient."""
         assert self._vectors is not None, "zero_grad comes first"
         _, gradients, means, squares, steps = self._vectors

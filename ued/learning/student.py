@@ -4,7 +4,7 @@ It plays for all agents of an environment: for one, or for a team of A, whose ob
 axis of agents. A team has a policy for each agent, or one for all that is told the agent's number; its values come from
 what each agent sees, or from what all see together (MAPPO, Yu et al. 2022).
 
-It remembers nothing within an episode, or has a GRU. Whoever lets it play keeps what it remembers, a row of
+It has no memory within an episode, or a GRU. Its caller stores the state of the memory, a row of
 `memory_width` numbers for each environment, and sets it to 0 where an episode begins; see `learning.memory`.
 
 Observations are normalized by running statistics that the student carries (and its checkpoint with it), rather than by

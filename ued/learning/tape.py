@@ -1,9 +1,8 @@
-"""What was done on each level, so that the very episodes that made its score can be played again.
+"""The actions on each visit of a level, from which its episodes can be replayed bit for bit.
 
-A turn is one playing of a level; a level that is replayed has several, and may have them at the same time.
-
-A level and the number of its turn, the visit, say all that an environment draws; with the actions they are the episode,
-bit for bit. Read next: `learning.worker`, which keeps a tape where somebody has asked for one.
+A replayed level has several visits, possibly at the same time. The level and the number of the visit determine all
+random numbers of the environment, so the actions complete the episodes. Read next: `learning.worker`, which fills a
+tape on request.
 """
 
 from __future__ import annotations
@@ -12,31 +11,31 @@ from collections import OrderedDict
 
 import numpy as np
 
-NONE = -1  # no turn: they are numbers from 0 on
-MOST_TURNS = 4096  # kept for somebody who never asks
+NONE = -1  # no turn; turns are numbered from 0
+MOST_TURNS = 4096  # kept if nobody calls `pop`
 
 
 class ActionTape:
-    """The actions in each of N environments since its turn began, and those of turns that are over.
+    """The actions in each of N environments since its turn began, and those of ended turns.
 
-    It is no part of a checkpoint: of a turn that was begun before the tape was, or before a kill, nothing is known.
+    Checkpoints do not include it, so a turn that started before the tape, or before a resumed run, has no actions.
     """
 
     def __init__(self, num_envs: int) -> None:
-        self._turn = np.full(num_envs, NONE)  # [N] that each plays
-        self._began = np.zeros(num_envs, np.int64)  # [N] step of the tape at which that began
+        self._turn = np.full(num_envs, NONE)  # [N] the one that each environment plays
+        self._began = np.zeros(num_envs, np.int64)  # [N] step of the tape at which it started
         self._steps = 0  # on the tape
         self._actions: np.ndarray | None = None  # [capacity, N, ...]
         self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by turn
 
     def begin(self, envs: np.ndarray, turns: np.ndarray) -> None:
-        """Note that the environments `[k]` begin these turns `[k]`."""
+        """Start these turns `[k]` in the environments `[k]`."""
         for env in envs:
             self._keep(int(env))
         self._turn[envs], self._began[envs] = turns, self._steps
 
     def note(self, actions: np.ndarray) -> None:
-        """Note the actions `[N, ...]` of a step."""
+        """Append the actions `[N, ...]` of a step."""
         if self._actions is None:
             self._actions = np.empty((64, *actions.shape), actions.dtype)
         if self._steps == len(self._actions):
@@ -45,9 +44,9 @@ class ActionTape:
         self._steps += 1
 
     def pop(self, turns: np.ndarray) -> dict[int, np.ndarray]:
-        """Return the actions `[T, ...]` of these turns, by their numbers, as far as they are known, and forget them.
+        """Remove and return the actions `[T, ...]` of these turns, by their numbers, if known.
 
-        A turn that goes on, because its environment waits for others, is told up to now.
+        A turn that continues, because its environment waits for others, has its actions so far.
         """
         for env in np.flatnonzero(np.isin(self._turn, turns)):
             self._keep(int(env))

@@ -1,10 +1,10 @@
-"""The minimax adversary (Dennis et al. 2020, section 3): a teacher that is paid what the student loses.
+"""The minimax adversary (Dennis et al. 2020, section 3): an adversary that lowers the student's return.
 
     repeat
         the adversary proposes levels; the student plays them and learns
         the adversary learns to lower the student's mean return
 
-It ends at levels that nobody can solve; it is here to be compared with. Read next: `methods.self_regret`.
+It converges to unsolvable levels; it is a baseline. Read next: `methods.self_regret`.
 """
 
 from __future__ import annotations

@@ -3,12 +3,12 @@
     repeat
         the adversary proposes levels θ
         the protagonist plays them, and so does the antagonist
-        regret of a level = what the antagonist reached - what the protagonist reached
+        regret of a level = return of the antagonist - return of the protagonist
         the adversary learns to cause regret; both students learn from the rewards of the environment
 
-A level that nobody can solve causes no regret, nor does one that both solve: what is left lies at the edge of what the
-protagonist can do. Students learn from their own rewards, as in every implementation that works: from each student's
-view the other's return is a constant. The letter of the algorithm is `methods.paired_literal`.
+An unsolvable level causes no regret, nor does a level that both students solve; regret is high at the edge of the
+protagonist's abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the
+other's return is a constant. The literal algorithm is `methods.paired_literal`.
 Read next: `levels.teacher` and `levels.adversary`; `method`, for `play`; `methods.repaired`.
 """
 

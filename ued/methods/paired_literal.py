@@ -1,13 +1,13 @@
-"""PAIRED to the letter of its Algorithm 1 (Dennis et al. 2020): the students, too, are paid in regret.
+"""Literal PAIRED, as in Algorithm 1 (Dennis et al. 2020): the students, too, learn from regret.
 
     repeat
         the adversary proposes levels θ
         the protagonist plays them, and so does the antagonist
-        regret of a level = what the antagonist reached - what the protagonist reached
+        regret of a level = return of the antagonist - return of the protagonist
         the adversary learns with reward regret, the antagonist with regret, the protagonist with -regret
 
-It is here to be compared with; `methods.paired` is what works. Regret must be known when students learn, so a level
-lives in one rollout, which should be long enough for its episodes: environments in which it is not contribute nothing.
+It is a baseline for `methods.paired`. Students need the regret when they learn, so each level is played within one
+rollout, which should be long enough for its episodes: levels that are not finished in time are dropped.
 Read next: `methods.repaired`.
 """
 

@@ -5,8 +5,8 @@
         self-regret of a level = the best of the later n episodes - the mean of the earlier n
         the adversary learns to cause self-regret
 
-With outcomes 0 and 1 of probability p and n = 2 the expectation is p (1 - p): the objective of learnability by a
-learned teacher, at the price of domain randomisation, for there is no antagonist to simulate.
+For outcomes 0 and 1, success rate p and n = 2 its expectation is p (1 - p), the learnability of the level. It costs as
+many steps as domain randomization, since no antagonist is simulated.
 Read next: `methods.paired`.
 """
 
@@ -24,7 +24,7 @@ from ued.methods.method import Method
 
 
 class SelfRegret(Method):
-    """Trains one student on the levels of an adversary that is paid its self-regret; see `Method` for the arguments.
+    """Trains one student on the levels of an adversary that maximizes self-regret; see `Method` for the arguments.
 
     Raises `ValueError` where the environment has no free parameters.
     """
