@@ -1,6 +1,6 @@
 """A UPOMDP as Stable-Baselines3's `VecEnv`: `PPO("MlpPolicy", SB3VecEnv(upomdp)).learn(100_000)`.
 
-Each episode is on a random level, or on what `upomdp.next_levels` gives; `info["theta"]` and `info["level_seed"]` of an
+Each episode plays a random level, or one of `upomdp.next_levels`; `info["theta"]` and `info["level_seed"]` of an
 episode that ended say which it was. Read next: `examples/with_stable_baselines3.py`, which lets a curriculum choose.
 """
 

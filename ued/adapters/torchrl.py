@@ -1,6 +1,6 @@
 """A UPOMDP as TorchRL's batched environment, as VMAS has it: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
 
-Each episode is on a random level, or on what `upomdp.next_levels` gives; "theta" says on which. TorchRL sees the last
+Each episode plays a random level, or one of `upomdp.next_levels`; "theta" says on which. TorchRL sees the last
 observation of an episode, then resets.
 Read next: `sb3`, the same for Stable-Baselines3.
 """

@@ -79,11 +79,11 @@ class LevelSpace:
     Subclasses set `draws` and define `_stream`, and if they support them `valid` and `describe`.
 
     Attributes:
-        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
+        draws: what the D columns of θ are: name, low, high, for a program the place in its text; see `parameters`.
         family: where levels are not vectors of parameters, samples and mutates them; θ are then their codes.
         program_names: names of the K programs of a `mixture`; a level's `program` is an index into them. Empty for a
             single program.
-        program_draws: for each of these programs its columns of θ, which follow column 0, the choice of the program.
+        program_draws: for each of these programs its columns of θ, which follow column 0, the program.
         seeds: where levels are seeds alone, the available ones; a level's seed then follows from its θ.
         seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed
             determines the layout, and two levels of the same θ differ.

@@ -93,8 +93,8 @@ class UPOMDP(LevelSpace, VectorEnv):
         num_agents: A, agents of each environment, who share one reward. A single agent has no axis of agents; with
             several, observations and actions are `[N, A, ...]`, of the same space for all.
         max_episode_steps: maximum length of an episode in steps; None: unknown.
-        paid_apart: whether agents are opponents with individual rewards `info["agent_rewards"]` `[N, A]`. The rewards
-            `[N]`, from which curricula score levels, are then those of the first side.
+        paid_apart: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
+            The rewards `[N]`, from which curricula score levels, are then those of the first side.
     """
 
     num_agents = 1

@@ -1,11 +1,11 @@
 """The parts of a method: learners, a curriculum, and a queue that hands its levels to them.
 
-A method's `update()` is the algorithm box of its paper. `play` lets all learners fill a rollout with levels of the
-curriculum, and returns those that every learner has finished. Then `curriculum.update(levels)` scores them and learns
-from the scores, the learners learn from their rollouts, and `report` ends the update. Rollouts are not aligned with
-levels: each environment takes a new level when it has played its own often enough (see `levels.queue`). Levels that a
-curriculum only evaluates (PLR⊥, children of ACCEL, candidates of SFL) count as simulated steps, but no student learns
-from them.
+A method's `update()` is the algorithm box of its paper. `play` lets all learners fill a rollout with levels
+of the curriculum, and returns those that every learner has finished. Then `curriculum.update(levels)` scores them and
+learns from the scores, the learners learn from their rollouts, and `report` ends the update. Rollouts are not aligned
+with levels: each environment takes a new level when it has played its own often enough (see `levels.queue`). Levels
+that a curriculum only evaluates (PLR⊥, children of ACCEL, candidates of SFL) count as simulated steps, but no student
+learns from them.
 Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 """
 
