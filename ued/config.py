@@ -134,9 +134,7 @@ class PPOConfig(Checked):
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
     hidden_layers: int = setting(2, "hidden layers of each torso", ">=1", most=64)
     shared_torso: bool = setting(False, "share the hidden layers of actor and critic")
-    memory: Literal["none", "gru"] = setting(
-        "none", "memory of the student within an episode: none, or a GRU after its hidden layers"
-    )
+    memory: Literal["none", "gru"] = setting("none", "memory within an episode: none, or a GRU after the hidden layers")
     team: Literal["independent", "shared"] = setting(
         "independent", "policies of several agents: one each, or a shared one that observes the index of the agent"
     )
@@ -227,9 +225,7 @@ class AdversaryConfig(Checked):
     context: Literal["random", "observation"] = setting(
         "random", "input of the adversary: a random vector z, or the first observation of a random level"
     )
-    context_size: int = setting(
-        1, "dimension of the latent z; the adversary learns slowly from a large one", ">=1", most=16_384
-    )
+    context_size: int = setting(1, "dimension of the latent z; large values learn slowly", ">=1", most=16_384)
     hidden_size: int = setting(64, "units in each of the two hidden layers", ">=1", most=16_384)
     min_batch: int | None = setting(
         None,
@@ -402,9 +398,7 @@ class ACCELConfig(PLRConfig):
 
     replay_prob: float = setting(0.8, "probability of replaying a level from the buffer", "0-1")
     num_edits: int = setting(3, "edits per child: parameters to change, drawn with replacement", ">=1", most=10_000)
-    edit_size: float = setting(
-        0.2, "maximum change of a parameter by an edit, on the scale [-1, 1] of theta", ">0", most=2
-    )
+    edit_size: float = setting(0.2, "maximum change by an edit, on the scale [-1, 1] of theta", ">0", most=2)
     parents: Literal["all", "easy"] = setting("all", "replayed levels to edit: all, or the easier half")
 
 
@@ -412,9 +406,7 @@ class ACCELConfig(PLRConfig):
 class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 
-    replay_prob: float = setting(
-        0.5, "probability of replaying a level from the buffer instead of one by the adversary", "0-1"
-    )
+    replay_prob: float = setting(0.5, "probability of replaying a level from the buffer", "0-1")
     min_fill: float | None = min_fill()
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
