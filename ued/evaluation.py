@@ -76,7 +76,7 @@ class Schedule:
         if levels is not None and not len(levels):
             raise ValueError("levels must hold at least one level, got none")
         seeds = SeedStream(seed)
-        upomdp.next_levels = None
+        upomdp.level_sampler = None
         upomdp.np_random = np.random.default_rng(seeds.next())
         self.upomdp = upomdp
         self.levels = upomdp.sample_levels(episodes) if levels is None else levels

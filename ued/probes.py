@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.core.cells import middle_of
+from ued.core.cells import bin_center
 from ued.core.level_space import check_theta
 from ued.core.parameters import Column, Range
 from ued.core.upomdp import UPOMDP
@@ -73,10 +73,10 @@ class Frontier(UPOMDP):
     def test_levels(self) -> np.ndarray:
         """Return one open level of each length: `[longest]` records."""
         theta = np.zeros((self.longest, self.theta_dim))
-        theta[:, :-1] = middle_of(np.arange(self.longest), self.longest)[:, None]
+        theta[:, :-1] = bin_center(np.arange(self.longest), self.longest)[:, None]
         return self.make_levels(theta)
 
-    def _look(self) -> np.ndarray:
+    def _observe(self) -> np.ndarray:
         seen = np.zeros((self.num_envs, self.longest + 2), np.float32)
         seen[np.arange(self.num_envs), np.minimum(self.place, self.longest - 1)] = 1.0
         seen[:, -2] = self.lost
@@ -85,7 +85,7 @@ class Frontier(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
         self.place[where], self.lost[where] = 0, False
-        return self._look()
+        return self._observe()
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         theta = self.levels["theta"]
@@ -95,7 +95,7 @@ class Frontier(UPOMDP):
         self.place += ~at_end
         ended = self.place >= self.length(theta)
         reward = (ended & ~self.lost & ~self.blocked(theta)).astype(float)
-        return self._look(), reward, ended, np.zeros_like(ended), {}
+        return self._observe(), reward, ended, np.zeros_like(ended), {}
 
     def with_scripted_policy(self) -> Frontier:
         """Return a copy that knows all turns: the scripted antagonist."""
@@ -112,7 +112,7 @@ class Frontier(UPOMDP):
             raise ValueError(f"place must be {self.num_envs} steps on paths of {self.longest}, got {place}")
         self.set_level_state(state, "place", "lost")
         self.place[:], self.lost[:] = place, state["lost"]
-        return self._look()
+        return self._observe()
 
     def copy(self) -> Frontier:
         return copy.deepcopy(self)

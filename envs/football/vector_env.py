@@ -26,7 +26,7 @@ from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from regista.kernels.rng import stream
 from scenic_lite import Program, load
-from ued.core.level_space import whole
+from ued.core.level_space import as_void_view
 from ued.core.upomdp import UPOMDP, check_count
 
 
@@ -110,7 +110,7 @@ class FootballVectorEnv(UPOMDP):
         return self._batch.matches.copy()
 
     @property
-    def paid_apart(self) -> bool:  # type: ignore[override]
+    def individual_rewards(self) -> bool:  # type: ignore[override]
         """Whether both teams have agents: they are opponents, and learn by self-play."""
         return all(self.lineup.num_agents)
 
@@ -118,7 +118,7 @@ class FootballVectorEnv(UPOMDP):
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The program's `game_duration`; the longest there may be where it is random, None where nobody says."""
         if "game_duration" in self.lineup.random_settings:
-            named = [draw for draw in self.draws if draw.name == "game_duration"]
+            named = [draw for draw in self.parameters if draw.name == "game_duration"]
             return int(named[0].high) if named and np.isfinite(named[0].high) else None
         return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
 
@@ -128,7 +128,7 @@ class FootballVectorEnv(UPOMDP):
         return bool(self.lineup.config.defending)
 
     @property
-    def observation_unit(self) -> np.ndarray | None:
+    def observation_scale(self) -> np.ndarray | None:
         return self._observer.unit
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
@@ -143,7 +143,7 @@ class FootballVectorEnv(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         batch, rows = self._batch, self._starts.rows(levels)
-        whole(batch.starts)[where] = whole(self._starts.matches)[rows]
+        as_void_view(batch.starts)[where] = as_void_view(self._starts.matches)[rows]
         batch.start_registers[where] = self._starts.registers[rows]
         self._begin(where)
         return self.observe()
@@ -332,5 +332,5 @@ def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVector
     `settings` are those of `FootballConfig`.
     """
     env = FootballVectorEnv(program, num_envs, config=FootballConfig(**settings))
-    env.next_levels = env.sample_levels
+    env.level_sampler = env.sample_levels
     return env

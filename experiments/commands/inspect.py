@@ -111,7 +111,7 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
         raise UsageError("inspect takes a program or --adversary RUN, not both")
     scene = build.load_scenes(run.config)[build.TRAINING_SCENE]
     upomdp = None if hasattr(scene, "draws") else build.make_upomdp(scene, 1, None, 0, 1)
-    columns = proposals.read_proposals(folder, scene.draws if upomdp is None else upomdp.draws)
+    columns = proposals.read_proposals(folder, scene.draws if upomdp is None else upomdp.parameters)
     if upomdp is not None:
         upomdp.close()
     print(proposals.render_proposals(folder, columns))

@@ -187,8 +187,8 @@ def load_scenes(config: TrainConfig, held_out: bool = False) -> dict[str, Any]:
     mixed = MixedProgram(tuple(game.name for game in games), tuple(programs))
     scenes: dict[str, Any] = {TRAINING_SCENE: mixed}
     for k, name in enumerate(mixed.names):
-        scenes[name] = mixed.alone(k, programs[k])
-        scenes |= {f"{name}/{label}": mixed.alone(k, program) for label, program in tests[k].items()}
+        scenes[name] = mixed.single_program(k, programs[k])
+        scenes |= {f"{name}/{label}": mixed.single_program(k, program) for label, program in tests[k].items()}
     return scenes
 
 
@@ -329,7 +329,7 @@ def _bytes_of_one(upomdp: Any, seed: int) -> int:
     if getattr(getattr(upomdp, "config", None), "engine", None) == "grf":
         return ENGINE_BYTES
     upomdp.reset(seed=seed)
-    held = upomdp.get_state().values() if upomdp.gives_state else ()
+    held = upomdp.get_state().values() if upomdp.supports_state else ()
     upomdp.close()
     kept = sum(getattr(value, "nbytes", 0) for value in held)
     return STATE_COPIES * kept + 2 * space_bytes(upomdp.agent_observation_space) * upomdp.num_agents

@@ -36,7 +36,7 @@ class MixedProgram:
         """The texts of all programs, each below its name."""
         return "\n".join(f"# {name}\n{program.source}" for name, program in zip(self.names, self.programs, strict=True))
 
-    def alone(self, index: int, program: Program) -> MixedProgram:
+    def single_program(self, index: int, program: Program) -> MixedProgram:
         """Return the mixture in which this program is played in the place of number `index`, and no other."""
         others = self.programs[:index], self.programs[index + 1 :]
         return replace(self, programs=(*others[0], program, *others[1]), only=index)

@@ -59,7 +59,7 @@ class TaskScene:
         try:
             if isinstance(rows, dict):
                 rows = [rows]
-            if len(rows) and (isinstance(rows[0], dict) or upomdp.family is not None):
+            if len(rows) and (isinstance(rows[0], dict) or upomdp.level_family is not None):
                 rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
             return check_theta(rows, upomdp.theta_dim)
         except (ValueError, TypeError, AttributeError) as error:

@@ -62,7 +62,7 @@ def test_a_row_is_the_level_to_the_last_bit(run):
     seen: dict[str, set[tuple[str, str]]] = {}
     for row in rows(run):
         seen.setdefault(row["id"], set()).add((row["seed"], row["theta/depth"]))
-        level = ued.read_level(run, int(row["id"]), int(row["turn"]))
+        level = ued.read_level(run, int(row["id"]), int(row["visit"]))
         assert int(level["seed"][0]) == int(row["seed"]) and level["theta"][0, 0] == float(row["theta/depth"])
     assert all(len(levels) == 1 for levels in seen.values())
     stage = LevelStage.of_run(run, int(rows(run)[3]["id"]), None, EngineConfig())

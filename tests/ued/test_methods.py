@@ -39,7 +39,7 @@ from ued.core.parameters import edit, numbered
 from ued.levels.record import NONE, Origin
 from ued.methods.method import Method
 from ued.methods.paired import kl_target
-from ued.methods.sfl import SFLLevels
+from ued.methods.sfl import SFLCurriculum
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)
@@ -285,7 +285,7 @@ def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
 
 def test_sfl_chooses_even_where_looking_takes_longer_than_the_time_between_two_choices():
     """One candidate is judged in each update, 12 of them in the time of four choices."""
-    levels = SFLLevels(ThetaSpace(2), SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2))
+    levels = SFLCurriculum(ThetaSpace(2), SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2))
     levels.update(levels.propose(4)[:0])
     records = levels.propose(12)
     assert not records["train"].any()

@@ -61,8 +61,8 @@ def test_the_unit_of_an_entry_is_the_least_of_its_programs(monkeypatch):
     env = mixture(3)
     units = np.array([0.5, 2.0]), np.array([1.0, 0.1]), None
     for member, unit in zip(env.members, units, strict=True):
-        monkeypatch.setattr(type(member), "observation_unit", unit)
-    assert env.observation_unit.tolist() == [0.0, 0.1, 1, 1, 1]
+        monkeypatch.setattr(type(member), "observation_scale", unit)
+    assert env.observation_scale.tolist() == [0.0, 0.1, 1, 1, 1]
 
 
 def test_each_program_prefetches_the_levels_of_its_own(monkeypatch):
@@ -182,7 +182,7 @@ def test_minigames_of_football_in_one_batch():
 
 def test_an_adversary_chooses_among_programs_without_parameters():
     draws, generator = [Column("program", kinds.Choice("a", "b", "c"))], torch.Generator().manual_seed(0)
-    adversary = Adversary(draws, AdversaryConfig(), generator, program_draws=((), (), ()))
+    adversary = Adversary(draws, AdversaryConfig(), generator, program_parameters=((), (), ()))
     proposals = adversary.propose(64)
     assert len(np.unique(adversary.theta(proposals)[:, 0])) == 3
     assert not proposals.log_prob.any()  # as likely as the mixture draws each

@@ -129,7 +129,7 @@ def test_the_params_of_a_scenic_program_set_an_environment(tmp_path):
         env.unwrapped.gravity, env.unwrapped.length = -values["gravity"], values["length"]
 
     env = GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), put_params, program, 4)
-    assert len(env.draws) == 2
+    assert len(env.parameters) == 2
     method = DR(env, PPO)
     method.update()
     found = {(e.unwrapped.gravity, e.unwrapped.length) for e in env.vector.envs}

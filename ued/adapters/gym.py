@@ -133,7 +133,11 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         )
         check_luck(luck, seed_episodes)
         _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
-        self.draws, self.family, self.seeds = self.theta_map.draws, self.theta_map.family, self.theta_map.seeds
+        self.parameters, self.level_family, self.seeds = (
+            self.theta_map.draws,
+            self.theta_map.level_family,
+            self.theta_map.seeds,
+        )
         self.seed_is_luck = luck is True or seed_episodes is False
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.level = np.zeros(1, level_dtype(self.theta_dim))
@@ -214,7 +218,7 @@ def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
 SUCCESS = ("success", "is_success")  # what environments call it in their info: Meta-World, Gymnasium-Robotics
 
 
-def told_success(info: Mapping[str, Any]) -> Any:
+def success_from_info(info: Mapping[str, Any]) -> Any:
     """Return what an environment says of its success in its info, NaN where it says nothing."""
     return next((info[name] for name in SUCCESS if name in info), math.nan)
 
@@ -325,7 +329,7 @@ class GymUPOMDP(UPOMDP):
         check_luck(luck, seed_episodes)
         self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
-        self.family, self.seeds = self.theta_map.family, self.theta_map.seeds
+        self.level_family, self.seeds = self.theta_map.level_family, self.theta_map.seeds
         self.seed_is_luck = luck is True or seed_episodes is False
         self.vectorization: Literal["sync", "async"] = vectorization
         self._theta, self._valid = theta, valid
@@ -399,7 +403,7 @@ class GymUPOMDP(UPOMDP):
                 success[says] = np.asarray(told[name], float)[says]
         return success
 
-    gives_state = False  # Python objects
+    supports_state = False  # Python objects
 
     def get_state(self) -> dict[str, Any]:
         """Return everything that changes; the environments themselves are Python objects, copied deeply."""

@@ -16,7 +16,7 @@ from gymnasium.spaces import Box, flatdim
 from ued.core import parameters
 from ued.core.cells import index_in
 from ued.core.level_space import check_theta, level_dtype
-from ued.core.parameters import Choice, Column, Range, snap
+from ued.core.parameters import Choice, Column, Range, quantize
 from ued.core.upomdp import UPOMDP
 
 
@@ -39,12 +39,12 @@ class Mixture(UPOMDP):
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
         _check(members, names)
         self.members, self.program_names, self.only = tuple(members), tuple(names), only
-        self.program_draws = tuple(tuple(member.draws) for member in members)
+        self.program_parameters = tuple(tuple(member.parameters) for member in members)
         first = members[0]
         self.num_agents = first.num_agents
         self.sizes = [flatdim(member.agent_observation_space) for member in members]
         self.width = max(self.sizes)
-        widest = max(map(len, self.program_draws))
+        widest = max(map(len, self.program_parameters))
         draws = [Column("program", Choice(*names))]
         draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
         seen = (self.width + len(members),)
@@ -60,11 +60,11 @@ class Mixture(UPOMDP):
         return None if None in limits else max(limit for limit in limits if limit is not None)
 
     @property
-    def observation_unit(self) -> np.ndarray:
+    def observation_scale(self) -> np.ndarray:
         """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
         for k, member in enumerate(self.members):
-            unit = member.observation_unit
+            unit = member.observation_scale
             units[k, : self.sizes[k]] = 0.0 if unit is None else unit
         return units.min(axis=0)
 
@@ -96,15 +96,15 @@ class Mixture(UPOMDP):
         levels["program"] = self.program_of(levels["theta"])
         for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
-            levels["theta"][mine, own] = snap(levels["theta"][mine, own], member.draws)
+            levels["theta"][mine, own] = quantize(levels["theta"][mine, own], member.parameters)
             if member.seeds is not None:
                 levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
         return levels
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         edited, program = theta.copy(), self.program_of(theta)
-        for k, own in enumerate(self.program_draws):  # the columns behind mean what the member's mean
-            mine, columns = program == k, (self.draws[0], *own, *self.draws[1 + len(own) :])
+        for k, own in enumerate(self.program_parameters):  # the columns behind mean what the member's mean
+            mine, columns = program == k, (self.parameters[0], *own, *self.parameters[1 + len(own) :])
             edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
         return edited
 
@@ -168,8 +168,8 @@ class Mixture(UPOMDP):
     # ------------------------------------------------------------ state
 
     @property
-    def gives_state(self) -> bool:
-        return all(member.gives_state for member in self.members)
+    def supports_state(self) -> bool:
+        return all(member.supports_state for member in self.members)
 
     def get_state(self) -> dict[str, Any]:
         return {
@@ -213,7 +213,7 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
             raise ValueError(f"{name} has {member.num_agents} agents, {names[0]} {first.num_agents}")
         if member.single_action_space != first.single_action_space:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
-        if member.paid_apart:
+        if member.individual_rewards:
             raise ValueError(f"{name} has opponents; a mixture needs agents with one reward")
         if len(member.agent_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

@@ -42,7 +42,7 @@ class Cells:
     def middle(self, index: Any) -> Any:
         """Return the centers of the cells with these indices."""
         if self.edges is None:
-            return middle_of(index, self.count)
+            return bin_center(index, self.count)
         return (self.edges[index] + self.edges[np.add(index, 1)]) / 2
 
 
@@ -54,11 +54,11 @@ def cut(count: int, weights: Sequence[float] = (), ordered: bool = False, names:
     return Cells(count, np.concatenate([[-1.0], 2 * ends / ends[-1] - 1]), ordered, tuple(names))
 
 
-def index_in(theta: np.ndarray | float, cells: np.ndarray | int) -> np.ndarray:
+def index_in(theta: np.ndarray | float, num_bins: np.ndarray | int) -> np.ndarray:
     """Return the index of the value of each entry of θ `[..., D]`, for cells of equal width: int `[..., D]`."""
-    return np.minimum(np.asarray((theta + 1) / 2 * cells).astype(np.int64), cells - 1)
+    return np.minimum(np.asarray((theta + 1) / 2 * num_bins).astype(np.int64), num_bins - 1)
 
 
-def middle_of(index: Any, cells: Any) -> Any:
+def bin_center(index: Any, num_bins: Any) -> Any:
     """Return the centers of cells of equal width with these indices, numbers or arrays `[..., D]`."""
-    return (2 * index + 1) / cells - 1
+    return (2 * index + 1) / num_bins - 1

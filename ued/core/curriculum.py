@@ -51,9 +51,9 @@ def need_vector(space: LevelSpace) -> None:
     """Raise `ValueError` for a space without a vector θ to choose: one without parameters, or a family of levels."""
     if not space.theta_dim:
         raise ValueError("the environment has no free parameters for a curriculum to choose; use dr")
-    if space.family is not None:
+    if space.level_family is not None:
         raise ValueError(
-            f"levels of {type(space.family).__name__} can be sampled and mutated, but not chosen by theta; "
+            f"levels of {type(space.level_family).__name__} can be sampled and mutated, but not chosen by theta; "
             "use dr, plr, robust_plr, accel or sfl"
         )
 
@@ -71,7 +71,7 @@ class ThetaSpace(LevelSpace, Resumable):
 
     def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_map = ThetaMap(dim)
-        self.draws, self.family = self.theta_map.draws, self.theta_map.family
+        self.parameters, self.level_family = self.theta_map.draws, self.theta_map.level_family
         self.stream = np.random.default_rng(seed)
         self._valid = valid
 

@@ -34,7 +34,7 @@ def level_dtype(dim: int) -> np.dtype:
     return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
 
 
-def whole(records: np.ndarray) -> np.ndarray:
+def as_void_view(records: np.ndarray) -> np.ndarray:
     """Return a view of records as raw memory, of which numpy copies whole rows instead of field by field."""
     array = np.asarray(records)  # drops the slow class of a recarray
     return array.view(np.dtype((np.void, array.itemsize)))
@@ -76,14 +76,14 @@ def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
 class LevelSpace:
     """The space of levels: all that a curriculum needs from environments. Every `UPOMDP` is one.
 
-    Subclasses set `draws` and define `_stream`, and if they support them `valid` and `describe`.
+    Subclasses set `parameters` and define `_stream`, and if they support them `valid` and `describe`.
 
     Attributes:
-        draws: what the D columns of θ are: name, low, high, for a program the place in its text; see `parameters`.
-        family: where levels are not vectors of parameters, samples and mutates them; θ are then their codes.
+        parameters: what the D columns of θ are: name, low, high, for a program the place in its text; see `parameters`.
+        level_family: where levels are not vectors of parameters, samples and mutates them; θ are then their codes.
         program_names: names of the K programs of a `mixture`; a level's `program` is an index into them. Empty for a
             single program.
-        program_draws: for each of these programs its columns of θ, which follow column 0, the program.
+        program_parameters: for each of these programs its columns of θ, which follow column 0, the program.
         seeds: where levels are seeds alone, the available ones; a level's seed then follows from its θ.
         seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed
             determines the layout, and two levels of the same θ differ.
@@ -91,18 +91,18 @@ class LevelSpace:
             valid, and values are linear between low and high.
     """
 
-    draws: tuple[Parameter, ...]
-    family: LevelFamily | None = None
+    parameters: tuple[Parameter, ...]
+    level_family: LevelFamily | None = None
     seeds: Seeds | None = None
     seed_is_luck: bool = False
     program_names: tuple[str, ...] = ()
-    program_draws: tuple[tuple[Parameter, ...], ...] = ()
+    program_parameters: tuple[tuple[Parameter, ...], ...] = ()
     theta_map: ThetaProgram | None = None
 
     @property
     def theta_dim(self) -> int:
         """D, the number of columns of θ."""
-        return len(self.draws)
+        return len(self.parameters)
 
     @property
     def _stream(self) -> np.random.Generator:
@@ -119,10 +119,10 @@ class LevelSpace:
         rows = check_theta(theta, self.theta_dim)
         if self.theta_map is not None:
             return [self.theta_map.describe(row) for row in rows]
-        low = np.array([parameter.low for parameter in self.draws])  # [D]
-        high = np.array([parameter.high for parameter in self.draws])  # [D]
+        low = np.array([parameter.low for parameter in self.parameters])  # [D]
+        high = np.array([parameter.high for parameter in self.parameters])  # [D]
         values = low + (rows + 1) / 2 * (high - low)  # [N, D]
-        names = [parameter.name for parameter in self.draws]
+        names = [parameter.name for parameter in self.parameters]
         return [dict(zip(names, map(float, row), strict=True)) for row in values]
 
     def make_levels(self, theta: Any) -> np.ndarray:
@@ -130,7 +130,7 @@ class LevelSpace:
 
         A column with finitely many values is quantized to the center of its cell, so that equal levels have equal θ.
         """
-        theta = parameters.snap(check_theta(theta, self.theta_dim), self.draws)
+        theta = parameters.quantize(check_theta(theta, self.theta_dim), self.parameters)
         levels = np.zeros(len(theta), level_dtype(self.theta_dim))
         levels["theta"] = theta
         if self.seeds is not None:
@@ -150,7 +150,7 @@ class LevelSpace:
         The seed is left out where it only determines luck, and for a family, whose codes identify levels.
         """
         key = level["program"].tobytes() + level["theta"].tobytes()
-        return key if self.seed_is_luck or self.family is not None else key + level["seed"].tobytes()
+        return key if self.seed_is_luck or self.level_family is not None else key + level["seed"].tobytes()
 
     def sample_levels(self, count: int) -> np.ndarray:
         """Sample valid levels uniformly (domain randomization): `[count]` of `level_dtype(D)`."""
@@ -172,22 +172,22 @@ class LevelSpace:
 
     def _draw(self, count: int) -> np.ndarray:
         """Sample θ `[count, D]` without a check of validity."""
-        if self.family is None:
+        if self.level_family is None:
             return self._stream.uniform(-1.0, 1.0, (count, self.theta_dim))
-        levels = (self.family.sample(self._stream) for _ in range(count))
-        return check_theta([self.family.encode(level) for level in levels], self.theta_dim)
+        levels = (self.level_family.sample(self._stream) for _ in range(count))
+        return check_theta([self.level_family.encode(level) for level in levels], self.theta_dim)
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         """Return edited copies of θ `[k, D]`, which may be invalid; see `parameters.edit`.
 
         A level of a family is mutated `num_edits` times; `edit_size` is ignored.
         """
-        if self.family is None:
-            return parameters.edit(theta, self.draws, num_edits, edit_size, rng)
+        if self.level_family is None:
+            return parameters.edit(theta, self.parameters, num_edits, edit_size, rng)
         edited = theta.copy()
         for row, code in enumerate(theta):
-            level = self.family.decode(code)
+            level = self.level_family.decode(code)
             for _ in range(num_edits):
-                level = self.family.mutate(level, rng)
-            edited[row] = self.family.encode(level)
+                level = self.level_family.mutate(level, rng)
+            edited[row] = self.level_family.encode(level)
         return check_theta(edited, theta.shape[1])

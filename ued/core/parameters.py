@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ued.core.cells import Cells, cut, index_in, middle_of
+from ued.core.cells import Cells, bin_center, cut, index_in
 
 MOST_CATEGORIES = 32  # an `Integer` with more values is treated as a range in steps
 
@@ -40,18 +40,18 @@ class Range:
 
     low: float
     high: float
-    cells = 0
+    num_bins = 0
 
     def __post_init__(self) -> None:
         if not _finite(self.low, self.high):
             raise ValueError(f"the ends of a range must be two finite numbers, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
-    def value(self, x: float) -> float:
+    def from_unit(self, x: float) -> float:
         """Return the value of x in [-1, 1]."""
         return self.low + (x + 1) / 2 * (self.high - self.low)
 
-    def place(self, value: float) -> float:
+    def to_unit(self, value: float) -> float:
         """Return the x in [-1, 1] of a value."""
         return 2 * (value - self.low) / (self.high - self.low) - 1 if self.high != self.low else 0.0
 
@@ -62,18 +62,18 @@ class LogRange:
 
     low: float
     high: float
-    cells = 0
+    num_bins = 0
 
     def __post_init__(self) -> None:
         if not (_finite(self.low, self.high) and self.low > 0 and self.high > 0):
             raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
-    def value(self, x: float) -> float:
+    def from_unit(self, x: float) -> float:
         """Return the value of x in [-1, 1]."""
         return self.low * (self.high / self.low) ** ((x + 1) / 2)
 
-    def place(self, value: float) -> float:
+    def to_unit(self, value: float) -> float:
         """Return the x in [-1, 1] of a value."""
         return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
 
@@ -100,16 +100,16 @@ class Integer:
             raise ValueError(f"an Integer needs integers low <= high, got {self.low!r} and {self.high!r}")
 
     @property
-    def cells(self) -> int:
+    def num_bins(self) -> int:
         return int(self.high) - int(self.low) + 1
 
-    def value(self, x: float) -> int:
+    def from_unit(self, x: float) -> int:
         """Return the value of x in [-1, 1]."""
-        return int(self.low) + int(index_in(x, self.cells))
+        return int(self.low) + int(index_in(x, self.num_bins))
 
-    def place(self, value: float) -> float:
+    def to_unit(self, value: float) -> float:
         """Return the x in [-1, 1] at the center of the cell of a value."""
-        return middle_of(value - self.low, self.cells)
+        return bin_center(value - self.low, self.num_bins)
 
 
 class Choice:
@@ -146,16 +146,16 @@ class Choice:
         return len(self.values) - 1.0
 
     @property
-    def cells(self) -> int:
+    def num_bins(self) -> int:
         return len(self.values)
 
-    def value(self, x: float) -> Any:
+    def from_unit(self, x: float) -> Any:
         """Return the value of x in [-1, 1]."""
-        return self.values[int(cut(self.cells, self.weights).index(x))]
+        return self.values[int(cut(self.num_bins, self.weights).index(x))]
 
-    def place(self, value: Any) -> float:
+    def to_unit(self, value: Any) -> float:
         """Return the x in [-1, 1] at the center of the cell of a value."""
-        return float(cut(self.cells, self.weights).middle(self.values.index(value)))
+        return float(cut(self.num_bins, self.weights).middle(self.values.index(value)))
 
 
 def _equal(one: Any, other: Any) -> bool:
@@ -261,7 +261,7 @@ class ThetaMap:
 
     def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
         self.program: ThetaProgram | None = None
-        self.family: LevelFamily | None = None
+        self.level_family: LevelFamily | None = None
         self.seeds = theta if isinstance(theta, Seeds) else None
         if valid is not None and not callable(valid):
             raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
@@ -275,7 +275,7 @@ class ThetaMap:
         elif isinstance(theta, Mapping):
             self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
         elif isinstance(theta, LevelFamily):
-            self.family = theta
+            self.level_family = theta
             self.draws = numbered("code", theta.size)
         elif hasattr(theta, "draws"):
             self.program = theta
@@ -296,21 +296,21 @@ class ThetaMap:
 
     def values(self, row: np.ndarray) -> Any:
         """Return one row of θ `[D]` as values by name, in the environment's units; for a family, the level."""
-        if self.family is not None:
-            return self.family.decode(row)
+        if self.level_family is not None:
+            return self.level_family.decode(row)
         if self.program is not None:
             return self.program.describe(row)
-        return {column.name: column.kind.value(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
+        return {column.name: column.kind.from_unit(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
 
     def describe(self, row: np.ndarray) -> dict[str, Any]:
         """Return one row of θ `[D]` as values by name, for display; for a family, the level."""
         values = self.values(row)
-        return {"level": values} if self.family is not None else values
+        return {"level": values} if self.level_family is not None else values
 
     def theta(self, values: Mapping[str, Any]) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other values."""
-        if self.family is not None:
-            return np.asarray(self.family.encode(values), float)
+        if self.level_family is not None:
+            return np.asarray(self.level_family.encode(values), float)
         names = [draw.name for draw in self.draws]
         if self.program is not None or set(values) != set(names):
             raise ValueError(f"a level needs a value for each of {', '.join(names) or 'no name'}, got {dict(values)}")
@@ -320,8 +320,8 @@ class ThetaMap:
 def _placed(column: Column, value: Any) -> float:
     """Return the x in [-1, 1] of a value of a column. Raises `ValueError` if the column does not have the value."""
     try:
-        x = column.kind.place(value)
-        good = abs(x) <= 1 + 1e-9 and (not column.kind.cells or column.kind.value(x) == value)
+        x = column.kind.to_unit(value)
+        good = abs(x) <= 1 + 1e-9 and (not column.kind.num_bins or column.kind.from_unit(x) == value)
     except (TypeError, ValueError):  # not a number, or not an option of the choice
         good = False
     if not good:
@@ -383,9 +383,9 @@ def cells_in(draw: Parameter) -> Cells | None:
     """
     kind, weights = getattr(draw, "kind", None), getattr(draw, "weights", ())
     if isinstance(kind, Integer):
-        return Cells(kind.cells, None, True)
+        return Cells(kind.num_bins, None, True)
     if isinstance(kind, Choice):
-        return cut(kind.cells, kind.weights, names=[str(value) for value in kind.values])
+        return cut(kind.num_bins, kind.weights, names=[str(value) for value in kind.values])
     if weights:
         return cut(len(weights), weights, names=getattr(draw, "options", ()))
     if isinstance(kind, str) and kind == "integers" and math.isfinite(draw.low) and math.isfinite(draw.high):
@@ -399,7 +399,7 @@ def choice_in(draw: Parameter) -> Cells | None:
     return None if cells is None or (cells.ordered and cells.count > MOST_CATEGORIES) else cells
 
 
-def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
+def quantize(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
     """Return θ `[n, D]` with each entry of a column of finitely many values moved to the center of its cell."""
     known = [(column, cells) for column, draw in enumerate(draws) if (cells := cells_in(draw)) is not None]
     if not known:
@@ -408,7 +408,7 @@ def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
     even = [(column, cells.count) for column, cells in known if cells.edges is None]
     if even:
         columns, counts = np.array(even).T
-        theta[:, columns] = middle_of(index_in(theta[:, columns], counts), counts)
+        theta[:, columns] = bin_center(index_in(theta[:, columns], counts), counts)
     for column, cells in known:
         if cells.edges is not None:
             theta[:, column] = cells.middle(cells.index(theta[:, column]))

@@ -85,22 +85,22 @@ class UPOMDP(LevelSpace, VectorEnv):
         levels: the levels being played, `[N]` of `level_dtype(D)`.
         visits: the number of this visit of the level, int `[N]`; another visit of the same level has other luck.
         episodes: the number of the episode in its visit, int `[N]`, starting at 0.
-        next_levels: function that `step` calls with k when k episodes ended; it returns the next k levels of those
+        level_sampler: function that `step` calls with k when k episodes ended; it returns the next k levels of those
             environments, each a new visit. None: each repeats its level. Domain randomization per episode is
-            `next_levels = sample_levels`.
+            `level_sampler = sample_levels`.
         idle: bool `[N]`, environments that need not be stepped; the values that `step` returns for them are
             meaningless. See `mixture`.
         num_agents: A, agents of each environment, who share one reward. A single agent has no axis of agents; with
             several, observations and actions are `[N, A, ...]`, of the same space for all.
         max_episode_steps: maximum length of an episode in steps; None: unknown.
-        paid_apart: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
+        individual_rewards: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
             The rewards `[N]`, from which curricula score levels, are then those of the first side.
     """
 
     num_agents = 1
     max_episode_steps: int | None = None
     autoreset_mode = AutoresetMode.SAME_STEP
-    paid_apart = False
+    individual_rewards = False
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -108,7 +108,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         num_envs: int,
         observation_space: gymnasium.Space,
         action_space: gymnasium.Space,
-        draws: Sequence[Parameter],
+        parameters: Sequence[Parameter],
     ) -> None:
         for name in ("_start", "_advance"):
             if getattr(type(self), name) is getattr(UPOMDP, name):
@@ -119,12 +119,12 @@ class UPOMDP(LevelSpace, VectorEnv):
         self.single_action_space = action_space
         self.observation_space = gymnasium.vector.utils.batch_space(observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(action_space, num_envs)
-        self.draws = tuple(draws)
+        self.parameters = tuple(parameters)
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.visits = np.zeros(num_envs, np.int64)
         self.episodes = np.zeros(num_envs, np.int64)
-        self.next_levels: Callable[[int], np.ndarray] | None = None
+        self.level_sampler: Callable[[int], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
     @property
@@ -132,7 +132,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.np_random
 
     @property
-    def gives_state(self) -> bool:
+    def supports_state(self) -> bool:
         """Whether a checkpoint can hold what `get_state` returns; otherwise a resumed run restarts open episodes."""
         return type(self).get_state is not UPOMDP.get_state
 
@@ -149,7 +149,7 @@ class UPOMDP(LevelSpace, VectorEnv):
     # ------------------------------------------------------------ what a subclass defines
 
     @property
-    def observation_unit(self) -> np.ndarray | None:
+    def observation_scale(self) -> np.ndarray | None:
         """The size of a large change of each entry of an agent's observation, `[F]`; 0, or None for all: unknown.
 
         Students do not scale an entry up beyond a share of it (`PPOConfig.obs_std_floor`). It depends on the meaning of
@@ -354,13 +354,13 @@ class UPOMDP(LevelSpace, VectorEnv):
     def start_next(self, where: np.ndarray) -> Any:
         """Start the next episodes in the environments `where` (bool `[N]`).
 
-        They play the levels that `next_levels` returns, or without it the same ones. A level that it returns is a new
+        They play the levels that `level_sampler` returns, or without it the same ones. A level that it returns is a new
         visit, whose number is drawn from the random stream of levels. Returns the observations of all N environments.
         """
-        if self.next_levels is None:
+        if self.level_sampler is None:
             return self.play_again(where)
         count = int(np.count_nonzero(where))
-        levels, visits = self.next_levels(count), self.np_random.integers(0, SEEDS, count)
+        levels, visits = self.level_sampler(count), self.np_random.integers(0, SEEDS, count)
         return self.reset_to_levels(levels, where, visits)[0]
 
     # ------------------------------------------------------------ PAIRED's and the thesis's names

@@ -137,7 +137,7 @@ class Cloner(Resumable):
         return dict(zip(("loss", "value_loss"), map(float, sums / max(steps, 1)), strict=True))
 
     @torch.inference_mode()
-    def judge(self, chunks: Iterable[Demonstrated]) -> Agreement:
+    def evaluate(self, chunks: Iterable[Demonstrated]) -> Agreement:
         """Compare the student with demonstrations; all actions count the same."""
         size = num_actions(self.student)
         counts, sums, told, steps = torch.zeros(size * size, dtype=torch.int64), np.zeros(2), 0, 0

@@ -34,7 +34,7 @@ class KLRegularizer:
 
 
 @dataclass(frozen=True)
-class FadingKL:
+class AnnealedKL:
     """A regularizer whose coefficient falls linearly to 0 over the first `env_steps`."""
 
     student: Student

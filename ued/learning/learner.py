@@ -17,7 +17,7 @@ from gymnasium.spaces import Discrete
 from ued.config import PPOConfig
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
-from ued.learning.kl import FadingKL, KLRegularizer
+from ued.learning.kl import AnnealedKL, KLRegularizer
 from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
@@ -51,18 +51,18 @@ class Learner:
         on_episode_end: OnEpisodeEnd,
         scripted: bool = False,
     ) -> None:
-        if upomdp.paid_apart and config.critic == "central":
+        if upomdp.individual_rewards and config.critic == "central":
             raise ValueError("opponents have different values, so they need critic = own")
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
-        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_unit, agents)
+        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_scale, agents)
         self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
         self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT
         self.learn_seconds = 0.0
-        self.origin: FadingKL | None = None  # the initial policy, if the student stays close to it at first
+        self.reference_policy: AnnealedKL | None = None  # the initial policy, if the student stays close to it at first
 
     def start_from(self, student: Mapping[str, Any], kl_coef: float, kl_env_steps: int) -> None:
         """Start from this student, a `state_dict` with its normalizer, and a KL regularizer to it if `kl_coef` > 0.
@@ -72,7 +72,7 @@ class Learner:
         if self.student is None:
             return
         self.student.load_state_dict(student)
-        self.origin = FadingKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
+        self.reference_policy = AnnealedKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
 
     def to(self, device: torch.device) -> None:
         """Move the networks and the observations of rollouts to a device.
@@ -106,8 +106,8 @@ class Learner:
 
         `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to the one of `start_from`.
         """
-        if regularizer is None and self.origin is not None:
-            regularizer = self.origin.at(env_steps)
+        if regularizer is None and self.reference_policy is not None:
+            regularizer = self.reference_policy.at(env_steps)
         began, losses = perf_counter(), dict[str, float]()
         if self.ppo is not None:
             advantages = self.advantages if rollout is None else None

@@ -21,13 +21,13 @@ class Past(NamedTuple):
 
     Attributes:
         memory: `[B, W]` the state before the first of these steps.
-        begins: bool `[L, B]`, steps that start an episode, at which the state is reset; None: none, and L is 1.
-        told: bool `[L * B]`, rows whose outputs are returned; None: all.
+        episode_starts: bool `[L, B]`, steps that start an episode, at which the state is reset; None: none, and L is 1.
+        mask: bool `[L * B]`, rows whose outputs are returned; None: all.
     """
 
     memory: Tensor
-    begins: Tensor | None = None
-    told: Tensor | None = None
+    episode_starts: Tensor | None = None
+    mask: Tensor | None = None
 
 
 class NoMemory(nn.Module):
@@ -60,13 +60,13 @@ class GRU(nn.Module):
         self.recall = linear(size, 3 * size, 1.0, generator, team.policies)
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return features `[told, (A,) size]` for `[L * B, (A,) size]`, and the state after them, `[B, W]`."""
+        """Return features `[mask, (A,) size]` for `[L * B, (A,) size]`, and the state after them, `[B, W]`."""
         state = memory.view(len(memory), *features.shape[1:])  # [B, (A,) size]
         parts = 2 * state.shape[-1], state.shape[-1]  # of both gates, of the candidate
         read = self.read(features).unflatten(0, (-1, len(memory)))  # [L, B, (A,) 3 * size]
         goes_on = None
-        if past.begins is not None:
-            goes_on = (~past.begins).float().view(*read.shape[:2], *(1,) * (read.ndim - 2))
+        if past.episode_starts is not None:
+            goes_on = (~past.episode_starts).float().view(*read.shape[:2], *(1,) * (read.ndim - 2))
         states = []
         for t, now in enumerate(zip(*(part.unbind() for part in read.split(parts, -1)), strict=True)):
             state = state if goes_on is None else state * goes_on[t]
@@ -76,7 +76,7 @@ class GRU(nn.Module):
             state = torch.lerp(candidate, state, keep)
             states.append(state)
         remembered = torch.cat(states)
-        return remembered if past.told is None else remembered[past.told], state.flatten(1)
+        return remembered if past.mask is None else remembered[past.mask], state.flatten(1)
 
     def sequences(self, train: Tensor) -> Tensor:
         """Return the rows of each environment with a step to learn from; see `NoMemory.sequences`."""

@@ -38,7 +38,7 @@ class Batch:
     def of(cls, rollout: Rollout, advantage: Tensor, target: Tensor) -> Batch:
         """Flatten `[T, N, ...]` to `[T * N, ...]`."""
         columns = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
-        past = Past(rollout.memory, rollout.begins.flatten(), rollout.train.flatten())
+        past = Past(rollout.memory, rollout.episode_starts.flatten(), rollout.train.flatten())
         return cls(past, *(column.flatten(0, 1) for column in columns))
 
     def to(self, device: torch.device) -> Batch:

@@ -81,7 +81,7 @@ class Rollout:
         )
 
     @property
-    def begins(self) -> Tensor:
+    def episode_starts(self) -> Tensor:
         """Steps that start an episode, bool `[T, N]`; False at the first step, whose memory is in `memory`."""
         ended = self.terminated | self.truncated
         return torch.cat([torch.zeros_like(ended[:1]), ended[:-1]])

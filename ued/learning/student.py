@@ -82,7 +82,7 @@ class Student(nn.Module):
         observation_space, action_space: of one environment; flat Box or image, and see `networks.PolicyHead`.
         config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: what the weights are drawn from.
-        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`.
+        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
         agents: for how many it plays; both spaces are those of one of them.
 
     Attributes:
@@ -137,14 +137,14 @@ class Student(nn.Module):
 
         `past` says how these hang together; without it each of them is the first of an episode.
         """
-        policy, value, _ = self._judge(observation, past)
+        policy, value, _ = self._infer(observation, past)
         return policy, value
 
     def empty_memory(self, num_envs: int) -> Tensor:
         """Return what it remembers of N environments whose episodes begin: `[N, memory_width]`."""
         return torch.zeros(num_envs, self.memory_width)
 
-    def _judge(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
+    def _infer(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
         """Return the policy, the value, and what is remembered afterwards."""
         seen = self.normaliser(observation)
         past = past or Past(self.empty_memory(len(observation)).to(self.device))
@@ -217,13 +217,13 @@ class Student(nn.Module):
 
         `memory` is brought up to date.
         """
-        return self.draw(*self.judge(observation, memory), generator)
+        return self.draw(*self.infer(observation, memory), generator)
 
     @torch.inference_mode()
-    def judge(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
+    def infer(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
         """Do the first half of `act`: return policy and values where the weights are; a GPU may still be at work."""
         past = None if memory is None else Past(self._sent(memory))
-        policy, value, remembered = self._judge(self._sent(observation), past)
+        policy, value, remembered = self._infer(self._sent(observation), past)
         if memory is not None:
             memory.copy_(remembered)
         return policy, value

@@ -41,7 +41,7 @@ class RolloutWorker(Resumable):
     Args:
         student: the policy; None for environments that ignore actions (see `UPOMDP.with_scripted_policy`): values and
             log-probabilities are then 0.
-        upomdp: N environments for this worker alone. Sets its `next_levels` to None: `on_episode_end` selects levels.
+        upomdp: N environments for this worker alone. Sets its `level_sampler` to None: `on_episode_end` selects levels.
         num_steps: T of the rollout.
         generator: random stream of the actions.
         on_episode_end: selects the levels; see `OnEpisodeEnd`.
@@ -58,10 +58,10 @@ class RolloutWorker(Resumable):
         on_episode_end: OnEpisodeEnd,
     ) -> None:
         self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
-        upomdp.next_levels = None
+        upomdp.level_sampler = None
         spaces = upomdp.agent_observation_space, upomdp.agent_action_space
         self.memory = torch.zeros(upomdp.num_envs, 0) if student is None else student.empty_memory(upomdp.num_envs)
-        agents = upomdp.num_agents, upomdp.paid_apart
+        agents = upomdp.num_agents, upomdp.individual_rewards
         self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, *agents, self.memory.shape[1])
         self.observation: np.ndarray | None = None  # until `start`
         self.training = np.ones(upomdp.num_envs, bool)  # [N] whether the student learns from the step
@@ -78,7 +78,7 @@ class RolloutWorker(Resumable):
         self.observation, _ = self.upomdp.reset_to_levels(records["level"], None, visits_of(records))
         self.training[:] = records["train"]
         if self.tape is not None:
-            self.tape.begin(np.arange(len(records)), records["turn"])
+            self.tape.begin(np.arange(len(records)), records["visit"])
         self.returns[:] = 0.0
         self.lengths[:] = 0
         self.memory[:] = 0.0
@@ -87,17 +87,17 @@ class RolloutWorker(Resumable):
         """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
 
-    def look(self, t: int) -> None:
+    def observe(self, t: int) -> None:
         """Compute the policy and values at the observations of step t; a GPU works while the host continues."""
         assert self.observation is not None
         began, seen = perf_counter(), self.rollout.observation[t]
         self.send(self.observation, seen)
         if self.student is not None:
-            self.judged = self.student.judge(seen, self.memory)
+            self.inferred = self.student.infer(seen, self.memory)
         self.seconds["forward"] += perf_counter() - began
 
     def step(self, t: int) -> None:
-        """Take step t of the rollout in all environments, after `look`."""
+        """Take step t of the rollout in all environments, after `observe`."""
         rollout, began = self.rollout, perf_counter()
         actions = self._act(t)
         rollout.train[t] = torch.as_tensor(self.training)
@@ -107,7 +107,7 @@ class RolloutWorker(Resumable):
         self.observation, reward, terminated, truncated, info = self.upomdp.advance(actions)
         self.seconds["forward"] += acted - began
         self.seconds["sim"] += perf_counter() - acted
-        rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.paid_apart else reward)
+        rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.individual_rewards else reward)
         rollout.terminated[t] = torch.as_tensor(terminated)
         rollout.truncated[t] = torch.as_tensor(truncated)
         self._value_final_observations(t, truncated & ~terminated)
@@ -123,7 +123,7 @@ class RolloutWorker(Resumable):
         if self.student is None:
             space = self.upomdp.agent_action_space
             return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
-        action, log_prob, value = self.student.draw(*self.judged, self.generator)
+        action, log_prob, value = self.student.draw(*self.inferred, self.generator)
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
         return self.student.to_environment(action)
 
@@ -162,7 +162,7 @@ class RolloutWorker(Resumable):
         if len(envs):
             self.training[envs] = records["train"]
             if self.tape is not None:
-                self.tape.begin(envs, records["turn"])
+                self.tape.begin(envs, records["visit"])
             order = np.argsort(envs)
             levels, visits = records["level"][order], visits_of(records)[order]
             self.observation, _ = self.upomdp.reset_to_levels(levels, changing, visits)
@@ -212,7 +212,7 @@ class RolloutWorker(Resumable):
 
 def visits_of(records: np.ndarray) -> np.ndarray:
     """Return the numbers of these visits of levels `[k]`; 0 for records without a number."""
-    return np.maximum(records["turn"], 0)
+    return np.maximum(records["visit"], 0)
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
@@ -224,7 +224,7 @@ def collect(workers: Sequence[RolloutWorker]) -> None:
         worker.begin()
     for t in range(len(workers[0].rollout.reward)):
         for worker in workers:
-            worker.look(t)
+            worker.observe(t)
         for worker in workers:
             worker.step(t)
     for worker in workers:

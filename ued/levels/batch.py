@@ -55,11 +55,11 @@ class LevelBatch:
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:
-        """Return what identifies each level, by name `[L]`: id, turn, source, parent (nan: none), program, ..."""
+        """Return what identifies each level, by name `[L]`: id, visit, source, parent (nan: none), program, ..."""
         level, parent = self.records["level"], self.records["parent"]
         return {
             "id": self.records["id"],
-            "turn": self.records["turn"],
+            "visit": self.records["visit"],
             "source": self.source,
             "parent": np.where(parent == NONE, np.nan, parent),
             "program": level["program"],

@@ -4,7 +4,7 @@ An environment that has played its level often enough takes the next one from th
 change of level cuts off no episode, long episodes count like short ones, and no environment waits for the longest
 episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest student, it
 repeats its level until the others have caught up; it learns from these episodes, but they are no results. Read next:
-`methods.method`, whose `play` uses this queue.
+`methods.method`, whose `collect_rollouts` uses this queue.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ued.core.curriculum import Curriculum
-from ued.core.level_space import whole
+from ued.core.level_space import as_void_view
 from ued.core.resumable import Resumable
 from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
@@ -45,7 +45,7 @@ class LevelQueue(Resumable):
     Raises `ValueError` for a `max_lead` between 0 and N.
     """
 
-    state_fields = ("records", "taken", "playing", "next_id", "next_turn")
+    state_fields = ("records", "taken", "playing", "next_id", "next_visit")
 
     def __init__(
         self,
@@ -67,7 +67,7 @@ class LevelQueue(Resumable):
         self.playing = np.full(
             (self.students, num_envs), NONE
         )  # [S, N] index of the record that each environment plays
-        self.next_id = self.next_turn = 0  # of levels, and of visits
+        self.next_id = self.next_visit = 0  # of levels, and of visits
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once per rollout
         self.prefetch: list[Callable[[np.ndarray], None]] = [lambda levels: None] * self.students
         self._announced = [NONE] * self.students  # the last visit that each student's environments know of
@@ -111,9 +111,9 @@ class LevelQueue(Resumable):
         if missing > 0:
             proposals = self.curriculum.propose(max(missing, self.proposal_batch))
             self.next_id = number(proposals, self.next_id)
-            proposals["turn"] = self.next_turn + np.arange(len(proposals))
-            self.next_turn += len(proposals)
-            joined = np.concatenate([whole(self.records), whole(proposals)])
+            proposals["visit"] = self.next_visit + np.arange(len(proposals))
+            self.next_visit += len(proposals)
+            joined = np.concatenate([as_void_view(self.records), as_void_view(proposals)])
             self.records = joined.view(self.records.dtype)
         records = self.records[start : start + len(envs)]
         if len(envs):
@@ -121,7 +121,7 @@ class LevelQueue(Resumable):
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
                 self._due[student][env] = episodes
             self.taken[student] += len(envs)
-            if records["turn"][-1] > self._announced[student]:
+            if records["visit"][-1] > self._announced[student]:
                 self._announce(student)
         return records
 
@@ -129,12 +129,12 @@ class LevelQueue(Resumable):
         """Let a student's environments know which levels come after those that it has begun."""
         start = int(self.taken[student])
         coming = self.records[start : start + PREFETCH]
-        self._announced[student] = int(coming["turn"][-1] if len(coming) else self.records["turn"][start - 1])
+        self._announced[student] = int(coming["visit"][-1] if len(coming) else self.records["visit"][start - 1])
         self.prefetch[student](coming["level"])
 
-    def turns(self, student: int) -> np.ndarray:
-        """Return the turn that each of a student's environments plays `[N]`; NONE for one that has no level yet."""
-        return np.append(self.records["turn"], NONE)[self.playing[student]]  # NONE, -1, is the last
+    def visits(self, student: int) -> np.ndarray:
+        """Return the visit that each of a student's environments plays `[N]`; NONE for one that has no level yet."""
+        return np.append(self.records["visit"], NONE)[self.playing[student]]  # NONE, -1, is the last
 
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
         """Store the critic's statistics of the E episodes that ended since the last call, in their order: `[E]` each.
@@ -176,7 +176,7 @@ class LevelQueue(Resumable):
     def pop_finished(self) -> np.ndarray:
         """Remove and return the finished records `[L]`, in the order of play; drop stale proposals."""
         finished = self.finished()
-        records, before = whole(self.records), np.cumsum(finished) - finished
+        records, before = as_void_view(self.records), np.cumsum(finished) - finished
         index = np.where(finished, NONE, np.arange(len(self.records)) - before)
         index = np.append(index, NONE)  # so that NONE, the last, stays NONE
         self.playing = index[self.playing]

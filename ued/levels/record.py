@@ -36,7 +36,7 @@ def level_record_dtype(
 
     Set by the curriculum in `propose`:
         level: a record of `level_space.level_dtype`; origin: an `Origin`; id: the level's number, kept by a replayed
-        level, NONE for a new one, which the trainer numbers (see `number`); turn: number of this visit, set by the
+        level, NONE for a new one, which the trainer numbers (see `number`); visit: number of this visit, set by the
         trainer; parent: id of the level that it is an edited copy of, or NONE; train: whether students learn from it;
         num_episodes: episodes that each student is to play.
     Filled in by the trainer:
@@ -52,7 +52,7 @@ def level_record_dtype(
             ("level", level),
             ("origin", np.int8),
             ("id", np.int64),
-            ("turn", np.int64),
+            ("visit", np.int64),
             ("parent", np.int64),
             ("train", np.bool_),
             ("num_episodes", np.int32),
@@ -68,7 +68,7 @@ def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDO
     """Return records `[k]` of these levels, to learn from, without results."""
     records = np.zeros(len(levels), dtype)
     records["level"], records["origin"], records["train"] = levels, origin, True
-    records["id"] = records["turn"] = records["parent"] = NONE
+    records["id"] = records["visit"] = records["parent"] = NONE
     records["num_episodes"] = dtype["returns"].shape[1]
     for name in (*RESULTS, "score"):
         records[name] = np.nan

@@ -14,29 +14,29 @@ import numpy as np
 from ued.core.level_space import level_dtype
 
 
-def read_level(run: str | Path, id: int, turn: int | None = None) -> np.ndarray:
+def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray:
     """Return a level of a run as a record `[1]` of `level_dtype(D)`, for `UPOMDP.reset_to_levels`.
 
     Args:
         run: the folder of a run, or the path of its levels.csv.
         id: the number of the level.
-        turn: the number of a visit of it; None: any, since all visits have the same level.
+        visit: the number of a visit of it; None: any, since all visits have the same level.
 
     In a mixture of programs, θ determines the program. Raises `FileNotFoundError` without such a table, `KeyError` for
     a level that is not in it, `ValueError` for a damaged row.
     """
-    return read_visit(run, id, turn)[0]
+    return read_visit(run, id, visit)[0]
 
 
-def read_visit(run: str | Path, id: int, turn: int | None = None) -> tuple[np.ndarray, int]:
+def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.ndarray, int]:
     """Return a level, see `read_level`, and the number of the visit; for None the first one in the table."""
     path = Path(run)
     path = path / "levels.csv" if path.is_dir() else path
     with open(path, newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            if row.get("id") == str(id) and turn in (None, _whole(row, "turn", path)):
-                return _level(row, path), _whole(row, "turn", path)
-    at = "" if turn is None else f" at visit {turn}"
+            if row.get("id") == str(id) and visit in (None, _whole(row, "visit", path)):
+                return _level(row, path), _whole(row, "visit", path)
+    at = "" if visit is None else f" at visit {visit}"
     raise KeyError(f"{path} has no level {id}{at}; see its column id for the levels that were played")
 
 

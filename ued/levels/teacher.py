@@ -12,7 +12,7 @@ import numpy as np
 
 from ued.config import TeacherConfig
 from ued.core.curriculum import LevelSpace, need_vector
-from ued.core.level_space import level_dtype, whole
+from ued.core.level_space import as_void_view, level_dtype
 from ued.core.resumable import Resumable
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
@@ -53,7 +53,7 @@ class Teacher(Resumable):
         if space.theta_dim:  # else the adversary raises the error
             need_vector(space)
         generator = torch_generator(seeds.next())
-        self.adversary = Adversary(space.draws, config.adversary, generator, size, space.program_draws)
+        self.adversary = Adversary(space.parameters, config.adversary, generator, size, space.program_parameters)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
@@ -102,13 +102,15 @@ class Teacher(Resumable):
         the means of the losses, which are missing while it waits.
         """
         levels["score"] = score
-        metrics = choice_metrics(levels, self.space.draws)
-        proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
+        metrics = choice_metrics(levels, self.space.parameters)
+        proposals = as_void_view(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
             refused = levels[levels["origin"] == Origin.REPLACED]  # the levels played in their place are not theirs
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
-        self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
+        self.pending_proposals = np.concatenate([as_void_view(self.pending_proposals), as_void_view(proposals)]).view(
+            self.dtype
+        )
         if not self._is_enough(len(self.pending_proposals)):
             return metrics | {"adversary/gradient_steps": 0.0}
         self.learned_at = self.budget.spent

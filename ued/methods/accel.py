@@ -21,7 +21,7 @@ from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
 from ued.methods.method import Method
-from ued.methods.plr import PLRLevels
+from ued.methods.plr import PLRCurriculum
 
 TRIES = 8  # to edit a level into a valid one
 
@@ -32,18 +32,18 @@ class ACCEL(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    curriculum: ACCELLevels
+    curriculum: ACCELCurriculum
 
-    def begin(self, config: ACCELConfig | None, seed: int) -> None:
+    def setup(self, config: ACCELConfig | None, seed: int) -> None:
         if not self.upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        self.curriculum = ACCELLevels(self.upomdp, config or ACCELConfig(), seed, self.budget)
+        self.curriculum = ACCELCurriculum(self.upomdp, config or ACCELConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
-        levels = self.play()  # [L]
+        levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
@@ -53,11 +53,11 @@ class ACCEL(Method):
         return self.curriculum.buffer
 
 
-class ACCELLevels(PLRLevels):
+class ACCELCurriculum(PLRCurriculum):
     """Replays levels and tries edited copies of them. A `Curriculum`."""
 
     config: ACCELConfig
-    state_fields = (*PLRLevels.state_fields, "children")
+    state_fields = (*PLRCurriculum.state_fields, "children")
 
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)

@@ -36,22 +36,22 @@ class ALPGMM(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    curriculum: ALPLevels
+    curriculum: ALPGMMCurriculum
 
-    def begin(self, config: ALPGMMConfig | None, seed: int) -> None:
-        self.curriculum = ALPLevels(self.upomdp, config or ALPGMMConfig(), seed)
+    def setup(self, config: ALPGMMConfig | None, seed: int) -> None:
+        self.curriculum = ALPGMMCurriculum(self.upomdp, config or ALPGMMConfig(), seed)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""
-        levels = self.play()  # [L]
+        levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # progress of each episode; fit the mixture when it is time
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class ALPLevels(Resumable):
+class ALPGMMCurriculum(Resumable):
     """Proposes levels of high learning progress. A `Curriculum`.
 
     Args:

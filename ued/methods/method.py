@@ -1,6 +1,6 @@
 """The parts of a method: learners, a curriculum, and a queue that hands its levels to them.
 
-A method's `update()` is the algorithm box of its paper. `play` lets all learners fill a rollout with levels
+A method's `update()` is the algorithm box of its paper. `collect_rollouts` lets all learners fill a rollout with levels
 of the curriculum, and returns those that every learner has finished. Then `curriculum.update(levels)` scores them and
 learns from the scores, the learners learn from their rollouts, and `report` ends the update. Rollouts are not aligned
 with levels: each environment takes a new level when it has played its own often enough (see `levels.queue`). Levels
@@ -36,7 +36,7 @@ from ued.levels.queue import LevelQueue
 
 
 class Method:
-    """Trains students on levels of its choice. Each method is a subclass that defines `begin` and `update`.
+    """Trains students on levels of its choice. Each method is a subclass that defines `setup` and `update`.
 
     Args:
         upomdp: the environments, for this method alone; they are reset.
@@ -72,12 +72,12 @@ class Method:
         self.updates = 0
         self.last: LevelBatch | None = None
         upomdp.reset(seed=self._seeds.next())
-        self._columns = upomdp.draws if upomdp.family is None else ()
-        self.begin(config, self._seeds.next())
+        self._columns = upomdp.parameters if upomdp.level_family is None else ()
+        self.setup(config, self._seeds.next())
 
-    def begin(self, config: Any, seed: int) -> None:
+    def setup(self, config: Any, seed: int) -> None:
         """Create the `curriculum`, with this seed, and the `queue`, and add the learners."""
-        raise NotImplementedError(f"{type(self).__name__} must define begin")
+        raise NotImplementedError(f"{type(self).__name__} must define setup")
 
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
         """Add a learner with environments of its own, which starts on the levels of the queue; see `Learner`.
@@ -99,12 +99,12 @@ class Method:
         """Do one training iteration; return its metrics."""
         raise NotImplementedError(f"{type(self).__name__} must define update")
 
-    def play(self) -> np.ndarray:
+    def collect_rollouts(self) -> np.ndarray:
         """Let all learners fill a rollout; return the level records `[L]` that all of them have finished."""
-        self.roll_out()
+        self.fill_rollouts()
         return self.queue.pop_finished()
 
-    def roll_out(self) -> None:
+    def fill_rollouts(self) -> None:
         """Let all learners fill a rollout with the queue's levels, and compute its advantages."""
         self.budget.spent = self.env_steps
         self.queue.begin_rollout()
@@ -129,7 +129,7 @@ class Method:
         for index, learner in enumerate(self.learners):
             learner.worker.tape = ActionTape(learner.upomdp.num_envs)
             if not learner.worker.env_steps:
-                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.turns(index))
+                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.visits(index))
 
     # ------------------------------------------------------------ students and state
 

@@ -26,20 +26,20 @@ class Minimax(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: MinimaxConfig | None, seed: int) -> None:
-        self.curriculum = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed, self.budget)
+    def setup(self, config: MinimaxConfig | None, seed: int) -> None:
+        self.curriculum = MinimaxCurriculum(self.upomdp, config or MinimaxConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; let the adversary and the student learn."""
-        levels = self.play()  # [L]
+        levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # the adversary, from the student's loss
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class MinimaxLevels(Teacher):
+class MinimaxCurriculum(Teacher):
     """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
 
     def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None) -> None:

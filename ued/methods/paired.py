@@ -9,7 +9,7 @@
 An unsolvable level causes no regret, nor does a level that both students solve; regret is high at the edge of the
 protagonist's abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the
 other's return is a constant. The literal algorithm is `methods.paired_literal`.
-Read next: `levels.teacher` and `levels.adversary`; `method`, for `play`; `methods.repaired`.
+Read next: `levels.teacher` and `levels.adversary`; `method`, for `collect_rollouts`; `methods.repaired`.
 """
 
 from __future__ import annotations
@@ -40,15 +40,15 @@ class Paired(Method):
     parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
     """
 
-    def begin(self, config: PairedConfig | None, seed: int) -> None:
+    def setup(self, config: PairedConfig | None, seed: int) -> None:
         self.config = config or PairedConfig()
-        self.curriculum = PairedLevels(self.upomdp, self.config, seed, self.budget)
+        self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels with all students; let the adversary learn from regret, and the students."""
-        levels = self.play()  # [L] finished by the protagonist and by the antagonist
+        levels = self.collect_rollouts()  # [L] finished by the protagonist and by the antagonist
         metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
         metrics |= regret_split(levels, has_antagonist(self.config))
         for learner in self.learners:
@@ -80,7 +80,7 @@ def has_antagonist(config: PairedConfig) -> bool:
     return config.roles == "dennis2020" or config.antagonist == "scripted"
 
 
-class PairedLevels(Teacher):
+class PairedCurriculum(Teacher):
     """Proposes levels that cause regret. A `Curriculum` for two students, or more; see `Teacher` for the arguments."""
 
     config: PairedConfig

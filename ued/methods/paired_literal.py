@@ -22,7 +22,7 @@ from ued.learning.rollout import Rollout
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.methods.method import Method
-from ued.methods.paired import PairedLevels
+from ued.methods.paired import PairedCurriculum
 
 
 class PairedLiteral(Method):
@@ -31,9 +31,9 @@ class PairedLiteral(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: PairedLiteralConfig | None, seed: int) -> None:
+    def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:
         self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="dennis2020")
-        self.curriculum = PairedLevels(self.upomdp, self.config, seed, self.budget)
+        self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
         self.protagonist = self.add_learner("protagonist", self.upomdp)
         self.antagonist = self.add_learner("antagonist", self.upomdp.copy())
@@ -43,7 +43,7 @@ class PairedLiteral(Method):
         self.queue.clear()  # episodes that are still open are lost
         for index, learner in enumerate(self.learners):
             learner.start(self.queue.first(index))
-        self.roll_out()
+        self.fill_rollouts()
         finished = torch.as_tensor(self.queue.finished())  # [N] environments whose level both have finished
         levels = self.queue.pop_finished()  # [L]
         metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level

@@ -29,17 +29,17 @@ from ued.methods.method import Method
 class PLR(Method):
     """Trains one student on new and on replayed levels; see `Method` for the arguments."""
 
-    curriculum: PLRLevels
+    curriculum: PLRCurriculum
     robust = False
 
-    def begin(self, config: PLRConfig | None, seed: int) -> None:
-        self.curriculum = PLRLevels(self.upomdp, config or PLRConfig(), seed, self.robust, self.budget)
+    def setup(self, config: PLRConfig | None, seed: int) -> None:
+        self.curriculum = PLRCurriculum(self.upomdp, config or PLRConfig(), seed, self.robust, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
-        levels = self.play()  # [L] each new or replayed, as `propose` tossed the coin
+        levels = self.collect_rollouts()  # [L] each new or replayed, as `propose` tossed the coin
         metrics = self.curriculum.update(levels)  # score each level and store it
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
         return self.report(levels, metrics)
@@ -55,7 +55,7 @@ class RobustPLR(PLR):
     robust = True
 
 
-class PLRLevels(Resumable):
+class PLRCurriculum(Resumable):
     """Replays the levels that were worth it. A `Curriculum`.
 
     Args:

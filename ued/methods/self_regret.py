@@ -29,20 +29,20 @@ class SelfRegret(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: SelfRegretConfig | None, seed: int) -> None:
-        self.curriculum = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
+    def setup(self, config: SelfRegretConfig | None, seed: int) -> None:
+        self.curriculum = SelfRegretCurriculum(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play the adversary's levels; let the adversary and the student learn."""
-        levels = self.play()  # [L]
+        levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # the adversary, from the student's self-regret
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class SelfRegretLevels(Teacher):
+class SelfRegretCurriculum(Teacher):
     """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
 
     def __init__(

@@ -29,22 +29,22 @@ TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can 
 class SFL(Method):
     """Trains one student on learnable levels; see `Method` for the arguments."""
 
-    curriculum: SFLLevels
+    curriculum: SFLCurriculum
 
-    def begin(self, config: SFLConfig | None, seed: int) -> None:
-        self.curriculum = SFLLevels(self.upomdp, config or SFLConfig(), seed)
+    def setup(self, config: SFLConfig | None, seed: int) -> None:
+        self.curriculum = SFLCurriculum(self.upomdp, config or SFLConfig(), seed)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
-        levels = self.play()  # [L]
+        levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # p (1 - p) of each candidate; choose the largest
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class SFLLevels(Resumable):
+class SFLCurriculum(Resumable):
     """Proposes the levels that are solved about half of the time. A `Curriculum`.
 
     Args:

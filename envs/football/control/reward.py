@@ -53,7 +53,7 @@ def side(match, agent):
 
 
 @kernel
-def pay_checkpoints(match):
+def add_checkpoint_rewards(match):
     """Pay each agent each checkpoint towards its goal once while its player owns the ball, the rest at a goal.
 
     As Google Research Football's wrapper: with the player whom the agent has after the step.
