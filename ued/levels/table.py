@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ued.core.level_space import level_dtype
+from ued.core.renamed import present_keys
 
 
 def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray:
@@ -33,7 +34,7 @@ def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.n
     path = Path(run)
     path = path / "levels.csv" if path.is_dir() else path
     with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
+        for row in map(present_keys, csv.DictReader(file)):
             if row.get("id") == str(id) and visit in (None, _whole(row, "visit", path)):
                 return _level(row, path), _whole(row, "visit", path)
     at = "" if visit is None else f" at visit {visit}"
