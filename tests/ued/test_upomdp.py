@@ -60,7 +60,7 @@ def test_an_ended_episode_restarts_on_its_own_level_in_the_same_step():
     assert (env.levels == before).all()
 
 
-def test_next_levels_supplies_the_level_of_the_next_episode():
+def test_level_sampler_supplies_the_level_of_the_next_episode():
     env = cartpole(3)
     env.reset(seed=0)
     asked = []
