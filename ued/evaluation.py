@@ -1,8 +1,7 @@
 """Evaluate a student on levels: a fixed list of whole episodes, all played to the end.
 
-Counting the episodes that end within some number of steps would count short ones too often. Here the episodes to be
-played are written down first, and each environment takes the next one when it is through. Read next: `statistics`, for
-what the numbers are worth.
+Counting the episodes that end within a number of steps would overcount short ones. So the list of episodes is fixed
+first, and each environment takes the next one when its episode ends. Read next: `statistics`, for confidence intervals.
 """
 
 from __future__ import annotations
@@ -17,8 +16,8 @@ from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import PREFETCH, UPOMDP, successes
 from ued.learning.student import Player, Student
 
-OnEnd = Callable[[int], None]  # called with how many episodes have just ended
-LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
+OnEnd = Callable[[int], None]  # called with the number of episodes that have just ended
+LONGEST_EPISODE = 1_000_000  # steps, after which an evaluation fails
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Evaluation:
         success: `[E]` 1 or 0; see `upomdp.successes`.
         lengths: `[E]` steps.
         level: `[E]` index into `levels`.
-        levels: `[L]` records of the levels that were asked for, or drawn.
+        levels: `[L]` records of the given or sampled levels.
         env_steps: steps of these episodes.
     """
 
@@ -50,11 +49,11 @@ def evaluate(
     levels: np.ndarray | None = None,
     greedy: bool = False,
 ) -> Evaluation:
-    """Play `episodes` whole episodes and return what came of them.
+    """Play `episodes` whole episodes and return their results.
 
     With `levels` `[L]`, episode e plays level e mod L: the same layout each time, with new luck. Without, every episode
-    plays a level of its own, drawn at random. Actions are drawn from the policy, or its most likely ones if `greedy`.
-    The environments are reset, so they must not be those of a running training (use `upomdp.copy()`).
+    plays a random level. Actions are sampled from the policy, or are its most likely ones if `greedy`. The environments
+    are reset, so use a copy of those of a training run (`upomdp.copy()`).
 
     Raises `ValueError` for fewer than one episode or no level, `RuntimeError` for an episode that never ends.
     """

@@ -200,8 +200,8 @@ class Odd(gymnasium.Wrapper):
         ("old reset", "failed in reset"),
         ("old step", "failed in step"),
         ("shape", r"the observation has shape \(2,\), observation_space says \(4,\)"),
-        ("nan", "environment 0 gave an observation that is not finite"),
-        ("reward", "environment 0 gave a reward that is not finite: inf"),
+        ("nan", "environment 0 returned an observation that is not finite"),
+        ("reward", "environment 0 returned a reward that is not finite: inf"),
     ],
 )
 def test_what_no_environment_may_give(wrong: str, message: str) -> None:

@@ -323,5 +323,5 @@ def test_an_error_of_the_setter_tells_the_level():
     def broken(env, values):
         raise KeyError("lanes")
 
-    with pytest.raises(LevelError, match=r"failed in the function that puts levels into it: KeyError: 'lanes' \(level"):
+    with pytest.raises(LevelError, match=r"failed in the function that applies levels: KeyError: 'lanes' \(level"):
         GymUPOMDP(Bandit, broken, KINDS, 1).reset(seed=0)

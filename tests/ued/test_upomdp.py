@@ -199,7 +199,7 @@ def test_the_single_wrapper_stays_a_gymnasium_environment():
     with pytest.raises(ThetaError, match=r"theta\[0, 0\] is 2"):
         env.reset(options={"theta": [2.0, 0.0]})
     invalid = UPOMDPWrapper(gymnasium.make("CartPole-v1"), put, NoShortPoles())
-    with pytest.raises(ValueError, match="describes no valid level"):
+    with pytest.raises(ValueError, match="is not a valid level"):
         invalid.step_adversary([-0.9, 0.0])
 
 
