@@ -156,7 +156,7 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         `info["theta"]` and `info["level_seed"]` identify the level.
 
         Raises `ued.core.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that
-        describes no valid level.
+        is not a valid level.
         """
         if seed is not None:
             self._streams = np.random.default_rng(seed)
