@@ -14,7 +14,7 @@ from torch import nn
 from torch.distributions import Categorical
 
 from ued import BufferConfig, GymUPOMDP, PLRConfig
-from ued.methods.plr import PLRLevels
+from ued.methods.plr import PLRCurriculum
 
 N, T, GAMMA, LAMBDA, CLIP = 16, 128, 0.99, 0.95, 0.2
 
@@ -29,7 +29,7 @@ updates = max(parser.parse_args().env_steps // (T * N), 1)
 torch.manual_seed(0)
 envs = GymUPOMDP(lambda: gym.make("CartPole-v1"), set_pole, {"length": (0.1, 2.0), "gravity": (5.0, 30.0)}, N)
 envs.reset(seed=0)
-curriculum = PLRLevels(envs, PLRConfig(score="max_mc", buffer=BufferConfig(capacity=200)), seed=0, robust=True)
+curriculum = PLRCurriculum(envs, PLRConfig(score="max_mc", buffer=BufferConfig(capacity=200)), seed=0, robust=True)
 actor, critic = (nn.Sequential(nn.Linear(4, 64), nn.Tanh(), nn.Linear(64, k)) for k in (2, 1))
 optimizer = torch.optim.Adam([*actor.parameters(), *critic.parameters()], 2.5e-3)
 

@@ -76,7 +76,7 @@ class MazeEnv(gymnasium.Env):
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self.at, self.steps = self.maze.start, 0
-        return self._look(), {}
+        return self._observe(), {}
 
     def step(self, action):
         y, x = np.clip(np.add(self.at, MOVES[action]), 0, SIDE - 1).tolist()
@@ -85,14 +85,14 @@ class MazeEnv(gymnasium.Env):
         self.steps += 1
         arrived = self.at == self.maze.goal
         reward = 1 - 0.9 * self.steps / LONGEST if arrived else 0.0
-        return self._look(), reward, arrived, self.steps >= LONGEST, {}
+        return self._observe(), reward, arrived, self.steps >= LONGEST, {}
 
     def render(self):
         walls = np.where(self.maze.walls[..., None], (60, 60, 70), (235, 235, 230)).astype(np.uint8)
         walls[self.maze.goal], walls[self.at] = (60, 170, 90), (220, 80, 50)
         return walls.repeat(16, 0).repeat(16, 1)
 
-    def _look(self) -> np.ndarray:
+    def _observe(self) -> np.ndarray:
         seen = np.zeros((SIDE, SIDE, 3), np.uint8)
         seen[..., 0] = 255 * self.maze.walls
         seen[(*self.at, 1)] = seen[(*self.maze.goal, 2)] = 255

@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv
 
 from ued import ALPGMMConfig, ThetaSpace, UPOMDPWrapper
 from ued.adapters.curriculum_wrapper import CurriculumFeed, CurriculumWrapper
-from ued.methods.alp_gmm import ALPLevels
+from ued.methods.alp_gmm import ALPGMMCurriculum
 
 RANGES = {"length": (0.1, 2.0), "gravity": (5.0, 30.0)}
 
@@ -25,7 +25,7 @@ def set_pole(env, values):
 torch.set_num_threads(1)  # small networks: threads only get in the way
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--env-steps", type=int, default=100_000)
-curriculum = ALPLevels(ThetaSpace(len(RANGES)), ALPGMMConfig(fit_every=100), seed=0)
+curriculum = ALPGMMCurriculum(ThetaSpace(len(RANGES)), ALPGMMConfig(fit_every=100), seed=0)
 feed = CurriculumFeed(curriculum)
 
 

@@ -34,15 +34,15 @@ class HiddenDoor(gymnasium.Env):
         super().reset(seed=seed)
         self.door = int(np.ceil(self.np_random.random(3).max() * LONGEST))  # rooms to walk, at least 1
         self.room, self.lost = 0, False
-        return self._look(), {}
+        return self._observe(), {}
 
     def step(self, action):
         self.lost |= bool(action != RIGHT[self.room])
         self.room += 1
         out = self.room == self.door
-        return self._look(), float(out and not self.lost), out, False, {}
+        return self._observe(), float(out and not self.lost), out, False, {}
 
-    def _look(self):
+    def _observe(self):
         seen = np.zeros(LONGEST + 1, np.float32)
         seen[min(self.room, LONGEST - 1)], seen[-1] = 1.0, self.lost
         return seen

@@ -78,6 +78,7 @@ FLOORS = {
         "core.resumable",  # states by a list of names
         "core.room",  # how much memory there is
         "core.files",
+        "core.renamed",  # names in older files
         "core.checkpoint",
         "core.cells",  # of columns with finitely many values
         "core.processes",  # what a process asks of the system

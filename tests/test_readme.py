@@ -42,7 +42,7 @@ def test_the_wrapper_on_an_environment_of_ones_own(capsys):
     assert "'return/protagonist'" in lines[0] and "'regret'" in lines[-2]
     values = upomdp.describe(method.last.theta)
     assert values and str(values) == lines[-1]
-    for draw in upomdp.draws:
+    for draw in upomdp.parameters:
         assert all(draw.low <= level[draw.name] <= draw.high for level in values)
 
 

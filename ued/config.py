@@ -1,4 +1,4 @@
-"""What can be set about learning: frozen dataclasses whose fields carry their own help text.
+"""Hyperparameters: frozen dataclasses whose fields carry their own help text.
 
 The command line is derived from such fields (`regista.experiments.run.arguments`). No torch is needed here, so
 `--help` is quick. Read next: `learning.ppo` and `methods.dr`, which are configured by them.
@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from types import NoneType
 from typing import Any, Literal
 
-# What a setting may have to be, and how that is said; nan is none of it.
+# Rules for settings: a check, which nan fails, and its wording in messages.
 RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "": (lambda value: True, ""),
     ">=1": (lambda value: value >= 1, "must be at least 1"),
@@ -118,35 +118,33 @@ class PPOConfig(Checked):
         0, "env_steps over which the learning rate falls linearly to 0; 0: constant", ">=0", most=10**12
     )
     gamma: float = setting(0.993, "discount per step", "0-1")
-    gae_lambda: float = setting(0.95, "lambda of generalised advantage estimation", "0-1")
+    gae_lambda: float = setting(0.95, "lambda of generalized advantage estimation", "0-1")
     num_minibatches: int = setting(8, "minibatches per epoch", ">=1", most=65_536)
     update_epochs: int = setting(4, "passes over each rollout", ">=1", most=1_000)
-    clip_coef: float = setting(0.2, "how far the ratio of new to old probability may move from 1", ">0", most=1e6)
-    clip_vloss: bool = setting(False, "clip the change of the value by clip_coef, too")
-    norm_adv: bool = setting(True, "normalise the advantages of each minibatch")
+    clip_coef: float = setting(0.2, "clipping range of the ratio of new to old probability around 1", ">0", most=1e6)
+    clip_vloss: bool = setting(False, "also clip the change of the value by clip_coef")
+    norm_adv: bool = setting(True, "normalize the advantages of each minibatch")
     ent_coef: float = setting(0.01, "weight of the entropy bonus", ">=0", most=1e6)
     vf_coef: float = setting(0.5, "weight of the value loss", ">=0", most=1e6)
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0", most=1e12)
+    max_grad_norm: float = setting(0.5, "clip the gradient to this norm", ">0", most=1e12)
     target_kl: float = setting(
-        0.0, "stop an update beyond this divergence of old and new policy; 0: never", ">=0", most=1e6
+        0.0, "stop an update once the KL divergence of old and new policy exceeds this; 0: never", ">=0", most=1e6
     )
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
     hidden_layers: int = setting(2, "hidden layers of each torso", ">=1", most=64)
-    shared_torso: bool = setting(False, "actor and critic share their hidden layers")
-    memory: Literal["none", "gru"] = setting(
-        "none", "what the student remembers within an episode: nothing, or the state of a GRU behind its hidden layers"
-    )
+    shared_torso: bool = setting(False, "share the hidden layers of actor and critic")
+    memory: Literal["none", "gru"] = setting("none", "memory within an episode: none, or a GRU after the hidden layers")
     team: Literal["independent", "shared"] = setting(
-        "independent", "several agents have a policy each, or one for all that is told the agent's number"
+        "independent", "policies of several agents: one each, or a shared one that observes the index of the agent"
     )
     critic: Literal["own", "central"] = setting(
-        "own", "their values come from what each agent sees, or (MAPPO) from what all see, in hidden layers of its own"
+        "own", "critic of several agents: one each on its own observation, or a central one on all observations (MAPPO)"
     )
     obs_std_floor: float = setting(
         0.1,
-        "observations are divided by their standard deviation, or by this many of their units, where these are known "
-        "and that is less",
+        "divide each observation by its standard deviation, but by at least this many of its units if the environment "
+        "specifies them",
         ">=0",
         most=1e6,
     )
@@ -164,42 +162,42 @@ class PPOConfig(Checked):
 
 @dataclass(frozen=True)
 class CloningConfig(Checked):
-    """Settings of behaviour cloning."""
+    """Settings of behavior cloning."""
 
-    epochs: int = setting(50, "passes over the demonstrations at most", ">=1", most=1_000_000)
+    epochs: int = setting(50, "maximum number of passes over the demonstrations", ">=1", most=1_000_000)
     patience: int = setting(
-        5, "stop after so many epochs without a smaller loss on held-out episodes", ">=1", most=1_000_000
+        5, "stop after this many epochs without a smaller loss on held-out episodes", ">=1", most=1_000_000
     )
-    validation: float = setting(0.1, "share of the episodes that are held out", "0-1")
-    batch_size: int = setting(256, "steps of a minibatch", ">=1", most=1_000_000)
+    validation: float = setting(0.1, "share of the episodes held out for validation", "0-1")
+    batch_size: int = setting(256, "steps in a minibatch", ">=1", most=1_000_000)
     learning_rate: float = setting(1e-3, "step size of Adam", ">0", most=10)
     class_weights: Literal["none", "sqrt", "balanced"] = setting(
-        "none", "weight of an action: none, or by the inverse of how often it was done, or the root of that"
+        "none", "weight of an action in the loss: 1 (none), inverse frequency (balanced), or its root (sqrt)"
     )
-    value_coef: float = setting(0.5, "weight of the value loss; 0: the critic stays as it is", ">=0", most=1e6)
-    gamma: float = setting(0.995, "discount per step of the returns that the critic learns", "0-1")
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0", most=1e12)
+    value_coef: float = setting(0.5, "weight of the value loss; 0: the critic is not trained", ">=0", most=1e6)
+    gamma: float = setting(0.995, "discount per step of the critic's target returns", "0-1")
+    max_grad_norm: float = setting(0.5, "clip the gradient to this norm", ">0", most=1e12)
 
 
 @dataclass(frozen=True)
 class FineTuningConfig(Checked):
-    """Settings of a training that begins with a student."""
+    """Settings of a training run that starts from an already trained student."""
 
     kl_to_clone: float = setting(
         0.0,
-        "weight of the divergence from the policy that training began with, at first; it fades to 0",
+        "initial weight of the KL divergence from the initial policy; it is annealed to 0",
         ">=0",
         most=1e6,
     )
-    kl_share: float = setting(0.5, "share of the training over which that weight falls to 0", "0-1")
+    kl_share: float = setting(0.5, "share of the training over which that weight is annealed to 0", "0-1")
 
 
 @dataclass(frozen=True)
 class DRConfig(Checked):
-    """Settings of domain randomisation."""
+    """Settings of domain randomization."""
 
     resample_level_every: Literal["episode", "rollout"] = setting(
-        "episode", "each environment draws a new level every: episode, or rollout"
+        "episode", "how often each environment samples a new level: every episode, or once per rollout"
     )
 
 
@@ -210,31 +208,29 @@ class AdversaryConfig(Checked):
     learning_rate: float = setting(1e-2, "step size of Adam", ">0", most=10)
     ent_coef: float = setting(
         0.03,
-        "weight of the entropy of theta (nats, relative to what the program draws) against normalized regret",
+        "weight of the entropy of theta (in nats, relative to random levels); the regret is normalized",
         ">=0",
         most=1e6,
     )
-    update_epochs: int = setting(8, "gradient steps for each batch of levels", ">=1", most=10_000)
-    clip_coef: float = setting(0.2, "how far the ratio of new to old density may move from 1", ">0", most=1e6)
+    update_epochs: int = setting(8, "gradient steps per batch of levels", ">=1", most=10_000)
+    clip_coef: float = setting(0.2, "clipping range of the ratio of new to old density around 1", ">0", most=1e6)
     vf_coef: float = setting(0.5, "weight of the baseline's loss", ">=0", most=1e6)
-    max_grad_norm: float = setting(0.5, "the gradient is scaled down to this norm", ">0", most=1e12)
+    max_grad_norm: float = setting(0.5, "clip the gradient to this norm", ">0", most=1e12)
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
     distribution: Literal["program", "tanh_gaussian", "beta"] = setting(
         "program",
-        "of theta: program begins as what the program draws, choices at their weights, and takes any shape; "
-        "tanh_gaussian (the thesis) and beta have one hump for each column, which seldom finds options amid a list",
+        "distribution of theta: program starts as the program's own distribution and can take any shape; "
+        "tanh_gaussian (the thesis) and beta are unimodal per column and seldom find options in the middle of a list",
     )
     context: Literal["random", "observation"] = setting(
-        "random", "what each proposal starts from: a random vector z, or what a student sees of a random level"
+        "random", "input of the adversary: a random vector z, or the first observation of a random level"
     )
-    context_size: int = setting(
-        1, "length of z: a long one teaches slowly, for each z looks like a case of its own", ">=1", most=16_384
-    )
+    context_size: int = setting(1, "dimension of the latent z; large values learn slowly", ">=1", most=16_384)
     hidden_size: int = setting(64, "units in each of the two hidden layers", ">=1", most=16_384)
     min_batch: int | None = setting(
         None,
-        "levels with known regret that the adversary waits for before it learns (default 32; at least 4 once a tenth "
-        "of total_env_steps has passed since it last learned; without a budget, one level per environment, at most 32)",
+        "minimum number of scored levels in an update of the adversary (default 32; 4 once a tenth of total_env_steps "
+        "has passed since its last update; without a budget, one level per environment, at most 32)",
         ">=1",
         most=1_000_000,
     )
@@ -261,13 +257,11 @@ class AdversaryConfig(Checked):
 class TeacherConfig(Checked):
     """Settings of every method with a learned teacher."""
 
-    episodes_per_level: int = setting(2, "whole episodes that each student plays on a level", ">=1", most=10_000)
-    dr_fraction: float = setting(
-        0.0, "share of levels drawn at random instead, so that easy ones are not forgotten", "0-1"
-    )
+    episodes_per_level: int = setting(2, "episodes of each student on a level", ">=1", most=10_000)
+    dr_fraction: float = setting(0.0, "share of random levels, so that students do not forget easy ones", "0-1")
     invalid_penalty: float = setting(
         0.0,
-        "score of a proposal that describes no valid level, negated; 0: the adversary does not learn from it",
+        "penalty for an invalid proposal; 0: the adversary ignores invalid proposals",
         ">=0",
         most=1e6,
     )
@@ -281,10 +275,10 @@ class MinimaxConfig(TeacherConfig):
 
 @dataclass(frozen=True)
 class SelfRegretConfig(TeacherConfig):
-    """Settings of self-regret: on a level, the student plays `episodes_per_level` episodes as each of the two."""
+    """Settings of self-regret. The student plays 2 × `episodes_per_level` episodes on each level."""
 
     regret: Literal["max_mean", "mean_mean"] = setting(
-        "max_mean", "the later episodes' max or mean minus the earlier ones' mean: max_mean or mean_mean"
+        "max_mean", "maximum (max_mean) or mean (mean_mean) of the later episodes, minus the mean of the earlier ones"
     )
 
 
@@ -292,29 +286,29 @@ class SelfRegretConfig(TeacherConfig):
 class PairedConfig(TeacherConfig):
     """Settings of PAIRED."""
 
-    dr_fraction: float = setting(
-        0.25, "share of levels drawn at random instead, so that easy ones are not forgotten", "0-1"
-    )
+    dr_fraction: float = setting(0.25, "share of random levels, so that students do not forget easy ones", "0-1")
     regret: Literal["max_mean", "mean_mean"] = setting(
-        "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
+        "max_mean", "maximum (max_mean) or mean (mean_mean) return of the antagonist, minus the protagonist's mean"
     )
     roles: Literal["population", "flexible", "dennis2020"] = setting(
         "population",
-        "whose regret: population (the default) is the best student's return minus the mean of all students'; flexible "
-        "the better student's minus the other's; dennis2020, as in the paper, the antagonist's minus the protagonist's "
-        "(always so where the antagonist is scripted)",
+        "definition of regret: population (default), the best student's return minus the mean of all students; "
+        "flexible, the better student's minus the other's; dennis2020, as in the paper, the antagonist's minus the "
+        "protagonist's (the only one with a scripted antagonist)",
     )
-    students: int = setting(2, "how many; more than two make a population without an antagonist", most=64, least=2)
+    students: int = setting(
+        2, "number of students; more than two are a population without an antagonist", most=64, least=2
+    )
     clip_regret: bool = setting(False, "count a negative regret as 0")
     antagonist: Literal["student", "scripted"] = setting(
-        "student", "who plays the antagonist: a second student, or what the environment itself does there"
+        "student", "the antagonist: a second student, or the scripted policy of the environment"
     )
     kl: Literal["none", "one_way", "both_ways"] = setting(
         "none",
-        "behavior cloning: the protagonist is drawn to the antagonist (one_way), or each to the other (both_ways)",
+        "KL regularizer (behavior cloning): of the protagonist to the antagonist (one_way), or of each to the other",
     )
-    kl_coef: float = setting(0.1, "weight of the divergence of the other student's policy", ">=0", most=1e6)
-    kl_every: int = setting(5, "updates between two in which students are drawn to each other", ">=1", most=10**9)
+    kl_coef: float = setting(0.1, "weight of the KL divergence from the other student's policy", ">=0", most=1e6)
+    kl_every: int = setting(5, "apply the KL regularizer every N updates", ">=1", most=10**9)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -322,10 +316,10 @@ class PairedConfig(TeacherConfig):
             raise ValueError(f"students must be at least 2, got {self.students}")
         if self.students > 2 and (self.antagonist == "scripted" or self.roles != "population"):
             raise ValueError(
-                "more than two students have no antagonist: roles must be population, and none is scripted"
+                "more than two students have no antagonist: use roles = population and antagonist = student"
             )
         if self.antagonist == "scripted" and self.kl != "none":
-            raise ValueError("a scripted antagonist does not learn: it excludes kl")
+            raise ValueError("a scripted antagonist cannot be regularized: use kl = none")
 
     @classmethod
     def thesis(cls) -> PairedConfig:
@@ -335,24 +329,24 @@ class PairedConfig(TeacherConfig):
 
 @dataclass(frozen=True)
 class PairedLiteralConfig(TeacherConfig):
-    """Settings of PAIRED to the letter, as it is usually shipped: no random levels, entropy or negative regret."""
+    """Settings of literal PAIRED, as usually published: no random levels, entropy bonus or negative regret."""
 
     adversary: AdversaryConfig = field(
         default_factory=lambda: AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16),
         metadata={"help": "the adversary"},
     )
     regret: Literal["max_mean", "mean_mean"] = setting(
-        "max_mean", "antagonist's max or mean minus protagonist's mean: max_mean or mean_mean"
+        "max_mean", "maximum (max_mean) or mean (mean_mean) return of the antagonist, minus the protagonist's mean"
     )
     clip_regret: bool = setting(True, "count a negative regret as 0")
 
 
 def min_fill() -> Any:
-    """Return the field that says when replay begins."""
+    """Return the field for the start of replay."""
     return setting(
         None,
-        "levels offered before anything is replayed, as a share of the buffer (default 0.5, or as many as were played "
-        "when a tenth of total_env_steps is spent; without a budget, at most 4 levels per environment)",
+        "replay starts after this many scored levels, as a share of the buffer (default 0.5, or sooner: after a tenth "
+        "of total_env_steps, or without a budget after 4 levels per environment)",
         "0-1",
     )
 
@@ -361,13 +355,18 @@ def min_fill() -> Any:
 class BufferConfig(Checked):
     """Settings of a buffer of levels."""
 
-    capacity: int = setting(1000, "levels that are kept", ">=1", most=1_000_000)
-    priority: Literal["rank", "power"] = setting("rank", "replay by rank of the score, or by a power of it")
-    temperature: float = setting(
-        0.3, "the lower, the more the best levels are preferred: rank or score ^ (1 / T)", ">0", most=1e6
+    capacity: int = setting(1000, "capacity of the buffer, in levels", ">=1", most=1_000_000)
+    priority: Literal["rank", "power"] = setting(
+        "rank", "replay weight: by the rank of the score, or by a power of the score"
     )
-    staleness_coef: float = setting(0.3, "share of replays that go to levels not played for long", "0-1")
-    no_duplicates: bool = setting(True, "a level that is in the buffer already is not put in again")
+    temperature: float = setting(
+        0.3,
+        "temperature T of the weight (1 / rank or score) ^ (1 / T); a lower one prefers the best levels",
+        ">0",
+        most=1e6,
+    )
+    staleness_coef: float = setting(0.3, "share of the replay probability given to stale levels", "0-1")
+    no_duplicates: bool = setting(True, "do not store a level that is already in the buffer")
 
 
 ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability"]
@@ -375,16 +374,16 @@ ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnabil
 
 @dataclass(frozen=True)
 class PLRConfig(Checked):
-    """Settings of prioritised level replay, robust or not."""
+    """Settings of prioritized level replay, robust or not."""
 
-    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of a new one", "0-1")
+    replay_prob: float = setting(0.5, "probability of replaying a level from the buffer", "0-1")
     min_fill: float | None = min_fill()
     score: ScoreRule = setting(
         "max_mc",
-        "what makes a level worth replaying: its best return above what the critic expects (max_mc), mean advantages "
-        "above 0 (positive_value_loss) or in size (l1_value_loss), or p (1 - p), p the share solved (learnability)",
+        "score of a level: best return ever minus value (max_mc), mean positive (positive_value_loss) or absolute "
+        "(l1_value_loss) advantage, or p (1 - p) with success rate p (learnability)",
     )
-    episodes_per_level: int = setting(1, "whole episodes that the student plays on a level", ">=1", most=10_000)
+    episodes_per_level: int = setting(1, "episodes on a level", ">=1", most=10_000)
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
     def __post_init__(self) -> None:
@@ -397,19 +396,17 @@ class PLRConfig(Checked):
 class ACCELConfig(PLRConfig):
     """Settings of ACCEL."""
 
-    replay_prob: float = setting(0.8, "probability of a level from the buffer instead of a new one", "0-1")
-    num_edits: int = setting(
-        3, "columns of theta, drawn with replacement, that are changed in a child", ">=1", most=10_000
-    )
-    edit_size: float = setting(0.2, "by how much at most each is moved; theta lies between -1 and 1", ">0", most=2)
-    parents: Literal["all", "easy"] = setting("all", "which replayed levels have children: all, or the easier half")
+    replay_prob: float = setting(0.8, "probability of replaying a level from the buffer", "0-1")
+    num_edits: int = setting(3, "edits per child: parameters to change, drawn with replacement", ">=1", most=10_000)
+    edit_size: float = setting(0.2, "maximum change by an edit, on the scale [-1, 1] of theta", ">0", most=2)
+    parents: Literal["all", "easy"] = setting("all", "replayed levels to edit: all, or the easier half")
 
 
 @dataclass(frozen=True)
 class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 
-    replay_prob: float = setting(0.5, "probability of a level from the buffer instead of the adversary's", "0-1")
+    replay_prob: float = setting(0.5, "probability of replaying a level from the buffer", "0-1")
     min_fill: float | None = min_fill()
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
@@ -418,11 +415,11 @@ class RepairedConfig(PairedConfig):
 class SFLConfig(Checked):
     """Settings of sampling for learnability, on a budget."""
 
-    candidates: int = setting(256, "random levels that are looked at for each choice", ">=1", most=1_000_000)
-    candidate_episodes: int = setting(4, "whole episodes on each of them", most=10_000, least=2)
-    chosen: int = setting(64, "most learnable ones that are trained on", ">=1", most=1_000_000)
-    choose_every: int = setting(25, "updates between two choices", ">=1", most=10**9)
-    chosen_share: float = setting(0.5, "share of training levels that are chosen ones; the others are random", "0-1")
+    candidates: int = setting(256, "random levels to evaluate for each selection", ">=1", most=1_000_000)
+    candidate_episodes: int = setting(4, "episodes on each candidate", most=10_000, least=2)
+    chosen: int = setting(64, "number of most learnable candidates to select", ">=1", most=1_000_000)
+    choose_every: int = setting(25, "select new levels every N updates", ">=1", most=10**9)
+    chosen_share: float = setting(0.5, "share of selected levels among training levels; the others are random", "0-1")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -436,9 +433,11 @@ class SFLConfig(Checked):
 class ALPGMMConfig(Checked):
     """Settings of ALP-GMM."""
 
-    fit_every: int = setting(250, "episodes between two fits, and the number each is made of", most=1_000_000, least=2)
-    random_share: float = setting(0.2, "share of levels drawn uniformly", "0-1")
-    max_components: int = setting(10, "Gaussians at most; how many is decided by Akaike's criterion", ">=1", most=1_000)
+    fit_every: int = setting(250, "refit after this many episodes, on as many of the latest", most=1_000_000, least=2)
+    random_share: float = setting(0.2, "share of random levels", "0-1")
+    max_components: int = setting(
+        10, "maximum number of Gaussians; Akaike's criterion selects how many", ">=1", most=1_000
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

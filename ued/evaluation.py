@@ -1,8 +1,7 @@
 """Evaluate a student on levels: a fixed list of whole episodes, all played to the end.
 
-Counting the episodes that end within some number of steps would count short ones too often. Here the episodes to be
-played are written down first, and each environment takes the next one when it is through. Read next: `statistics`, for
-what the numbers are worth.
+Counting the episodes that end within a number of steps would overcount short ones. So the list of episodes is fixed
+first, and each environment takes the next one when its episode ends. Read next: `statistics`, for confidence intervals.
 """
 
 from __future__ import annotations
@@ -14,11 +13,11 @@ import numpy as np
 
 from ued.core.level_space import SEEDS
 from ued.core.seeding import SeedStream, torch_generator
-from ued.core.upomdp import UPOMDP, successes
+from ued.core.upomdp import PREFETCH, UPOMDP, successes
 from ued.learning.student import Player, Student
 
-OnEnd = Callable[[int], None]  # called with how many episodes have just ended
-LONGEST_EPISODE = 1_000_000  # steps; an episode that has not ended by then never will
+OnEnd = Callable[[int], None]  # called with the number of episodes that have just ended
+LONGEST_EPISODE = 1_000_000  # steps, after which an evaluation fails
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Evaluation:
         success: `[E]` 1 or 0; see `upomdp.successes`.
         lengths: `[E]` steps.
         level: `[E]` index into `levels`.
-        levels: `[L]` records of the levels that were asked for, or drawn.
+        levels: `[L]` records of the given or sampled levels.
         env_steps: steps of these episodes.
     """
 
@@ -50,11 +49,11 @@ def evaluate(
     levels: np.ndarray | None = None,
     greedy: bool = False,
 ) -> Evaluation:
-    """Play `episodes` whole episodes and return what came of them.
+    """Play `episodes` whole episodes and return their results.
 
     With `levels` `[L]`, episode e plays level e mod L: the same layout each time, with new luck. Without, every episode
-    plays a level of its own, drawn at random. Actions are drawn from the policy, or its most likely ones if `greedy`.
-    The environments are reset, so they must not be those of a running training (use `upomdp.copy()`).
+    plays a random level. Actions are sampled from the policy, or are its most likely ones if `greedy`. The environments
+    are reset, so use a copy of those of a training run (`upomdp.copy()`).
 
     Raises `ValueError` for fewer than one episode or no level, `RuntimeError` for an episode that never ends.
     """
@@ -76,7 +75,7 @@ class Schedule:
         if levels is not None and not len(levels):
             raise ValueError("levels must hold at least one level, got none")
         seeds = SeedStream(seed)
-        upomdp.next_levels = None
+        upomdp.level_sampler = None
         upomdp.np_random = np.random.default_rng(seeds.next())
         self.upomdp = upomdp
         self.levels = upomdp.sample_levels(episodes) if levels is None else levels
@@ -103,7 +102,7 @@ def _play(
     episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
-    upomdp.upcoming = lambda: playlist[next_episode:]
+    announced = _announce(upomdp, playlist, next_episode)
     observation, _ = upomdp.reset_to_levels(playlist[episode % episodes], None, visits[episode % episodes])
     while (episode < episodes).any():
         observation, reward, terminated, truncated, info = upomdp.advance(player(observation))
@@ -124,9 +123,19 @@ def _play(
             if on_end is not None:
                 on_end(num_ends)
             starts = ends & (episode < episodes)  # [N]
-            upomdp.idle |= ends & ~starts  # nobody plays these any more
+            upomdp.idle |= ends & ~starts  # no episode left for these
             if starts.any():
                 now = episode[starts]
+                if now[-1] >= announced:
+                    announced = _announce(upomdp, playlist, next_episode)
                 observation, _ = upomdp.reset_to_levels(playlist[now], starts, visits[now])
-    upomdp.idle[:], upomdp.upcoming = False, None
+    upomdp.idle[:] = False
+    _announce(upomdp, playlist, episodes)
     return returns, success, lengths
+
+
+def _announce(upomdp: UPOMDP, playlist: np.ndarray, first: int) -> int:
+    """Let the environments prefetch the next levels, from number `first` on; return the first one after these."""
+    coming = playlist[first : first + PREFETCH]
+    upomdp.prefetch(coming)
+    return first + len(coming)

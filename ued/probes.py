@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Box, Discrete
 
-from ued.core.cells import middle_of
+from ued.core.cells import bin_center
 from ued.core.level_space import check_theta
 from ued.core.parameters import Column, Range
 from ued.core.task import Task
@@ -29,12 +29,12 @@ class Frontier(UPOMDP):
 
     At each place k of the path one of four actions is right, the same one on every level. A path of length L pays 1 at
     its end if all L actions were right, else 0; after a wrong one the walker is lost and has to walk on to the end.
-    Whoever knows the first K turns solves every path of length up to K, and a path of length K + 1 once in four times:
-    that is the frontier. Much longer paths teach nothing, shorter ones nothing new.
+    A student that knows the first K turns solves every path of length up to K, and a path of length K + 1 once in four
+    times: that is the frontier. Much longer paths teach nothing, shorter ones nothing new.
 
     The length grows with the largest of the first D - 1 columns of θ, so that a share of (K / longest)^(D - 1) of all
     levels is no longer than K: short paths are rare. Where the last column exceeds `blocked_above`, the path is
-    blocked, and nobody is ever paid: a minimax adversary loves it.
+    blocked, and the reward is always 0; a minimax adversary converges to such levels.
 
     Observation `[longest + 2]`: one-hot of the place, whether lost, and L / longest. Answers: a student of K turns has
     a success rate of `min(K, L) >= L` on open levels, so the mean over lengths of `test_levels` is K / longest.
@@ -70,16 +70,16 @@ class Frontier(UPOMDP):
         return np.clip(np.ceil((theta[:, :-1].max(1) + 1) / 2 * self.longest), 1, self.longest).astype(np.int64)
 
     def blocked(self, theta: np.ndarray) -> np.ndarray:
-        """Return which levels can be solved by nobody: bool `[n]`."""
+        """Return which levels are unsolvable: bool `[n]`."""
         return check_theta(theta, self.theta_dim)[:, -1] > self.blocked_above
 
     def test_levels(self) -> np.ndarray:
         """Return one open level of each length: `[longest]` records."""
         theta = np.zeros((self.longest, self.theta_dim))
-        theta[:, :-1] = middle_of(np.arange(self.longest), self.longest)[:, None]
+        theta[:, :-1] = bin_center(np.arange(self.longest), self.longest)[:, None]
         return self.make_levels(theta)
 
-    def _look(self) -> np.ndarray:
+    def _observe(self) -> np.ndarray:
         seen = np.zeros((self.num_envs, self.longest + 2), np.float32)
         seen[np.arange(self.num_envs), np.minimum(self.place, self.longest - 1)] = 1.0
         seen[:, -2] = self.lost
@@ -88,17 +88,17 @@ class Frontier(UPOMDP):
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
         self.place[where], self.lost[where] = 0, False
-        return self._look()
+        return self._observe()
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         theta = self.levels["theta"]
-        at_end = self.place >= self.length(theta)  # of an episode that nobody has started again
+        at_end = self.place >= self.length(theta)  # of an episode that has not been restarted
         if not self.knowing:
             self.lost |= np.asarray(actions) != self.turns[np.minimum(self.place, self.longest - 1)]
         self.place += ~at_end
         ended = self.place >= self.length(theta)
         reward = (ended & ~self.lost & ~self.blocked(theta)).astype(float)
-        return self._look(), reward, ended, np.zeros_like(ended), {}
+        return self._observe(), reward, ended, np.zeros_like(ended), {}
 
     def with_scripted_policy(self) -> Frontier:
         """Return a copy that knows all turns: the scripted antagonist."""
@@ -115,7 +115,7 @@ class Frontier(UPOMDP):
             raise ValueError(f"place must be {self.num_envs} steps on paths of {self.longest}, got {place}")
         self.set_level_state(state, "place", "lost")
         self.place[:], self.lost[:] = place, state["lost"]
-        return self._look()
+        return self._observe()
 
     def copy(self) -> Frontier:
         return copy.deepcopy(self)

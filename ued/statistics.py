@@ -161,9 +161,9 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = Z)
 def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:
     """Return the conditional value at risk: the mean of the worst `share` of values, fractions of a value included.
 
-    Of success rates on levels drawn at random it tells how robust a student is (Rutherford et al. 2024). Whoever calls
-    levels worst by the same episodes that give their rates takes luck for difficulty: `by` are estimates from other
-    episodes that rank the values; equally ranked ones count alike. Raises `ValueError` for no value, a share beyond
+    For success rates on random levels it measures robustness (Rutherford et al. 2024). Ranking levels by the episodes
+    that give their rates confuses luck with difficulty: `by` are estimates from other episodes that rank the values;
+    ties count alike. Raises `ValueError` for no value, a share beyond
     (0, 1] and another number of `by`.
     """
     array = np.asarray(values, float).ravel()

@@ -69,7 +69,7 @@ class FootballEnv(gymnasium.Env):
         self.batch = FootballVectorEnv(program, 1, config=config)
         self.observation_space = self.batch.single_observation_space
         self.action_space = self.batch.single_action_space
-        self.theta_space, self.draws = self.batch.theta_space, self.batch.draws
+        self.theta_space, self.parameters = self.batch.theta_space, self.batch.parameters
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a match; raises `ued.core.upomdp.ThetaError` for an invalid θ."""

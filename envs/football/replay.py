@@ -94,12 +94,12 @@ class Record:
 class Recorder:
     """Steps an environment and records the actions.
 
-    Raises ValueError for an environment that draws new levels by itself (`next_levels`), or that is not reset.
+    Raises ValueError for an environment that draws new levels by itself (`level_sampler`), or that is not reset.
     """
 
     def __init__(self, env: FootballVectorEnv) -> None:
-        if env.next_levels is not None:
-            raise ValueError("a record needs matches that play their level again; set env.next_levels = None")
+        if env.level_sampler is not None:
+            raise ValueError("a record needs matches that play their level again; set env.level_sampler = None")
         self.env, self._state = env, env.get_state()
         self._actions: list[np.ndarray] = []
         self._single = False

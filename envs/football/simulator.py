@@ -20,7 +20,7 @@ from regista.envs.football.control.agents import (
     set_actions,
 )
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.reward import clear_rewards, pay_checkpoints
+from regista.envs.football.control.reward import add_checkpoint_rewards, clear_rewards
 from regista.envs.football.frames import play_frames
 from regista.envs.football.physics.dribble import dribble
 from regista.envs.football.physics.motion import plan_motion
@@ -71,7 +71,7 @@ def play(match):
     apply_rules(match)
     end_episode(match)
     choose_controlled(match)
-    pay_checkpoints(match)
+    add_checkpoint_rewards(match)
 
 
 @kernel

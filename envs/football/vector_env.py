@@ -26,7 +26,7 @@ from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
 from regista.kernels.rng import stream
 from scenic_lite import Program, load
-from ued.core.level_space import whole
+from ued.core.level_space import as_void_view
 from ued.core.upomdp import UPOMDP, check_count
 
 
@@ -114,7 +114,7 @@ class FootballVectorEnv(UPOMDP):
         return self._batch.matches.copy()
 
     @property
-    def paid_apart(self) -> bool:  # type: ignore[override]
+    def individual_rewards(self) -> bool:  # type: ignore[override]
         """Whether both teams have agents: they are opponents, and learn by self-play."""
         return all(self.lineup.num_agents)
 
@@ -122,7 +122,7 @@ class FootballVectorEnv(UPOMDP):
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The program's `game_duration`; its maximum if it is random, None if it has no bound."""
         if "game_duration" in self.lineup.random_settings:
-            named = [draw for draw in self.draws if draw.name == "game_duration"]
+            named = [draw for draw in self.parameters if draw.name == "game_duration"]
             return int(named[0].high) if named and np.isfinite(named[0].high) else None
         return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
 
@@ -132,19 +132,22 @@ class FootballVectorEnv(UPOMDP):
         return bool(self.lineup.config.defending)
 
     @property
-    def observation_unit(self) -> np.ndarray | None:
+    def observation_scale(self) -> np.ndarray | None:
         return self._observer.unit
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
-        return self._initial_states.rows(levels, self.upcoming) != INVALID
+        return self._initial_states.rows(levels) != INVALID
+
+    def prefetch(self, levels: np.ndarray) -> None:
+        self._initial_states.prefetch(levels)
 
     def sample_theta(self, count: int) -> np.ndarray:
         """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if none is found."""
         return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
-        batch, rows = self._batch, self._initial_states.rows(levels, self.upcoming)
-        whole(batch.starts)[where] = whole(self._initial_states.matches)[rows]
+        batch, rows = self._batch, self._initial_states.rows(levels)
+        as_void_view(batch.starts)[where] = as_void_view(self._initial_states.matches)[rows]
         batch.start_registers[where] = self._initial_states.registers[rows]
         self._begin(where)
         return self.observe()
@@ -332,5 +335,5 @@ def make_vec(program: str, num_envs: int = 1, **settings: Any) -> FootballVector
     `settings` are those of `FootballConfig`.
     """
     env = FootballVectorEnv(program, num_envs, config=FootballConfig(**settings))
-    env.next_levels = env.sample_levels
+    env.level_sampler = env.sample_levels
     return env

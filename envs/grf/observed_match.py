@@ -25,7 +25,7 @@ from regista.envs.football.constants import (
 from regista.envs.football.control.actions import hold_kick
 from regista.envs.football.control.agents import choose_closest
 from regista.envs.football.control.episode import end_episode
-from regista.envs.football.control.reward import pay_checkpoints
+from regista.envs.football.control.reward import add_checkpoint_rewards
 from regista.envs.football.observation.units import SPIN_UNIT, UNIT_X, UNIT_Y
 from regista.envs.football.physics.possession import forget_kick
 from regista.envs.football.physics.vectors import length
@@ -75,7 +75,7 @@ def read_step(match, seen, controllers):
     if seen.done != 0 and match.ended == RUNNING and match.fault == NO_FAULT:
         match.ended, match.truncated = DURATION, True  # GRF plays no further step
     read_agents(match, seen, controllers)
-    pay_checkpoints(match)
+    add_checkpoint_rewards(match)
 
 
 @kernel

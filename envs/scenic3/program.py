@@ -187,7 +187,7 @@ class ScenicProgram:
             kind = Range(draw.low, draw.high) if draw.kind == "range" and draw.low < draw.high else draw.kind
             if isinstance(kind, str):
                 raise ValueError(f"{draw.name} ({kind}) is not a range with fixed ends: give θ instead of values")
-            theta[column] = kind.place(values[draw.name])
+            theta[column] = kind.to_unit(values[draw.name])
         return check_theta(theta, self.dim)[0]
 
     def report(self, count: int, rng: np.random.Generator) -> Report:

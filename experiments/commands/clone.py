@@ -139,7 +139,7 @@ def clone(
     while goes_on and not stop:
         began = time.perf_counter()
         losses = cloner.learn(data.chunks(held_out=False, generator=cloner.generator))
-        agreement = cloner.judge(data.chunks(held_out=True))
+        agreement = cloner.evaluate(data.chunks(held_out=True))
         goes_on = cloner.keep_if_best(agreement.loss)
         elapsed += time.perf_counter() - began
         table.append([_row(cloner, losses, agreement) | {"time/elapsed": elapsed}])
@@ -148,7 +148,7 @@ def clone(
     if stop and goes_on:
         return
     method.student.load_state_dict(cloner.best)
-    agreement = cloner.judge(data.chunks(held_out=True))
+    agreement = cloner.evaluate(data.chunks(held_out=True))
     write_accuracies(run.path / "accuracy.csv", agreement)
     with read_from(f"{table.path} is"):
         draw_cloning(table.path, agreement, run.path / "cloning.png")

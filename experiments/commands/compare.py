@@ -110,7 +110,7 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
     for run in runs:
         by_method.setdefault(run.config.method, []).append(run.path)
     with read_from(f"the tables of a run in {folder} are"):
-        draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.draws), folder)
+        draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters), folder)
     report.save(folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")

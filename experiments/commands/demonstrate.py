@@ -145,7 +145,7 @@ def _fill(
         number += 1
         progress.show(min(tally.kept, typed.episodes), {"success": tally.successes / tally.played})
     spaces = env.single_observation_space, env.single_action_space
-    names = [parameter.name for parameter in env.draws]
+    names = [parameter.name for parameter in env.parameters]
     demos.finish(names, spaces, _gym_settings(env), typed.episodes)
     seconds = time.perf_counter() - began
     pace = f"; {count((tally.steps - before) / seconds)} steps/s" if tally.steps > before else ""

@@ -117,7 +117,7 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
         raise UsageError("inspect takes a program or --adversary RUN, not both")
     task = build.find_game(run.config.minigame).task(run.config)
     with closing(build.make_upomdp(task.make, 1, 0)) as upomdp:
-        columns = proposals.read_proposals(folder, upomdp.draws)
+        columns = proposals.read_proposals(folder, upomdp.parameters)
     print(proposals.render_proposals(folder, columns))
     if config.png is not None:
         from regista.experiments.pictures.level_plots import draw_proposals

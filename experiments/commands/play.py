@@ -49,9 +49,9 @@ class PlayConfig(Checked):
     )
     level: Path | None = setting(None, "play a level of this run folder, from its levels.csv, instead of a program")
     id: int | None = setting(None, "the number of that level: column id", least=0, most=LARGEST_SEED)
-    turn: int | None = setting(
+    visit: int | None = setting(
         None,
-        "the visit of it whose luck is played again: column turn; else the first",
+        "the visit of it whose luck is played again: column visit; else the first",
         least=0,
         most=LARGEST_SEED,
     )
@@ -87,7 +87,7 @@ def main(argv: Sequence[str]) -> int:
     from regista.experiments.run.level_stage import LevelStage
 
     assert config.id is not None
-    stage = LevelStage.of_run(config.level, config.id, config.turn, config.playing)
+    stage = LevelStage.of_run(config.level, config.id, config.visit, config.playing)
     print(stage.describe())
     return play_match(config, stage.env) if stage.is_match else _play_task(config, stage)
 

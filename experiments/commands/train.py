@@ -154,7 +154,7 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
     from ued.adapters.policy import spaces_of
 
     progress: dict[str, Any] = {"update": method.updates, "env_steps": method.env_steps, "elapsed": elapsed}
-    whole = method.upomdp.gives_state
+    whole = method.upomdp.supports_state
     progress |= {"spaces": spaces_of(method.upomdp), **versions.stamp(run.config)}
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 

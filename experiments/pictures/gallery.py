@@ -32,7 +32,7 @@ CENTIMETRES = 100
 NOWHERE = -(2**15)  # a place that there is not
 MOST_IMAGES = 40  # of an episode that is shown as it renders itself
 IMAGE_WIDTH = 240  # pixels, at most
-PLAIN = ("update", "id", "turn", "parent", "seed", "episodes")
+PLAIN = ("update", "id", "visit", "parent", "seed", "episodes")
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,13 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
     env = build.make_upomdp(task.make, 1, config.seed)
     stage = Stage(env, task.painter(env) if task.painter else None)
     rows = read_rows(run.replays.path)
-    shown = _spread(list(dict.fromkeys(row["turn"] for row in rows)), most_replays)
+    shown = _spread(list(dict.fromkeys(row["visit"] for row in rows)), most_replays)
     replays, otherwise = _replays(stage, rows, set(shown))
     columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
     played = len(sources)
     if not {*PLAIN, "score"} <= columns.keys():
         raise CommandError(f"{run.levels.path} is of an older version, or damaged: it has not all of its columns")
-    with_replay = [index for index, turn in enumerate(columns["turn"].astype(int)) if str(turn) in replays]
+    with_replay = [index for index, visit in enumerate(columns["visit"].astype(int)) if str(visit) in replays]
     chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {
         "title": f"{game.short}, {config.method}, seed {config.seed}",
@@ -85,7 +85,7 @@ def _spread(items: Sequence[Any], most: int) -> list[Any]:
 
 
 def _drawn(stage: Stage) -> list[tuple[Any, str]]:
-    return list(zip(stage.env.draws, unique_names(stage.env.draws), strict=True))[:MOST_COLUMNS]
+    return list(zip(stage.env.parameters, unique_names(stage.env.parameters), strict=True))[:MOST_COLUMNS]
 
 
 def _axis(draw: Any, name: str) -> dict[str, Any]:
@@ -136,11 +136,11 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
 
 
 def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple[dict[str, Any], int]:
-    """Play levels again; return what is to be seen, by turn and student, and how many came out otherwise."""
+    """Play levels again; return what is to be seen, by visit and student, and how many came out otherwise."""
     told: dict[str, Any] = {}
     otherwise = 0
     for row in rows:
-        if row["turn"] not in shown:
+        if row["visit"] not in shown:
             continue
         replay = Replay.of_row(row, stage.env)
         played = stage.play(replay)
@@ -152,7 +152,7 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
             film = [_image(frame) for frame in _spread(frames, MOST_IMAGES)]
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
         said["begins"] = played.begins
-        told.setdefault(str(replay.turn), {})[replay.student] = said
+        told.setdefault(str(replay.visit), {})[replay.student] = said
     return told, otherwise
 
 

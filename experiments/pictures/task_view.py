@@ -23,11 +23,11 @@ MOST_LETTERS = 300  # of a level that is described
 
 def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
     """Return the columns of θ, the spaces, the share of θ that is valid, and the levels θ `[n, D]` in words."""
-    family = "" if upomdp.family is None else f", codes of levels of {type(upomdp.family).__name__}"
+    family = "" if upomdp.level_family is None else f", codes of levels of {type(upomdp.level_family).__name__}"
     parts = [f"{name}: D = {upomdp.theta_dim} free parameter{'s' * (upomdp.theta_dim != 1)}{family}"]
-    if upomdp.draws and upomdp.family is None:
+    if upomdp.parameters and upomdp.level_family is None:
         rows = [["θ", "name", "kind", "from", "to"]]
-        for index, draw in enumerate(upomdp.draws[:MOST_COLUMNS]):
+        for index, draw in enumerate(upomdp.parameters[:MOST_COLUMNS]):
             kind: Any = getattr(draw, "kind", "")
             told = kind if isinstance(kind, str) else type(kind).__name__
             values = getattr(kind, "values", None)

@@ -114,7 +114,7 @@ def _bytes_of_one(upomdp: Any, seed: int) -> int:
     if getattr(getattr(upomdp, "config", None), "engine", None) == "grf":
         return ENGINE_BYTES
     upomdp.reset(seed=seed)
-    held = upomdp.get_state().values() if upomdp.gives_state else ()
+    held = upomdp.get_state().values() if upomdp.supports_state else ()
     upomdp.close()
     kept = sum(getattr(value, "nbytes", 0) for value in held)
     return STATE_COPIES * kept + 2 * space_bytes(upomdp.agent_observation_space) * upomdp.num_agents

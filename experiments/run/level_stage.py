@@ -42,7 +42,7 @@ class LevelStage:
     visit: int
 
     @classmethod
-    def of_run(cls, path: Path, id: int, turn: int | None, playing: EngineConfig) -> LevelStage:
+    def of_run(cls, path: Path, id: int, visit: int | None, playing: EngineConfig) -> LevelStage:
         """Make the environment of a run and put it on a level of it.
 
         Raises `CommandError` for a run without this level, or whose levels are of other environments by now.
@@ -51,7 +51,7 @@ class LevelStage:
 
         run = RunFolder.open(path)
         try:
-            level, visit = read_visit(path, id, turn)
+            level, visit = read_visit(path, id, visit)
         except FileNotFoundError as error:
             raise CommandError(f"{path} has no levels.csv: no update of it is over") from error
         except (KeyError, ValueError) as error:

@@ -40,7 +40,7 @@ class RunRecorder:
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         flat |= {key: str(version) for key, version in versions.stamp(config).items()}
         recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect)
-        self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.draws)
+        self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.parameters)
         if config.record_rollouts:
             method.keep_tapes()
         if method.updates:
@@ -86,7 +86,7 @@ class RunRecorder:
             kept = replays.taken(method, update.number, TOP_LEVELS)
             self.run.replays.append([replay.row() for replay in kept])
             if update.number == 1 or update.number % every == 0:
-                self._show([replay for replay in kept if replay.turn == kept[0].turn], update)
+                self._show([replay for replay in kept if replay.visit == kept[0].visit], update)
 
     def _show(self, kept: Sequence[Replay], update: Update) -> None:
         """Show the very episodes of all students on one level."""

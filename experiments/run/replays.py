@@ -28,16 +28,16 @@ class Replay:
     """What a student did on a level, in all of its episodes there.
 
     Attributes:
-        update, id, turn: of the update that was based on the level, of the level, and of this playing of it.
+        update, id, visit: of the update that was based on the level, of the level, and of this playing of it.
         student: whose episodes they are.
-        level: the level, a record of `level_dtype(D)` `[1]`; `turn` is the number of this visit of it.
+        level: the level, a record of `level_dtype(D)` `[1]`; `visit` is the number of this visit of it.
         actions: `[T, ...]`, as the environment was given them.
         returns: of its episodes `[n]`, as they were.
     """
 
     update: int
     id: int
-    turn: int
+    visit: int
     student: str
     level: np.ndarray
     actions: np.ndarray
@@ -48,7 +48,7 @@ class Replay:
         return {
             "update": self.update,
             "id": self.id,
-            "turn": self.turn,
+            "visit": self.visit,
             "student": self.student,
             "returns": " ".join(f"{value:g}" for value in self.returns),
             "level": _spell(self.level),
@@ -65,8 +65,8 @@ class Replay:
             data = _read(row["actions"], MAX_STEPS * max(int(np.prod(space.shape)), 1) * kept.itemsize)
             actions = np.frombuffer(data, kept).astype(space.dtype).reshape(-1, *space.shape)
             returns = np.array(row["returns"].split(), float)
-            update, number, turn = (int(row[name]) for name in ("update", "id", "turn"))
-            return cls(update, number, turn, row["student"], level, actions, returns)
+            update, number, visit = (int(row[name]) for name in ("update", "id", "visit"))
+            return cls(update, number, visit, row["student"], level, actions, returns)
         except (ValueError, KeyError, zlib.error) as error:
             raise CommandError(f"a row of replays.csv is damaged: {error}") from error
 
@@ -80,16 +80,16 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
     records, tapes, replays = batch.records, {}, []
     for index, learner in enumerate(method.learners):
         if learner.student is not None and learner.worker.tape is not None:
-            tapes[index] = learner.worker.tape.pop(records["turn"])
+            tapes[index] = learner.worker.tape.pop(records["visit"])
     order = np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")
-    known = [row for row in order if all(int(records["turn"][row]) in tape for tape in tapes.values())]
+    known = [row for row in order if all(int(records["visit"][row]) in tape for tape in tapes.values())]
     for row in known[:most]:
         record = records[row]
         for index, tape in tapes.items():
-            actions, played = tape[int(record["turn"])][:MAX_STEPS], int(record["num_played"][index])
+            actions, played = tape[int(record["visit"])][:MAX_STEPS], int(record["num_played"][index])
             returns = record["returns"][index, :played]
             level = records["level"][row : row + 1].copy()
-            numbers = update, int(record["id"]), int(record["turn"])
+            numbers = update, int(record["id"]), int(record["visit"])
             replays.append(Replay(*numbers, method.learners[index].name, level, actions, returns))
     return replays
 
@@ -124,7 +124,7 @@ class Stage:
 
     def play(self, replay: Replay) -> Played:
         """Play a level's episodes again."""
-        self.env.reset_to_levels(replay.level, None, replay.turn)
+        self.env.reset_to_levels(replay.level, None, replay.visit)
         frames, begins, returns, total = [self._frame()], [0], list[float](), 0.0
         for action in replay.actions:
             _, reward, terminated, truncated, _ = self.env.step(np.asarray(action)[None])

@@ -120,7 +120,7 @@ class Tables:
     """metrics.csv, levels.csv and events.csv of a run folder."""
 
     def __init__(self, run: RunFolder, upomdp: Any) -> None:
-        self.run, self.names = run, unique_names(upomdp.draws)
+        self.run, self.names = run, unique_names(upomdp.parameters)
         self.programs = np.array(upomdp.program_names or [build.find_game(run.config.minigame).short])
 
     def report(self, update: Update) -> None:

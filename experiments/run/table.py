@@ -15,6 +15,7 @@ import numpy as np
 
 from regista.experiments.run.errors import CommandError
 from ued.core.files import write_whole
+from ued.core.renamed import present_names
 
 EXACT = "theta/"  # the beginning of the names of columns whose numbers are not cut
 WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers
@@ -90,8 +91,8 @@ class Table:
 
 
 def read_header(path: Path) -> list[str]:
-    """Return the names of the columns, none if there is no table yet."""
-    return next(csv.reader([_lines(path)[0]]), []) if path.exists() else []
+    """Return the names of the columns, none if there is no table yet; old names as the present ones."""
+    return present_names(next(csv.reader([_lines(path)[0]]), [])) if path.exists() else []
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:

@@ -224,7 +224,7 @@ class BothEngines:
     def _play(self, greedy: bool) -> Played:
         normaliser, env = self.student.normaliser, self.envs[0]
         deviation = np.maximum(np.sqrt(normaliser.variance.numpy() + 1e-8), normaliser.floor.numpy())
-        unit = env.observation_unit
+        unit = env.observation_scale
         assert unit is not None
         watches = Watch(self.plan.episodes[0]), Watch(self.plan.episodes[1], self.plan.seconds)
         ours, grf = (

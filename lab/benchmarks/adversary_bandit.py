@@ -20,7 +20,7 @@ import numpy as np
 import torch
 
 from ued.config import AdversaryConfig
-from ued.core.parameters import Choice, Column, Parameter, Range, numbered, snap
+from ued.core.parameters import Choice, Column, Parameter, Range, numbered, quantize
 from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary
 
@@ -50,7 +50,7 @@ def band(low: float, high: float, column: int = 0) -> Pays:
 def options(*weights: float) -> Bandit:
     """Pay 1 for the option of the least weight."""
     choice = Choice(*range(len(weights)), weights=weights)
-    place = choice.place(int(np.argmin(weights)))
+    place = choice.to_unit(int(np.argmin(weights)))
     return Bandit((Column("option", choice), *numbered("beside", BESIDE)), band(place - 1e-6, place + 1e-6))
 
 
@@ -71,7 +71,7 @@ def learned(bandit: Bandit, config: AdversaryConfig, seed: int, updates: int = U
     shares = np.empty(updates)
     for update in range(updates):
         proposals = adversary.propose(LEVELS)
-        paid = bandit.pays(snap(adversary.theta(proposals), bandit.draws))
+        paid = bandit.pays(quantize(adversary.theta(proposals), bandit.draws))
         shares[update] = (paid > 0).mean()
         adversary.learn(proposals, paid + NOISE * rng.normal(size=LEVELS))
     return shares, adversary

@@ -126,24 +126,24 @@ def _steps_per_second(program: Any, num_envs: int, threads: int, seconds: float,
 
 
 def _curricula(dim: int) -> list[tuple[str, Curriculum]]:
-    from ued.methods.accel import ACCELLevels
-    from ued.methods.dr import RandomLevels
-    from ued.methods.paired import PairedLevels
-    from ued.methods.plr import PLRLevels
+    from ued.methods.accel import ACCELCurriculum
+    from ued.methods.dr import RandomCurriculum
+    from ued.methods.paired import PairedCurriculum
+    from ued.methods.plr import PLRCurriculum
 
     return [
-        ("dr", RandomLevels(ThetaSpace(dim))),
-        ("plr", PLRLevels(ThetaSpace(dim), PLRConfig())),
-        ("accel", ACCELLevels(ThetaSpace(dim), ACCELConfig())),
-        ("paired", PairedLevels(ThetaSpace(dim), PairedConfig())),
+        ("dr", RandomCurriculum(ThetaSpace(dim))),
+        ("plr", PLRCurriculum(ThetaSpace(dim), PLRConfig())),
+        ("accel", ACCELCurriculum(ThetaSpace(dim), ACCELConfig())),
+        ("paired", PairedCurriculum(ThetaSpace(dim), PairedConfig())),
     ]
 
 
 def _filled(levels: int) -> Curriculum:
     """Return a curriculum with a full buffer of so many levels."""
-    from ued.methods.plr import PLRLevels
+    from ued.methods.plr import PLRCurriculum
 
-    curriculum = PLRLevels(ThetaSpace(6), PLRConfig(buffer=BufferConfig(capacity=levels, no_duplicates=False)))
+    curriculum = PLRCurriculum(ThetaSpace(6), PLRConfig(buffer=BufferConfig(capacity=levels, no_duplicates=False)))
     rng, next_id = np.random.default_rng(0), 0
     while len(curriculum.buffer.slots) < levels:
         records = curriculum._new(min(levels, 10_000))

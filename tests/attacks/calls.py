@@ -63,7 +63,7 @@ class Target:
         self.played = self.play()
         theta, levels = self.env.sample_theta(NUM_ENVS), self.env.sample_levels(NUM_ENVS)
         mask = np.array([True, False, True])
-        state = {"set_state": (self.env.get_state(),)} if self.env.gives_state else {}
+        state = {"set_state": (self.env.get_state(),)} if self.env.supports_state else {}
         self.good: dict[str, tuple[Any, ...]] = state | {
             "step": (self.actions[0],),
             "reset": (7, {"theta": theta}),

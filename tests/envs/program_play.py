@@ -69,7 +69,7 @@ def play(seed: int) -> int:
     rng = np.random.default_rng(seed)
     called, env = drawn(rng)
     env.scripted = rng.random() < 0.2
-    env.next_levels = env.sample_levels if rng.random() < 0.8 else None
+    env.level_sampler = env.sample_levels if rng.random() < 0.8 else None
     env.idle[:] = False
     env.reset(seed=seed)
     actions = actions_of(rng, STEPS, env.action_space.shape or ())
@@ -79,7 +79,7 @@ def play(seed: int) -> int:
         env.step(actions[step])
         if watched:
             watch(env, before, f"{called}, step {step} of play({seed})")
-    env.next_levels = None
+    env.level_sampler = None
     states = []
     state = env.get_state()
     for _ in range(2):

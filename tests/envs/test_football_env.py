@@ -147,7 +147,7 @@ ball = Ball ahead of ego by Range(2, 3)
 
 
 def test_starts_made_ahead_in_a_block_are_those_made_one_by_one():
-    """Two players may stand in each other; what is to come is known to one of two environments."""
+    """Two players may stand in each other; one of two environments prefetches the levels."""
     ahead, alone = (FootballVectorEnv(NARROW, 4) for _ in range(2))
     rng, made = np.random.default_rng(0), []
     levels = ahead.make_levels(rng.uniform(-1, 1, (60, ahead.theta_dim)))
@@ -160,7 +160,7 @@ def test_starts_made_ahead_in_a_block_are_those_made_one_by_one():
         env.reset(seed=0)
     made.clear()
     for first in range(0, 60, 2):
-        ahead.upcoming = lambda first=first: levels[first + 2 :]
+        ahead.prefetch(levels[first + 2 :])
         where = np.arange(4) < 2
         seen, known = zip(
             *(env.reset_to_levels(levels[first : first + 2], where) for env in (ahead, alone)), strict=True

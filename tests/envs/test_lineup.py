@@ -146,7 +146,7 @@ def test_the_ball_lies_before_the_striker_on_whatever_level_is_played(figure, di
     _, info = env.step_adversary(theta)
     assert info["replaced"][::2].all()
     assert_ball_is_ahead(env, ahead)
-    env.next_levels = env.sample_levels
+    env.level_sampler = env.sample_levels
     for _ in range(3):
         _, _, terminated, truncated, _ = env.step(np.zeros(32, int))
     assert (terminated | truncated).any()

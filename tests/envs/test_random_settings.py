@@ -53,7 +53,7 @@ def test_random_settings_are_columns_and_reach_the_record():
     theta = np.zeros((2, 7))
     theta[0], theta[1] = -1, 1
     env = make(DRAWN, theta=theta)
-    assert [draw.name for draw in env.draws] == NAMES
+    assert [draw.name for draw in env.parameters] == NAMES
     first, second = map(env.program.describe, theta)
     assert first["game_duration"] == 5 and second["game_duration"] == 9
     assert first["right_team_difficulty"] == 0 and second["right_team_difficulty"] == 1

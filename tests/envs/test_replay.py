@@ -113,6 +113,6 @@ def test_what_is_wrong_in_a_record_is_named(tmp_path, changes, message):
 def test_matches_that_draw_their_own_levels_cannot_be_recorded():
     env = FootballVectorEnv(ALONE, 1)
     env.reset(seed=0)
-    env.next_levels = env.sample_levels
-    with pytest.raises(ValueError, match="next_levels = None"):
+    env.level_sampler = env.sample_levels
+    with pytest.raises(ValueError, match="level_sampler = None"):
         Recorder(env)

@@ -145,12 +145,12 @@ def test_simple115_is_made_of_raw_as_in_the_original():
 def test_simple115_in_its_units_has_the_sizes_of_features():
     """What the student's floor is measured in: places by half a pitch, speeds by 8 m/s, the ball's by 20."""
     envs = [make(name, "active", count=1) for name in ("simple115", "features")]
-    assert envs[1].observation_unit.tolist() == [1.0] * envs[1].observation_space.shape[1]
+    assert envs[1].observation_scale.tolist() == [1.0] * envs[1].observation_space.shape[1]
     for env in envs:
         env.reset(seed=4)
     for action in (4, 13, 0, 0, 0, 12, 0, 0, 0):
         seen, features = (env.step([action])[0][0] for env in envs)
-        scaled = seen / envs[0].observation_unit
+        scaled = seen / envs[0].observation_scale
         me = np.flatnonzero(seen[97:108])[0]
         assert scaled[2 * me : 2 * me + 2] == pytest.approx(features[:2] * [1, -1], abs=1e-4)
         assert scaled[22 + 2 * me : 24 + 2 * me] == pytest.approx(features[2:4] * [1, -1], abs=1e-4)

@@ -88,7 +88,7 @@ def test_uniform_theta_are_distributed_as_the_scenes_of_scenic(load):
 @needed
 def test_columns_have_names_lines_and_kinds(load):
     program = load("# first\n\n" + MANY)
-    table = {draw.name: (getattr(draw.kind, "cells", draw.kind), draw.low, draw.high) for draw in program.draws}
+    table = {draw.name: (getattr(draw.kind, "num_bins", draw.kind), draw.low, draw.high) for draw in program.draws}
     assert table["low"] == ("range", 1, 3)
     assert table["Thing1.position.x"] == ("point.x", 0, 8)
     assert table["Thing5.position.along"][0] == "point.along"

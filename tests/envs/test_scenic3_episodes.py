@@ -142,7 +142,7 @@ def test_a_requirement_that_is_broken_on_the_way_ends_an_episode(make):
 @needed
 def test_scenarios_of_several_parts_are_played(make):
     upomdp = make(MODULAR, 1)
-    assert [draw.name for draw in upomdp.draws] == ["param weather", "gap", "other.behavior.pace"]
+    assert [draw.name for draw in upomdp.parameters] == ["param weather", "gap", "other.behavior.pace"]
     upomdp.reset(options={"theta": [[0.0, 0.0, -1.0]]})
     seen = [upomdp.step(np.zeros((1, 1)))[0][0] for _ in range(2)]
     np.testing.assert_allclose(seen, [[0, 0, 6.5], [0, 0.1, 6.5]], atol=1e-6)  # 4.5 m between two of 2 m

@@ -65,7 +65,7 @@ def test_every_episode_draws_its_own_factors() -> None:
 
 def test_a_parameter_of_the_program_may_name_one_and_is_a_column_of_theta() -> None:
     env = made("param keeper_speed = Range(0.85, 1.15)\nparam tackle_odds = 1.2", count=3)
-    assert [draw.name for draw in env.draws] == ["keeper_speed"]
+    assert [draw.name for draw in env.parameters] == ["keeper_speed"]
     env.reset(options={"theta": [[-1.0], [0.0], [1.0]]})
     engine = env.matches["engine"]
     assert engine["keeper_speed"] == pytest.approx([0.85, 1.0, 1.15])

@@ -67,14 +67,14 @@ def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
     assert len(rows) > 40 and {row["student"] for row in rows} == {"protagonist", "antagonist"}
-    told = {row["turn"]: row for row in read_rows(run.levels.path)}
+    told = {row["visit"]: row for row in read_rows(run.levels.path)}
     for row in rows:
         replay = Replay.of_row(row, stage.env)
         assert {name: str(value) for name, value in replay.row().items()} == row
         frames, begins, returns = stage.play(replay)
         assert came_out_alike(replay, returns) and 1 < len(frames) <= len(replay.actions)
         assert begins[0] == 0 and len(begins) == len(returns) and all(frames[k][0, 0] == 0 for k in begins)
-        level = told[row["turn"]]
+        level = told[row["visit"]]
         assert abs(float(level[f"return/{row['student']}"]) - returns.mean()) < 1e-4
         assert str(replay.level["seed"][0]) == level["seed"]
 
@@ -96,8 +96,8 @@ def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
 def test_the_levels_of_the_highest_scores_are_kept(run):
     rows, levels = read_rows(run.replays.path), read_rows(run.levels.path)
     for update in {row["update"] for row in rows}:
-        kept = {row["turn"] for row in rows if row["update"] == update}
-        scores = {row["turn"]: float(row["score"]) for row in levels if row["update"] == update}
+        kept = {row["visit"] for row in rows if row["update"] == update}
+        scores = {row["visit"]: float(row["score"]) for row in levels if row["update"] == update}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
 
@@ -107,11 +107,11 @@ def test_the_page_shows_levels_cards_scenes_and_replays(run, capsys):
     flags = ["--gallery-levels", "20", "--gallery-replays", "7"]
     assert main(["evaluate", str(run.path), "--gallery", *flags]) == 0
     assert "7 with replays" in capsys.readouterr().out
-    data, levels = data_of(page), {row["turn"]: row for row in read_rows(run.levels.path)}
+    data, levels = data_of(page), {row["visit"]: row for row in read_rows(run.levels.path)}
     shown = data["levels"]
     assert 20 <= len(shown["id"]) <= 27 and len(data["replays"]) == 7
-    for index, turn in enumerate(shown["turn"]):
-        row = levels[str(int(turn))]
+    for index, visit in enumerate(shown["visit"]):
+        row = levels[str(int(visit))]
         assert shown["source"][index] == row["source"] and abs(shown["score"][index] - float(row["score"])) < 1e-4
     for key, students in data["replays"].items():
         assert key in levels and set(students) == {"protagonist", "antagonist"}
@@ -149,8 +149,8 @@ def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
     old = tmp_path / "old"
     shutil.copytree(run.path, old, ignore=shutil.ignore_patterns("gallery.html"))
     lines = [line.split(",") for line in (old / "levels.csv").read_text().splitlines()]
-    turn = lines[0].index("turn")
-    (old / "levels.csv").write_text("".join(",".join(row[:turn] + row[turn + 1 :]) + "\n" for row in lines))
+    visit = lines[0].index("visit")
+    (old / "levels.csv").write_text("".join(",".join(row[:visit] + row[visit + 1 :]) + "\n" for row in lines))
     assert main(["evaluate", "--gallery", str(old)]) == 1 and "older version" in capsys.readouterr().err
     assert not (old / "gallery.html").exists()
 

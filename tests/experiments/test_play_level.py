@@ -62,7 +62,7 @@ def test_a_row_is_the_level_to_the_last_bit(run):
     seen: dict[str, set[tuple[str, str]]] = {}
     for row in rows(run):
         seen.setdefault(row["id"], set()).add((row["seed"], row["theta/depth"]))
-        level = ued.read_level(run, int(row["id"]), int(row["turn"]))
+        level = ued.read_level(run, int(row["id"]), int(row["visit"]))
         assert int(level["seed"][0]) == int(row["seed"]) and level["theta"][0, 0] == float(row["theta/depth"])
     assert all(len(levels) == 1 for levels in seen.values())
     stage = LevelStage.of_run(run, int(rows(run)[3]["id"]), None, EngineConfig())
@@ -74,7 +74,7 @@ def test_a_level_is_played_and_filmed(run, tmp_path, capsys):
     row = rows(run)[5]
     assert main(["play", "--level", str(run), "--id", row["id"], "--video", str(tmp_path / "cave.gif")]) == 0
     shown = capsys.readouterr().out
-    assert f"seed {row['seed']}, visit {row['turn']}: depth = " in shown and "4 steps by random actions" in shown
+    assert f"seed {row['seed']}, visit {row['visit']}: depth = " in shown and "4 steps by random actions" in shown
     assert (tmp_path / "cave.gif").stat().st_size > 0
 
 

@@ -49,3 +49,13 @@ def test_a_folder_that_is_gone_is_one_sentence(tmp_path):
     table = Table(tmp_path / "nowhere" / "t.csv")
     with pytest.raises(CommandError, match=r"cannot write .*t\.csv.*: No such file or directory"):
         table.append([{"update": 1}])
+
+
+def test_the_column_of_an_older_run_has_its_present_name_and_rows_are_added(tmp_path):
+    path = tmp_path / "levels.csv"
+    path.write_text("update,id,turn\n1,4,7\n")
+    table = Table(path)
+    table.append_columns({"update": np.array([2]), "id": np.array([5]), "visit": np.array([8])})
+    assert [(row["id"], row["visit"]) for row in read_rows(path)] == [("4", "7"), ("5", "8")]
+    table.append([{"update": 3, "id": 6, "visit": 9, "more": 1}])
+    assert path.read_text().splitlines()[0] == "update,id,visit,more"

@@ -48,7 +48,7 @@ def test_a_team_is_trained_gone_on_with_tested_and_carried_over(tmp_path, capsys
     ("flags", "message"),
     [
         (["--control", "9"], "train.scenic: control '9' needs 9 players in the left team, which has 4"),
-        (["--control", "all", "--right-control", "1", "--critic", "central"], "opponents are not worth the same"),
+        (["--control", "all", "--right-control", "1", "--critic", "central"], "opponents have different values"),
         (["--team", "both"], "invalid choice: 'both'"),
     ],
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scene import things
 
-from ued.core.parameters import cells_in, snap
+from ued.core.parameters import cells_in, quantize
 
 PROGRAM = """
 aside = Discrete({Range(-25, -6): 25, Range(-2, 2): 1, Range(6, 25): 25})
@@ -34,9 +34,9 @@ def test_choices_tell_options_and_shares():
 def test_the_middle_of_an_option_is_the_same_scene():
     program, rng = things(PROGRAM), np.random.default_rng(0)
     theta = rng.uniform(-1, 1, (500, program.dim))
-    snapped = snap(theta, program.draws)
+    snapped = quantize(theta, program.draws)
     assert (program.instantiate(theta).positions == program.instantiate(snapped).positions).all()
-    assert (snapped != theta).any(0).sum() == 4 and (snap(snapped, program.draws) == snapped).all()
+    assert (snapped != theta).any(0).sum() == 4 and (quantize(snapped, program.draws) == snapped).all()
 
 
 def test_elements_of_random_lists_have_no_fixed_options():

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from ued.config import setting
 from ued.levels.queue import LevelQueue
 from ued.methods.method import Method
-from ued.methods.dr import RandomLevels
+from ued.methods.dr import RandomCurriculum
 
 
 @dataclass(frozen=True)
@@ -28,14 +28,14 @@ class ToyConfig:
 
 
 class Toy(Method):
-    def begin(self, config, seed):
+    def setup(self, config, seed):
         self.config = config or ToyConfig()
-        self.curriculum = RandomLevels(self.upomdp)
+        self.curriculum = RandomCurriculum(self.upomdp)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self):
-        levels = self.play()
+        levels = self.collect_rollouts()
         metrics = {"toy/reluctance": self.config.reluctance}
         if self.updates >= 2 * self.config.reluctance:
             metrics |= self.learner.learn(self.env_steps)

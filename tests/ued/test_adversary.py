@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from ued.config import AdversaryConfig
-from ued.core.parameters import Choice, Column, Integer, Range, numbered, snap
+from ued.core.parameters import Choice, Column, Integer, Range, numbered, quantize
 from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary, RunningScale
 
@@ -51,7 +51,7 @@ def test_choices_begin_at_the_weights_of_the_program():
     adversary = Adversary(MIXED, AdversaryConfig(), torch_generator(0))
     proposals = adversary.propose(20_000)
     theta = adversary.theta(proposals)
-    assert (theta[:, 1:3] == snap(theta, MIXED)[:, 1:3]).all()
+    assert (theta[:, 1:3] == quantize(theta, MIXED)[:, 1:3]).all()
     sides, legs = (np.unique(column, return_counts=True)[1] / len(theta) for column in theta[:, 1:3].T)
     assert sides == pytest.approx(np.array([1, 25, 25]) / 51, abs=0.01)
     assert legs == pytest.approx(np.full(5, 0.2), abs=0.01)
@@ -64,7 +64,7 @@ MIXTURE = (Column("program", Choice("a", "b", "c")), *numbered("k", 3))
 
 
 def test_of_a_mixture_programs_begin_alike_and_unused_columns_stay_at_0():
-    adversary = Adversary(MIXTURE, AdversaryConfig(), torch_generator(0), program_draws=PROGRAMS)
+    adversary = Adversary(MIXTURE, AdversaryConfig(), torch_generator(0), program_parameters=PROGRAMS)
     theta = adversary.theta(adversary.propose(6000))
     program = np.rint((theta[:, 0] + 1) / 2 * 3 - 0.5).astype(int)
     assert theta[:, 0] == pytest.approx((2 * program + 1) / 3 - 1, abs=1e-6)
@@ -76,10 +76,10 @@ def test_of_a_mixture_programs_begin_alike_and_unused_columns_stay_at_0():
     assert theta[program == 2, 2].std() == pytest.approx(UNIFORM_STD, abs=0.04)
 
 
-def moved(draws, program_draws=(), distribution="program"):
+def moved(draws, program_parameters=(), distribution="program"):
     """Return an adversary whose weights are anything."""
     config = AdversaryConfig(distribution=distribution)
-    adversary = Adversary(draws, config, torch_generator(0), program_draws=program_draws)
+    adversary = Adversary(draws, config, torch_generator(0), program_parameters=program_parameters)
     for weight in adversary.network.parameters():
         weight.data += 0.2 * torch.randn(weight.shape, generator=torch_generator(1))
     return adversary
@@ -87,12 +87,12 @@ def moved(draws, program_draws=(), distribution="program"):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("draws", "program_draws"), [(numbered("x", 2), ()), (CHOICES, ()), (MIXED, ()), (MIXTURE, PROGRAMS)]
+    ("draws", "program_parameters"), [(numbered("x", 2), ()), (CHOICES, ()), (MIXED, ()), (MIXTURE, PROGRAMS)]
 )
-def test_densities_are_those_of_what_is_drawn(draws, program_draws):
+def test_densities_are_those_of_what_is_drawn(draws, program_parameters):
     """The density of proposals is relative to the program's: under that, its mean is 1, and so is its inverse's."""
-    network = moved(draws, program_draws).network
-    first = Adversary(draws, AdversaryConfig(), torch_generator(0), program_draws=program_draws).network
+    network = moved(draws, program_parameters).network
+    first = Adversary(draws, AdversaryConfig(), torch_generator(0), program_parameters=program_parameters).network
     z = torch.full((200_000, 1), 0.7)
     with torch.inference_mode():
         raw, base = first.sample(z, torch_generator(2))
@@ -117,7 +117,7 @@ def test_densities_of_one_hump_are_relative_to_the_uniform(distribution):
 def test_of_a_mixture_it_finds_the_program_that_pays_and_where():
     config, rng = AdversaryConfig(), np.random.default_rng(0)
     columns, own = (Column("program", Choice("a", "b", "c")), *numbered("x", 2)), (numbered("x", 2),) * 3
-    adversary = Adversary(columns, config, torch_generator(0), program_draws=own)
+    adversary = Adversary(columns, config, torch_generator(0), program_parameters=own)
     for _ in range(40):
         proposals = adversary.propose(128)
         theta = adversary.theta(proposals)

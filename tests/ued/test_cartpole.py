@@ -4,7 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from ued import DR, GymUPOMDP, Paired, PairedConfig, PPOConfig, checkpoint, evaluate
+from ued import DR, GymUPOMDP, Paired, PairedConfig, PPOConfig, evaluate
+from ued.core import checkpoint
 
 PPO = PPOConfig(num_steps=64, learning_rate=2e-3, num_minibatches=4, hidden_size=64, gamma=0.99)
 RANGES = {"length": (0.2, 2.0), "push": (2.0, 15.0)}

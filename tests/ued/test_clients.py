@@ -51,7 +51,7 @@ def test_vectors_render():
 
 def test_episodes_are_counted_as_cleanrl_counts_them():
     env = cartpole()
-    env.next_levels = env.sample_levels
+    env.level_sampler = env.sample_levels
     counted = gymnasium.wrappers.vector.RecordEpisodeStatistics(env)
     counted.reset(seed=0)
     found, lengths, running = [], [], np.zeros(4, int)
@@ -94,7 +94,7 @@ def as_cleanrl_plays(envs, steps):
 
 def test_the_loop_of_cleanrl_finds_in_a_batch_what_it_finds_in_gymnasiums_own():
     env = cartpole()
-    env.next_levels = env.sample_levels
+    env.level_sampler = env.sample_levels
     same_step = {"autoreset_mode": AutoresetMode.SAME_STEP}
     for envs in (env, gymnasium.make_vec("CartPole-v1", 4, "sync", vector_kwargs=same_step)):
         episodes = as_cleanrl_plays(envs, 150)

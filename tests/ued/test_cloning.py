@@ -36,8 +36,8 @@ def cloned(cloner, data, held_out):
     cloner.look_through([data])
     while True:
         cloner.learn([data])
-        if not cloner.keep_if_best(cloner.judge([held_out]).loss):
-            return cloner.judge([held_out])
+        if not cloner.keep_if_best(cloner.evaluate([held_out]).loss):
+            return cloner.evaluate([held_out])
 
 
 @pytest.mark.parametrize("agents", [1, 3])
@@ -63,7 +63,7 @@ def test_steps_of_which_nobody_knows_are_not_learned_from():
     before = cloner.student.actor.layer.weight.clone()
     cloner.learn([unknown])
     assert (cloner.student.actor.layer.weight == before).all()
-    assert cloner.judge([unknown]).counts.sum() == 0
+    assert cloner.evaluate([unknown]).counts.sum() == 0
 
 
 @pytest.mark.parametrize(("weights", "told"), [("none", (1.0, 1.0)), ("sqrt", (0.55, 2.2)), ("balanced", (0.5, 8.0))])

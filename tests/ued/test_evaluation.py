@@ -7,6 +7,7 @@ from probes import Landscape, TwoStep
 from ued import evaluation
 from ued.config import PPOConfig
 from ued.core.seeding import torch_generator
+from ued.core.upomdp import PREFETCH
 from ued.evaluation import evaluate
 from ued.learning.student import Student
 
@@ -74,3 +75,26 @@ def test_what_cannot_be_evaluated_is_refused(monkeypatch):
     env.outcome = lambda actions: (np.zeros(4), np.zeros(4, bool), np.zeros(4, bool))
     with pytest.raises(RuntimeError, match="an episode did not end within 50 steps"):
         evaluate(student_for(env), env, 1, seed=0)
+
+
+def test_levels_are_announced_in_the_order_of_play_once_and_before_they_are_played(monkeypatch):
+    env, events = Lengths(7), []
+    reset_to_levels = env.reset_to_levels
+    monkeypatch.setattr(env, "prefetch", lambda levels: events.append(("announced", levels["seed"].tolist())))
+    monkeypatch.setattr(
+        env,
+        "reset_to_levels",
+        lambda levels, *args: events.append(("played", levels["seed"].tolist())) or reset_to_levels(levels, *args),
+    )
+    order = evaluate(student_for(env), env, 500, seed=0).levels["seed"].tolist()
+    batches = [seeds for event, seeds in events if event == "announced"]
+    assert [len(batch) for batch in batches[:2]] == [PREFETCH, PREFETCH] and not batches[-1]
+    announced = [seed for batch in batches for seed in batch]
+    assert announced == [seed for seed in order if seed in set(announced)]
+    unknown, known = [], set()
+    for event, seeds in events:
+        if event == "announced":
+            known |= set(seeds)
+        else:
+            unknown += [seed for seed in seeds if seed not in known]
+    assert order[:7] == unknown[:7] and len(unknown) <= 7 * len(batches)

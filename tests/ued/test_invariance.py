@@ -8,7 +8,7 @@ import torch
 
 from ued.adapters.mixture import Mixture
 from ued.config import AdversaryConfig
-from ued.core.parameters import Choice, Column, Integer, cells_in, edit, numbered, snap
+from ued.core.parameters import Choice, Column, Integer, cells_in, edit, numbered, quantize
 from ued.core.seeding import torch_generator
 from ued.levels.adversary import Adversary
 from ued.levels.diagnostics import theta_metrics
@@ -92,7 +92,7 @@ def curve(draws, pays, seed, config=CONFIG):
     shares = []
     for _ in range(UPDATES):
         proposals = adversary.propose(LEVELS)
-        paid = pays(snap(adversary.theta(proposals), draws))
+        paid = pays(quantize(adversary.theta(proposals), draws))
         shares.append(paid.mean())
         adversary.learn(proposals, paid + NOISE * rng.normal(size=LEVELS))
     return shares
@@ -193,8 +193,8 @@ def test_an_edit_draws_another_option_by_weight_whatever_the_order():
 def test_edits_of_integers_step_and_weights_of_a_choice_are_kept():
     rng = np.random.default_rng(0)
     legs, side = Column("legs", Integer(0, 9)), Column("side", Choice("rare", "left", "right", weights=(1, 25, 24)))
-    moved = edit(np.full((500, 1), legs.kind.place(5)), [legs], 1, 0.4, rng)[:, 0]
-    assert {legs.kind.value(x) for x in moved} == {3, 4, 6, 7}
+    moved = edit(np.full((500, 1), legs.kind.to_unit(5)), [legs], 1, 0.4, rng)[:, 0]
+    assert {legs.kind.from_unit(x) for x in moved} == {3, 4, 6, 7}
     assert edited_names(side_as_draw(side), rng)["rare"] == pytest.approx(0.04, abs=0.015)
 
 
@@ -206,7 +206,7 @@ def test_of_a_mixture_an_edit_of_a_members_choice_is_another_option():
     from probes import Landscape
 
     members = [Landscape(2), Landscape(2)]
-    members[1].draws = (Column("side", Choice("a", "b", "c", "d")), members[1].draws[1])
+    members[1].parameters = (Column("side", Choice("a", "b", "c", "d")), members[1].parameters[1])
     env, rng = Mixture(members, ["plain", "choosing"]), np.random.default_rng(0)
     theta = np.tile([0.5, -0.75, 0.0], (2000, 1))  # program 1, option a
     edited = env.edit_theta(theta, 1, 0.1, rng)
@@ -220,7 +220,7 @@ def test_entropy_and_coverage_are_those_of_the_program_in_any_order():
     figures = []
     for weights in ((1, 25, 25), (25, 1, 25)):
         draw = choice(*weights)
-        theta = snap(rng.uniform(-1, 1, (4000, 1)), [draw])
+        theta = quantize(rng.uniform(-1, 1, (4000, 1)), [draw])
         figures.append(theta_metrics(theta, [draw]))
         assert figures[-1]["theta_entropy"] == pytest.approx(np.log(2), abs=0.005)
         assert figures[-1]["theta_coverage"] == 1.0

@@ -46,14 +46,14 @@ class Rooms(gymnasium.Env):
         super().reset(seed=seed)
         self.t, self.luck = 0, (options or {}).get("weather")
         self.layout = self.np_random.random(int(self.rooms) + 2)
-        return self._look(), {}
+        return self._observe(), {}
 
     def step(self, action):
         self.t += 1
         chance = self.np_random.random()
-        return self._look(), float(chance < 0.5) * action, self.t >= 3 + 2 * int(action), False, {}
+        return self._observe(), float(chance < 0.5) * action, self.t >= 3 + 2 * int(action), False, {}
 
-    def _look(self):
+    def _observe(self):
         return np.array([*self.layout[:3], self.t / 10], np.float32)
 
 
@@ -72,14 +72,14 @@ class Track(UPOMDP):
         for index, level, luck in zip(where, levels, self.luck_seeds(where), strict=True):
             self.track[index] = np.random.default_rng(int(level["seed"])).random(2) + level["theta"][0]
             self.wind[index], self.t[index] = np.random.default_rng(int(luck)).random(), 0
-        return self._look()
+        return self._observe()
 
     def _advance(self, actions):
         self.t += 1
         ended = self.t >= 3 + np.asarray(actions)
-        return self._look(), (self.wind > 0.5).astype(float), ended, np.zeros_like(ended), {}
+        return self._observe(), (self.wind > 0.5).astype(float), ended, np.zeros_like(ended), {}
 
-    def _look(self):
+    def _observe(self):
         return np.column_stack([self.track, self.t]).astype(np.float32)
 
     def get_state(self):
@@ -88,7 +88,7 @@ class Track(UPOMDP):
     def set_state(self, state):
         self.set_level_state(state, "track", "wind", "t")
         self.track[:], self.wind[:], self.t[:] = state["track"], state["wind"], state["t"]
-        return self._look()
+        return self._observe()
 
     def copy(self):
         twin = Track(self.num_envs)
@@ -199,7 +199,7 @@ def trained(method, adapter, updates=6):
     watch.over(first)
     for _ in range(updates):
         first.update()
-    state = pickle.loads(pickle.dumps(first.state_dict(episodes=first.upomdp.gives_state)))
+    state = pickle.loads(pickle.dumps(first.state_dict(episodes=first.upomdp.supports_state)))
     second = METHODS[method].load()(ADAPTERS[adapter](), ppo, settings, seed=3)
     watch.over(second)
     second.load_state_dict(state)

@@ -107,12 +107,26 @@ def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
     assert (queue.records["level"]["program"] == [0, 1, 2, 3, 4]).all()
 
 
-def test_each_student_is_told_what_it_will_begin_next():
-    queue = make_queue(num_envs=4, episodes=1)
+def test_the_levels_that_a_student_will_begin_next_are_announced_once():
+    queue, announced = make_queue(num_envs=4, episodes=1), []
+    queue.prefetch = [lambda levels, s=s: announced.append((s, levels["program"].tolist())) for s in range(2)]
+
+    def end(student):
+        queue.on_episode_end(student, np.array([1]), np.array([0.0]), np.array([1.0]))
+
     queue.first(0)
-    assert not len(queue.upcoming(0)) and queue.upcoming(1)["program"].tolist() == [0, 1, 2, 3]
-    queue.on_episode_end(0, np.array([1]), np.array([0.0]), np.array([1.0]))  # takes one of a block of four
-    assert queue.upcoming(0)["program"].tolist() == [5, 6, 7]
+    assert announced.pop() == (0, [])  # four were proposed, and all of them begun
+    end(0)  # takes one of a block of four
+    assert announced.pop() == (0, [5, 6, 7])
+    end(0), end(0)
+    assert not announced
+    queue.first(1)
+    assert announced.pop() == (1, [4, 5, 6, 7])
+    end(0), end(0)  # takes the last of the block, and the first of the next
+    assert announced == [(0, [9, 10, 11])]
+    queue.load_state_dict(queue.state_dict())  # its environments may be new ones
+    end(0)
+    assert announced.pop() == (0, [11])
 
 
 def test_it_resumes_where_it_was():

@@ -10,7 +10,7 @@ from ued.adapters.gym import GymUPOMDP, UPOMDPWrapper
 from ued.adapters.mixture import Mixture
 from ued.core.curriculum import ThetaSpace
 from ued.core.level_space import SEEDS, luck_seed
-from ued.methods.plr import PLRLevels
+from ued.methods.plr import PLRCurriculum
 
 # ---------------------------------------------------------------- what an environment is given
 
@@ -75,12 +75,12 @@ def test_seeds_are_levels():
 def test_an_adversary_proposes_few_seeds_one_by_one_and_many_as_a_range(count, options):
     batch = GymUPOMDP(Rooms, None, ued.Seeds(count), 4)
     paired = METHODS["paired"].load()(batch, PPO, SETTINGS["paired"], seed=0)
-    network = paired.teacher.adversary.network
+    network = paired.curriculum.adversary.network
     assert network.log_weights.numel() == options and len(network.reals) == (not options)
     for _ in range(3):
         metrics = paired.update()
     assert metrics["adversary/gradient_steps"] > 0
-    proposed = batch.make_levels(paired.teacher.adversary.theta(paired.teacher.adversary.propose(100)))
+    proposed = batch.make_levels(paired.curriculum.adversary.theta(paired.curriculum.adversary.propose(100)))
     assert proposed["seed"].max() < count and len(set(proposed["seed"].tolist())) > min(count, 50) / 2
 
 
@@ -110,7 +110,7 @@ def test_an_evaluation_costs_one_reset_an_episode():
 
 def test_a_wrapped_environment_plays_the_levels_of_a_curriculum():
     Given.calls = []
-    curriculum = PLRLevels(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
+    curriculum = PLRCurriculum(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
     env = CurriculumWrapper(UPOMDPWrapper(Given(), put, {"rooms": (1, 6)}, luck="weather"), CurriculumFeed(curriculum))
     played = []
     for _ in range(12):
@@ -143,7 +143,7 @@ def test_stable_baselines_and_torchrl_play_levels_with_layouts():
     pool = batch.sample_levels(3)
     watch = Watch()
     watch._over_one(0, batch)
-    batch.next_levels = lambda count: pool[np.random.default_rng(0).integers(0, 3, count)]
+    batch.level_sampler = lambda count: pool[np.random.default_rng(0).integers(0, 3, count)]
     stable.PPO("MlpPolicy", SB3VecEnv(batch), n_steps=16, batch_size=32, seed=0).learn(128)
     TorchRLEnv(batch).rollout(40, break_when_any_done=False)
     assert all(len({start.layout for start in of_level}) == 1 for of_level in watch.starts.values())
@@ -179,9 +179,9 @@ def test_levels_of_no_seeded_episodes_are_told_apart_by_theta():
 class Lent(Track):
     """Hands out its own array, and writes into it again."""
 
-    def _look(self):
+    def _observe(self):
         self.room = getattr(self, "room", np.zeros((self.num_envs, 3), np.float32))
-        self.room[:] = super()._look()
+        self.room[:] = super()._observe()
         return self.room
 
 
@@ -213,10 +213,10 @@ def test_a_level_of_another_kind_is_refused_by_a_wrapper():
 def test_a_feed_goes_on_with_its_visits():
     def feed():
         return CurriculumFeed(
-            PLRLevels(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
+            PLRCurriculum(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="learnability", episodes_per_level=2))
         )
 
     one, other = feed(), feed()
-    turns = [int(one.next()["turn"][0]) for _ in range(3)]
+    visits = [int(one.next()["visit"][0]) for _ in range(3)]
     other.load_state_dict(one.state_dict())
-    assert turns == [0, 1, 2] and other.next()["turn"][0] == 3
+    assert visits == [0, 1, 2] and other.next()["visit"][0] == 3

@@ -15,9 +15,10 @@ from ued.core import checkpoint
 from ued.core.seeding import torch_generator
 from ued.evaluation import evaluate
 from ued.learning.cloning import Cloner
+from ued.learning.kl import KLRegularizer
 from ued.learning.memory import GRU, Past
+from ued.learning.minibatches import Batch
 from ued.learning.networks import Team
-from ued.learning.ppo import Batch, KLRegularizer
 from ued.learning.student import Player, Student
 from ued.methods import METHODS
 from ued.methods.dr import DR
@@ -111,10 +112,10 @@ def test_looking_back_it_thinks_what_it_thought(agents, team, critic, shared_tor
     method = DR(env, config, seed=2)
     for _ in range(3):
         method.update()
-    method.roll_out()  # begins in the middle of episodes, and others begin in it
+    method.fill_rollouts()  # begins in the middle of episodes, and others begin in it
     rollout, student = method.learner.rollout, method.student
     if agents == 1:
-        assert rollout.memory.abs().sum() > 0 and rollout.begins.any() and rollout.final_value.abs().sum() > 0
+        assert rollout.memory.abs().sum() > 0 and rollout.episode_starts.any() and rollout.final_value.abs().sum() > 0
     rollout.train[:, 1], rollout.train[:9, 2] = False, False
     sequences = student.actor_memory.sequences(rollout.train)
     assert len(sequences) == 3  # one has nothing to be learned from
@@ -127,7 +128,7 @@ def test_looking_back_it_thinks_what_it_thought(agents, team, critic, shared_tor
 
 def test_the_end_that_is_cut_off_is_valued_by_who_remembers():
     method = DR(Cut(4), QUICK, seed=2)
-    method.roll_out()
+    method.fill_rollouts()
     worker = method.learner.worker
     cut = worker.rollout.truncated
     assert cut.any() and (worker.rollout.final_value != 0).eq(cut).all()
@@ -158,7 +159,7 @@ def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tm
 
 def test_a_student_is_kept_close_to_another_that_remembers_in_its_own_way():
     method = DR(Corridor(8), QUICK, seed=0)
-    method.roll_out()  # begins with episodes, so that there is nothing that another could not know
+    method.fill_rollouts()  # begins with episodes, so that there is nothing that another could not know
     rollout, student = method.learner.rollout, method.student
     sequences = student.actor_memory.sequences(rollout.train)
     batch = next(Batch.of(rollout, rollout.value, rollout.value).minibatches(sequences, len(sequences)))

@@ -31,15 +31,15 @@ from ued import (
     RobustPLR,
     SelfRegret,
     SFLConfig,
-    checkpoint,
 )
 from ued.config import AdversaryConfig, ALPGMMConfig
+from ued.core import checkpoint
 from ued.core.curriculum import ThetaSpace
 from ued.core.parameters import edit, numbered
 from ued.levels.record import NONE, Origin
 from ued.methods.method import Method
 from ued.methods.paired import kl_target
-from ued.methods.sfl import SFLLevels
+from ued.methods.sfl import SFLCurriculum
 from ued.probes import Frontier
 
 PPO = PPOConfig(num_steps=32, num_minibatches=2, update_epochs=2, hidden_size=16)
@@ -268,7 +268,7 @@ def test_the_regularizer_brings_policies_together():
 @pytest.mark.slow
 def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     method = METHODS["repaired"](frontier())
-    batches, adversary = [], method.teacher.adversary
+    batches, adversary = [], method.curriculum.adversary
     learn = adversary.learn
     adversary.learn = lambda proposals, scores: batches.append(len(scores)) or learn(proposals, scores)
     seen = observed(method)
@@ -278,14 +278,14 @@ def test_the_adversary_of_repaired_learns_only_from_what_it_proposed():
     replayed = records["origin"] == Origin.REPLAYED
     assert replayed.sum() > 20
     own = int((records["origin"] == Origin.PROPOSED).sum())
-    assert sum(batches) + len(method.teacher.pending_proposals) == own
+    assert sum(batches) + len(method.curriculum.pending_proposals) == own
     assert (records["train"] == replayed).all()
     assert not np.isnan(records["returns"][replayed]).any()  # both students played the same replayed level
 
 
 def test_sfl_chooses_even_where_looking_takes_longer_than_the_time_between_two_choices():
     """One candidate is judged in each update, 12 of them in the time of four choices."""
-    levels = SFLLevels(ThetaSpace(2), SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2))
+    levels = SFLCurriculum(ThetaSpace(2), SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2))
     levels.update(levels.propose(4)[:0])
     records = levels.propose(12)
     assert not records["train"].any()

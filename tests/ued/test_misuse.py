@@ -59,7 +59,7 @@ def test_calls_that_are_made_wrongly() -> None:
 )
 def test_a_mask_of_another_shape_or_type(mask: object) -> None:
     env = make()
-    with pytest.raises(ValueError, match=r"a mask must be \[3\] truth values, one for each environment, got shape"):
+    with pytest.raises(ValueError, match=r"a mask must have shape \[3\] and dtype bool, got shape"):
         env.reset(options={"reset_mask": mask})
     with pytest.raises(ValueError, match="a mask must be"):
         env.reset_to_levels(env.sample_levels(1), mask)  # type: ignore[arg-type]
@@ -70,7 +70,7 @@ def test_levels_of_a_program_that_is_not_there() -> None:
     for program in (1, -1):
         levels = env.sample_levels(3)
         levels["program"][1] = program
-        with pytest.raises(ValueError, match=f"a level is of program {program}; 0 is the only program"):
+        with pytest.raises(ValueError, match=f"a level has program {program}; 0 is the only program"):
             env.reset_to_levels(levels)
     with pytest.raises(ValueError, match=r"levels must be records of .*, got list"):
         env.reset_to_levels([1, 2, 3])  # type: ignore[arg-type]
@@ -89,7 +89,7 @@ def test_a_number_of_environments_that_is_none(count: object) -> None:
         lambda: GymUPOMDP(lambda: None, lambda *_: None, 1, count),  # type: ignore[arg-type, return-value]
         lambda: FootballVectorEnv("minigames/one_v_one/free.scenic", count),  # type: ignore[arg-type]
     ):
-        with pytest.raises(ValueError, match="num_envs must be a whole number from 1 on, got"):
+        with pytest.raises(ValueError, match="num_envs must be a positive integer, got"):
             attempt()
 
 
@@ -102,7 +102,7 @@ def test_a_list_of_no_seeds_asks_for_no_seed() -> None:
 
 def test_a_stream_that_is_none_is_refused() -> None:
     env = make()
-    with pytest.raises(ValueError, match="np_random is no state of a PCG64"):
+    with pytest.raises(ValueError, match="np_random is not a valid state of a PCG64"):
         env.set_state(env.get_state() | {"np_random": {"bit_generator": "PCG64"}})
 
 
@@ -116,7 +116,7 @@ def test_a_match_that_nobody_plays(words: list[str], capsys: pytest.CaptureFixtu
 
 @pytest.mark.parametrize("kind", [Range, LogRange])
 def test_a_range_the_wrong_way_round(kind: type) -> None:
-    with pytest.raises(ValueError, match="a range goes from its lower end to its upper one, got 3 and 2"):
+    with pytest.raises(ValueError, match="the low end of a range must not exceed the high end, got 3 and 2"):
         kind(3, 2)
     with pytest.raises(ValueError):
         kind(1, np.nan)
@@ -152,7 +152,7 @@ GOOD = {"length": 0.1, "force": 100.0, "poles": 3, "ground": "b"}
 )
 def test_values_that_are_none_of_their_parameters(wrong: dict) -> None:
     assert (np.abs(ThetaMap(KINDS).theta(GOOD)) <= 1).all()
-    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be of .*, got"):
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be a value of .*, got"):
         ThetaMap(KINDS).theta(GOOD | wrong)
 
 
@@ -200,8 +200,8 @@ class Odd(gymnasium.Wrapper):
         ("old reset", "failed in reset"),
         ("old step", "failed in step"),
         ("shape", r"the observation has shape \(2,\), observation_space says \(4,\)"),
-        ("nan", "environment 0 gave an observation that is not finite"),
-        ("reward", "environment 0 gave a reward that is not finite: inf"),
+        ("nan", "environment 0 returned an observation that is not finite"),
+        ("reward", "environment 0 returned a reward that is not finite: inf"),
     ],
 )
 def test_what_no_environment_may_give(wrong: str, message: str) -> None:

@@ -1,5 +1,7 @@
 """Several programs in one batch, the program a part of the level."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import torch
@@ -59,16 +61,17 @@ def test_the_unit_of_an_entry_is_the_least_of_its_programs(monkeypatch):
     env = mixture(3)
     units = np.array([0.5, 2.0]), np.array([1.0, 0.1]), None
     for member, unit in zip(env.members, units, strict=True):
-        monkeypatch.setattr(type(member), "observation_unit", unit)
-    assert env.observation_unit.tolist() == [0.0, 0.1, 1, 1, 1]
+        monkeypatch.setattr(type(member), "observation_scale", unit)
+    assert env.observation_scale.tolist() == [0.0, 0.1, 1, 1, 1]
 
 
-def test_each_program_is_told_which_levels_of_its_own_are_coming():
-    env = mixture(3)
-    assert not any(len(member.upcoming()) for member in env.members)
+def test_each_program_prefetches_the_levels_of_its_own(monkeypatch):
+    env, coming = mixture(3), {}
+    for k, member in enumerate(env.members):
+        monkeypatch.setattr(member, "prefetch", partial(coming.__setitem__, k))
     levels = env.make_levels([[-1.0, 0.1, 0.2], [0.0, 0.3, -0.4], [1.0, 0.5, 0.5], [-1.0, 0.6, 0.7]])
-    env.upcoming = lambda: levels
-    plain, half, choice = (member.upcoming() for member in env.members)
+    env.prefetch(levels)
+    plain, half, choice = (coming[k] for k in range(3))
     assert plain["theta"].tolist() == [[0.1, 0.2], [0.6, 0.7]] and half["theta"].tolist() == [[0.3, -0.4]]
     assert plain["seed"].tolist() == levels["seed"][[0, 3]].tolist() and len(choice) == 1
 
@@ -179,7 +182,7 @@ def test_minigames_of_football_in_one_batch():
 
 def test_an_adversary_chooses_among_programs_without_parameters():
     draws, generator = [Column("program", kinds.Choice("a", "b", "c"))], torch.Generator().manual_seed(0)
-    adversary = Adversary(draws, AdversaryConfig(), generator, program_draws=((), (), ()))
+    adversary = Adversary(draws, AdversaryConfig(), generator, program_parameters=((), (), ()))
     proposals = adversary.propose(64)
     assert len(np.unique(adversary.theta(proposals)[:, 0])) == 3
     assert not proposals.log_prob.any()  # as likely as the mixture draws each

@@ -77,7 +77,7 @@ def lessons_of(config, env=None, updates=4):
     """Return what the adversary learns from (θ, scores), the level records of all updates, and their metrics."""
     method = Paired(env or Landscape(64), PPO, config, seed=0)
     lessons = []
-    adversary = method.teacher.adversary
+    adversary = method.curriculum.adversary
     learn = adversary.learn
     adversary.learn = lambda proposals, scores: (
         lessons.append((adversary.theta(proposals), scores)) or learn(proposals, scores)

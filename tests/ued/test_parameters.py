@@ -26,7 +26,7 @@ from ued import (
     SFLConfig,
     ThetaSpace,
 )
-from ued.core.parameters import ThetaMap, edit, snap
+from ued.core.parameters import ThetaMap, edit, quantize
 from ued.core.upomdp import UPOMDP
 from ued.levels.diagnostics import theta_metrics
 
@@ -81,15 +81,15 @@ def test_equal_levels_are_one_level():
     env = GymUPOMDP(Bandit, put, {"legs": Integer(1, 3), "ground": Choice("grass", "ice")}, 2)
     levels = env.make_levels(np.random.default_rng(0).uniform(-1, 1, (500, 2)))
     assert len(np.unique(levels["theta"], axis=0)) == 6
-    assert (snap(levels["theta"], env.draws) == levels["theta"]).all()
+    assert (quantize(levels["theta"], env.parameters) == levels["theta"]).all()
     assert [env.describe(row)[0] for row in levels["theta"]] == env.describe(levels["theta"])
 
 
 def test_edits_stay_within_the_kind():
     space, rng = ThetaSpace(KINDS | {"floor": Integer(0, 99)}), np.random.default_rng(0)
     theta = space.sample_levels(3000)["theta"]
-    edited = edit(theta, space.draws, 1, 0.1, rng)
-    assert (snap(edited, space.draws)[:, 2:] == edited[:, 2:]).all()
+    edited = edit(theta, space.parameters, 1, 0.1, rng)
+    assert (quantize(edited, space.parameters)[:, 2:] == edited[:, 2:]).all()
     changed = edited != theta
     assert (changed.sum(1) == 1).all()  # an edit of a value is another value
     floors = (edited - theta)[changed[:, 4], 4] * 100 / 2
@@ -106,7 +106,7 @@ def test_the_adversary_is_categorical_where_the_parameter_is():
     assert [part.column for part in network.reals] == [0, 1]
     records = teacher.propose(200)
     theta = records["level"]["theta"]
-    assert (theta[:, 2:] == snap(theta, method.upomdp.draws)[:, 2:]).all()
+    assert (theta[:, 2:] == quantize(theta, method.upomdp.parameters)[:, 2:]).all()
     for column, cells in ((2, 5), (3, 2)):
         assert len(np.unique(theta[:, column])) == cells
     score = (theta[:, 3] > 0).astype(float)  # ice is worth more
@@ -129,10 +129,10 @@ def test_a_fresh_adversary_has_nearly_the_entropy_of_the_uniform(distribution):
 def test_entropy_and_coverage_count_the_values_of_a_column():
     space = ThetaSpace(KINDS)
     theta = space.sample_levels(2000)["theta"]
-    metrics = theta_metrics(theta, space.draws)
+    metrics = theta_metrics(theta, space.parameters)
     assert metrics["theta_entropy"] == pytest.approx(4 * np.log(2), abs=0.02) and metrics["theta_coverage"] == 1.0
     half = theta[theta[:, 3] > 0]  # one value of two: log 2 less, and one cell of 10 + 10 + 5 + 2
-    metrics = theta_metrics(half, space.draws)
+    metrics = theta_metrics(half, space.parameters)
     assert metrics["theta_entropy"] == pytest.approx(3 * np.log(2), abs=0.03)
     assert metrics["theta_coverage"] == pytest.approx(26 / 27, abs=1e-3)
 
@@ -200,7 +200,9 @@ def test_mutants_differ_in_one_letter():
 
 @pytest.mark.parametrize("name", ["paired", "minimax", "repaired", "self_regret", "alp_gmm"])
 def test_who_places_levels_says_that_these_cannot_be_placed(name):
-    with pytest.raises(ValueError, match="levels of Words can be drawn and mutated, but not placed; use dr, plr"):
+    with pytest.raises(
+        ValueError, match="levels of Words can be sampled and mutated, but not chosen by theta; use dr, plr"
+    ):
         METHODS[name].load()(words(), SMALL, None, seed=0)
 
 
@@ -246,7 +248,7 @@ def test_theta_of_any_size_and_mixture_through_every_method(name, dim):
     for _ in range(3):
         metrics = method.update()
     theta = method.last.theta
-    assert theta.shape[1] == dim and len(theta) and (snap(theta, method.upomdp.draws) == theta).all()
+    assert theta.shape[1] == dim and len(theta) and (quantize(theta, method.upomdp.parameters) == theta).all()
     assert metrics["theta_entropy"] <= dim * np.log(2) + 1e-6
 
 
@@ -321,5 +323,5 @@ def test_an_error_of_the_setter_tells_the_level():
     def broken(env, values):
         raise KeyError("lanes")
 
-    with pytest.raises(LevelError, match=r"failed in the function that puts levels into it: KeyError: 'lanes' \(level"):
+    with pytest.raises(LevelError, match=r"failed in the function that applies levels: KeyError: 'lanes' \(level"):
         GymUPOMDP(Bandit, broken, KINDS, 1).reset(seed=0)

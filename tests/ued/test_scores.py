@@ -48,7 +48,7 @@ def test_learnability_is_the_variance_of_success_without_bias():
 
 
 def test_a_level_without_an_episode_is_not_scored_zero():
-    with pytest.raises(ValueError, match="level 1 holds no finished episode, so it cannot be scored"):
+    with pytest.raises(ValueError, match="level 1 has no finished episode, so it has no score"):
         score("learnability", records([[1.0, 0.0], [GAP, GAP]]))
 
 
@@ -57,7 +57,7 @@ def test_a_score_that_needs_values_says_so():
         score("max_mc", records([[1.0]]))
     assert str(error.value) == (
         'the score max_mc needs records["mean_value"], which the trainer has not filled in; '
-        "the score learnability needs returns alone"
+        "the score learnability needs only returns"
     )
 
 

@@ -48,12 +48,12 @@ def test_every_level_that_a_method_reports_is_on_the_tapes(students):
         method.update()
         records = method.last.records
         for index, learner in enumerate(method.learners):
-            tape = learner.worker.tape.pop(records["turn"])
-            assert set(tape) == set(records["turn"].tolist()) and len(tape)
+            tape = learner.worker.tape.pop(records["visit"])
+            assert set(tape) == set(records["visit"].tolist()) and len(tape)
             for record in records:  # played again on its level alone, it pays what it paid
                 alone, paid, total = Frontier(1, longest=4), [], 0.0
                 alone.reset_to_levels(record["level"].reshape(1))
-                for action in tape[int(record["turn"])]:
+                for action in tape[int(record["visit"])]:
                     _, reward, terminated, truncated, _ = alone.step(np.array([action]))
                     total += float(reward[0])
                     if terminated[0] or truncated[0]:

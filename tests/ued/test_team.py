@@ -37,7 +37,7 @@ class Roles(Probe):
         self.num_agents = agents
         space = Box(-np.inf, np.inf, (agents, self.size), np.float32)
         everybody = MultiDiscrete([self.actions] * agents)
-        super(Probe, self).__init__(num_envs, space, everybody, self.draws)
+        super(Probe, self).__init__(num_envs, space, everybody, self.parameters)
 
     def look(self):
         return np.repeat(self.sign[:, None, None], self.num_agents, 1).astype(np.float32)
@@ -202,7 +202,7 @@ def test_every_method_trains_teams_and_resumes_to_the_same_numbers(name):
 
 def test_the_regret_of_teams_is_that_of_their_returns():
     method = Paired(Roles(8), arranged("shared", "own"), seed=0)
-    levels = method.play()
+    levels = method.collect_rollouts()
     assert len(levels) and levels["returns"].shape[1:] == (2, 2)
     thirds = 3 * levels["returns"][levels["num_played"].min(1) == 2]
     np.testing.assert_allclose(thirds, np.round(thirds))  # a mean over three agents
@@ -298,7 +298,7 @@ def test_programs_of_a_mixture_have_as_many_agents():
 class Opponents(Roles):
     """One step: an agent is paid for following the sign, and what one is paid, the other loses."""
 
-    paid_apart = True
+    individual_rewards = True
 
     def __init__(self, num_envs=16):
         super().__init__(num_envs, agents=2)

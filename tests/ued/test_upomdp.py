@@ -28,7 +28,7 @@ class NoShortPoles:
     """A stand-in for a program: two columns, and poles under a third of the range are invalid."""
 
     def __init__(self):
-        self.draws = cartpole(1).draws
+        self.parameters = cartpole(1).parameters
 
     def valid(self, theta):
         return theta[:, 0] > -1 / 3
@@ -60,7 +60,7 @@ def test_an_ended_episode_restarts_on_its_own_level_in_the_same_step():
     assert (env.levels == before).all()
 
 
-def test_next_levels_supplies_the_level_of_the_next_episode():
+def test_level_sampler_supplies_the_level_of_the_next_episode():
     env = cartpole(3)
     env.reset(seed=0)
     asked = []
@@ -69,7 +69,7 @@ def test_next_levels_supplies_the_level_of_the_next_episode():
         asked.append(count)
         return env.make_levels(np.full((count, 2), 0.5))
 
-    env.next_levels = supply
+    env.level_sampler = supply
     for _ in range(30):
         before = env.levels.copy()
         ended = np.logical_or(*env.step(np.ones(3, int))[2:4])
@@ -126,7 +126,7 @@ def test_a_reset_mask_leaves_the_others_alone():
 
 def test_a_student_looks_as_close_as_needs_be_where_no_unit_is_known():
     """A pole falls at 0.05 rad: with a floor of 0.1 for an angle, PPO no longer solves CartPole."""
-    assert cartpole().observation_unit is None
+    assert cartpole().observation_scale is None
     assert DR(cartpole(), seed=0).student.normaliser.floor.tolist() == [0, 0, 0, 0]
 
 
@@ -146,7 +146,7 @@ def test_a_copy_resumes_bit_for_bit_and_independently():
     env.step(np.zeros(4, int))
     twin = env.copy()
     for env_or_twin in (env, twin):
-        env_or_twin.next_levels = env_or_twin.sample_levels
+        env_or_twin.level_sampler = env_or_twin.sample_levels
     for step in range(60):
         actions = np.full(4, step // 7 % 2)
         left, right = env.step(actions), twin.step(actions)
@@ -199,7 +199,7 @@ def test_the_single_wrapper_stays_a_gymnasium_environment():
     with pytest.raises(ThetaError, match=r"theta\[0, 0\] is 2"):
         env.reset(options={"theta": [2.0, 0.0]})
     invalid = UPOMDPWrapper(gymnasium.make("CartPole-v1"), put, NoShortPoles())
-    with pytest.raises(ValueError, match="describes no valid level"):
+    with pytest.raises(ValueError, match="is not a valid level"):
         invalid.step_adversary([-0.9, 0.0])
 
 

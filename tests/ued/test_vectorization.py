@@ -4,7 +4,8 @@ import gymnasium
 import numpy as np
 import pytest
 
-from ued import DR, PLR, BufferConfig, GymUPOMDP, Paired, PLRConfig, PPOConfig, checkpoint
+from ued import DR, PLR, BufferConfig, GymUPOMDP, Paired, PLRConfig, PPOConfig
+from ued.core import checkpoint
 
 PPO = PPOConfig(num_steps=32, num_minibatches=1, update_epochs=1, hidden_size=8)
 RANGES = {"length": (0.2, 2.0), "gravity": (5.0, 20.0)}
@@ -128,7 +129,7 @@ def test_the_params_of_a_scenic_program_set_an_environment(tmp_path):
         env.unwrapped.gravity, env.unwrapped.length = -values["gravity"], values["length"]
 
     env = GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), put_params, program, 4)
-    assert len(env.draws) == 2
+    assert len(env.parameters) == 2
     method = DR(env, PPO)
     method.update()
     found = {(e.unwrapped.gravity, e.unwrapped.length) for e in env.vector.envs}

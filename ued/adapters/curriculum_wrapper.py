@@ -12,7 +12,7 @@ from typing import Any, SupportsFloat
 import gymnasium
 import numpy as np
 
-from ued.adapters.gym import UPOMDPWrapper, told_success
+from ued.adapters.gym import UPOMDPWrapper, success_from_info
 from ued.core.curriculum import Curriculum
 from ued.core.resumable import Resumable
 
@@ -41,7 +41,7 @@ class CurriculumFeed(Resumable):
     def next(self) -> np.ndarray:
         """Return the next level record, `[1]`: a visit of a level, new or not."""
         record = self.curriculum.propose(1)
-        record["turn"] = self.visits
+        record["visit"] = self.visits
         self.visits += 1
         return record
 
@@ -81,7 +81,7 @@ class CurriculumWrapper(gymnasium.Wrapper):
         if self.record is not None:
             return self.env.play_again(options)
         self.record = self.feed.next()
-        level = {"level": self.record["level"], "visit": int(self.record["turn"][0])}
+        level = {"level": self.record["level"], "visit": int(self.record["visit"][0])}
         return self.env.reset(seed=seed, options={**options, **level})
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
@@ -91,7 +91,7 @@ class CurriculumWrapper(gymnasium.Wrapper):
         if (terminated or truncated) and self.record is not None:
             num_played = int(self.record["num_played"][0, 0])
             self.record["returns"][0, 0, num_played] = self.total
-            self.record["success"][0, 0, num_played] = told_success(info)
+            self.record["success"][0, 0, num_played] = success_from_info(info)
             self.record["num_played"][0, 0] = num_played + 1
             if num_played + 1 == self.record["num_episodes"][0]:
                 self.feed.finish(self.record)

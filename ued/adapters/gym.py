@@ -1,7 +1,7 @@
-"""Any Gymnasium environment as a UPOMDP: the user says what θ means, and how it is put into the environment.
+"""Any Gymnasium environment as a UPOMDP: you specify the parameters θ and a function that applies them.
 
-`UPOMDPWrapper` does it for one environment and stays a valid Gymnasium environment; `GymUPOMDP` steps N of those and
-is what methods train on. Read next: `learning.rollout`.
+`UPOMDPWrapper` wraps one environment and is a valid Gymnasium environment; `GymUPOMDP` steps N environments, on which
+methods train. Read next: `learning.rollout`.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from ued.core.parameters import Theta, ThetaMap
 from ued.core.processes import end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
-# Puts a level's values into an environment. What it returns, if that is a dict, is given to `reset` as its options.
+# Applies a level's values to an environment. If it returns a dict, this becomes the options of `reset`.
 Apply = Callable[[gymnasium.Env, Any], object]
-# What an environment's own `reset(seed=)` is given: the seed, nothing, or what a function makes of that seed.
+# The argument of an environment's `reset(seed=)`: the seed, nothing, or a function of the seed.
 SeedRule = bool | Callable[[int], int | None]
-# What of an episode is luck: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
-# draws, or what a function does with an environment that has been reset, and a seed.
+# The luck of an episode: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
+# draws, or what a function of the reset environment and a seed does.
 Luck = bool | str | Callable[[gymnasium.Env, int], object]
 
 
 class Start(NamedTuple):
-    """What an episode starts from: θ `[D]` and the seed of its level, and the seed of its luck."""
+    """The start of an episode: θ `[D]` and seed of its level, and the seed of its luck."""
 
     theta: np.ndarray
     seed: int
@@ -43,7 +43,7 @@ class Start(NamedTuple):
 
 
 class _Levelled(gymnasium.Wrapper):
-    """One environment that is put on levels; errors in it name the level."""
+    """One environment that plays levels; its errors report the level."""
 
     def __init__(
         self,
@@ -56,12 +56,12 @@ class _Levelled(gymnasium.Wrapper):
         super().__init__(env)
         self.apply, self.theta_map, self.seed_episodes, self.luck = apply, theta_map, seed_episodes, luck
         self.start = Start(np.zeros(len(theta_map.draws)), 0, 0)
-        self._shape = env.observation_space.shape  # asked once: a chain of wrappers takes longer than the check
+        self._shape = env.observation_space.shape  # cached, since a chain of wrappers is slow
 
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode; `options` are the user's own for `reset`."""
         self.start = start
-        with self._telling("the function that puts levels into it"):
+        with self._telling("the function that applies levels"):
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
         if isinstance(returned, dict):
@@ -83,7 +83,7 @@ class _Levelled(gymnasium.Wrapper):
             return self._checked(observation), reward, terminated, truncated, info
 
     def _checked(self, observation: Any) -> Any:
-        """Return an observation that has its space's shape. Raises `ValueError` for another."""
+        """Return an observation. Raises `ValueError` unless it has the shape of the space."""
         shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
         if shape != self._shape and self._shape is not None:
             raise ValueError(f"the observation has shape {shape}, observation_space says {self._shape}")
@@ -91,7 +91,7 @@ class _Levelled(gymnasium.Wrapper):
 
     @contextmanager
     def _telling(self, what: str) -> Iterator[None]:
-        """Raise whatever goes wrong meanwhile as a `LevelError`."""
+        """Raise any exception as a `LevelError`."""
         try:
             yield
         except LevelError:
@@ -102,7 +102,7 @@ class _Levelled(gymnasium.Wrapper):
 
 
 def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
-    """Return θ `[D]`, the values it stands for and the seed, for an error."""
+    """Return θ `[D]`, its values and the seed as a text for an error."""
     row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
     values = str(theta_map.values(theta))
     shown = values if len(values) < 1000 else values[:1000] + " …"
@@ -112,8 +112,8 @@ def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
 class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs):
     """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
 
-    `apply(env, values)` puts `values` (name to value) into the environment; it is called before each reset, and a dict
-    that it returns is the reset's options. A reset without θ draws a level at random, so a stock trainer sees domain
+    `apply(env, values)` applies `values` (name to value) to the environment before each reset; a dict that it returns
+    becomes the reset's options. A reset without θ samples a random level, so a stock trainer trains by domain
     randomization. `theta`, `valid`, `seed_episodes` and `luck` are those of `GymUPOMDP`.
     """
 
@@ -133,7 +133,11 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         )
         check_luck(luck, seed_episodes)
         _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
-        self.draws, self.family, self.seeds = self.theta_map.draws, self.theta_map.family, self.theta_map.seeds
+        self.parameters, self.level_family, self.seeds = (
+            self.theta_map.draws,
+            self.theta_map.level_family,
+            self.theta_map.seeds,
+        )
         self.seed_is_luck = luck is True or seed_episodes is False
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.level = np.zeros(1, level_dtype(self.theta_dim))
@@ -147,12 +151,12 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start an episode on `options["theta"]` `[D]`, on `options["level"]` `[1]`, or on a random level.
 
-        `seed` seeds the stream of levels, and is the seed of this level where none is given. A level, a record of
-        `level_dtype(D)`, comes with its own; `options["visit"]` is the number of this visit of it, which its luck
-        depends on. `info["theta"]` and `info["level_seed"]` say which level it is.
+        `seed` seeds the stream of levels, and is the seed of this level unless a level is given. A level, a record of
+        `level_dtype(D)`, has its own seed; `options["visit"]` is the number of this visit, which determines its luck.
+        `info["theta"]` and `info["level_seed"]` identify the level.
 
         Raises `ued.core.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that
-        describes no valid level.
+        is not a valid level.
         """
         if seed is not None:
             self._streams = np.random.default_rng(seed)
@@ -160,11 +164,11 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         self.level = self._level_of(options.pop("level", None), options.pop("theta", None), seed)
         self.visit, self.episode = int(options.pop("visit", 0)), 0
         if not 0 <= self.visit < 2**63:
-            raise ValueError(f"visit must be a whole number from 0 on, got {self.visit}")
+            raise ValueError(f"visit must be an integer, 0 or larger, got {self.visit}")
         return self._play(options)
 
     def _level_of(self, level: Any, theta: Any, seed: int | None) -> np.ndarray:
-        """Return the level `[1]` that a reset is to start; see `reset`."""
+        """Return the level `[1]` of a reset; see `reset`."""
         if level is not None:
             level = np.atleast_1d(np.array(level))
             if level.dtype != self.level.dtype or level.shape != (1,):
@@ -175,7 +179,7 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
             if seed is not None and self.seeds is None:
                 level["seed"] = seed
         if not self.valid(level["theta"])[0]:
-            raise ValueError(f"theta {level['theta'][0].tolist()} describes no valid level")
+            raise ValueError(f"theta {level['theta'][0].tolist()} is not a valid level")
         return level
 
     def reset_random(self) -> Any:
@@ -204,18 +208,18 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
 
 
 def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
-    """Raise `ValueError` for what says nothing of an environment's luck, or what cannot be had with these seeds."""
+    """Raise `ValueError` for an invalid `luck`, or one that contradicts `seed_episodes`."""
     if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
         raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
     if luck is True and seed_episodes is False:
         raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
 
 
-SUCCESS = ("success", "is_success")  # what environments call it in their info: Meta-World, Gymnasium-Robotics
+SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
 
 
-def told_success(info: Mapping[str, Any]) -> Any:
-    """Return what an environment says of its success in its info, NaN where it says nothing."""
+def success_from_info(info: Mapping[str, Any]) -> Any:
+    """Return the success that an environment reports in its info, NaN without one."""
     return next((info[name] for name in SUCCESS if name in info), math.nan)
 
 
@@ -225,8 +229,8 @@ ENDS = ("slot_terminated", "slot_truncated")  # in the info of a `_Slot`
 class _Slot(_Levelled):
     """One environment of a batch: takes its own row of the batch's starts at each reset.
 
-    At the end of an episode it stands still until the next reset. Its batch would refuse to step the others meanwhile,
-    so the end is reported in the info alone.
+    After the end of an episode it does not step until the next reset. Gymnasium's batch would refuse to step the others
+    meanwhile, so the end is reported only in the info.
     """
 
     index = 0
@@ -285,23 +289,23 @@ class GymUPOMDP(UPOMDP):
 
     Args:
         make_env: makes one environment; called `num_envs` times.
-        apply: `apply(env, values)` puts one level's values into an environment, before each of its resets; a dict that
-            it returns is the reset's options. None: there is nothing to put.
+        apply: `apply(env, values)` applies one level's values to an environment before each reset; a dict that it
+            returns becomes the reset's options. None: levels have no values to apply.
         theta: number of dimensions; mapping from name to a `Range`, `LogRange`, `Integer`, `Choice` or a pair (low,
             high); a program; a `LevelFamily`; or `Seeds`. See `parameters.ThetaMap`.
         num_envs: N.
-        vectorization: "sync" steps them one after the other in this process, "async" each in a process of its own.
-            Those give no state: a checkpoint of a training holds their levels, and open episodes begin anew.
-        valid: says of the values of one level whether it can be played; None: all can.
-        seed_episodes: what `reset(seed=)` of an environment is given: the seed (True), nothing (False: then levels are
-            no more than θ, and what is drawn is in nobody's hand), or what a function makes of the seed, for
-            environments whose seed is something else, such as the number of a map.
-        luck: what of an episode is luck, which is new in each episode of a level: nothing (False), so that all episodes
+        vectorization: "sync" steps them one after the other in this process, "async" each in its own process. Async
+            environments have no state: a checkpoint holds their levels, and a resumed run restarts open episodes.
+        valid: returns whether a level with these values is valid; None: all are.
+        seed_episodes: the argument of an environment's `reset(seed=)`: the seed (True), nothing (False: levels are θ
+            alone, and random numbers are not reproducible), or a function of the seed, for environments with another
+            meaning of the seed, such as the number of a map.
+        luck: the part of an episode that is luck, new in each episode of a level: nothing (False), so that all episodes
             of a level start alike; all that `reset(seed=)` draws (True), for environments whose reset adds a little
-            noise to what θ describes; what an environment draws from a second seed, under this key of the reset's
-            options; or what `luck(env, seed)` does after each reset: what it returns, if not None, is seen first.
+            noise to θ; what an environment draws from a second seed, under this key of the reset's options; or what
+            `luck(env, seed)` does after each reset: if it returns an observation, this is the first one.
 
-    What goes wrong in an environment is raised as a `LevelError` that tells the level.
+    Exceptions in an environment are raised as a `LevelError`, which reports the level.
     """
 
     theta_map: ThetaMap
@@ -325,7 +329,7 @@ class GymUPOMDP(UPOMDP):
         check_luck(luck, seed_episodes)
         self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
-        self.family, self.seeds = self.theta_map.family, self.theta_map.seeds
+        self.level_family, self.seeds = self.theta_map.level_family, self.theta_map.seeds
         self.seed_is_luck = luck is True or seed_episodes is False
         self.vectorization: Literal["sync", "async"] = vectorization
         self._theta, self._valid = theta, valid
@@ -344,7 +348,7 @@ class GymUPOMDP(UPOMDP):
 
         def slot(index: int) -> Callable[[], gymnasium.Env]:
             def make() -> gymnasium.Env:
-                if os.getpid() != owner:  # a worker is ended by SIGTERM, whatever the handler that it was forked with
+                if os.getpid() != owner:  # SIGTERM ends a worker, whatever handler it inherited
                     signal.signal(signal.SIGTERM, signal.SIG_DFL)
                     end_with_parent(signal.SIGKILL)  # though a step hangs
                 made = self.make_env()
@@ -383,15 +387,15 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
-        """Raise `LevelError` where an environment gave NaN or infinity in its part of `[N, ...]`."""
+        """Raise `LevelError` if an environment returned NaN or infinity in its part of `[N, ...]`."""
         if numbers.dtype.kind != "f" or np.isfinite(numbers).all():
             return
         index = int(np.flatnonzero(~np.isfinite(numbers).reshape(self.num_envs, -1).all(1))[0])
         level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index]))
-        raise LevelError(f"environment {index} gave {what} that is not finite: {numbers[index]} ({level})")
+        raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
 
     def _success(self, told: Mapping[str, Any]) -> np.ndarray:
-        """Return `info["success"]` `[N]` from the infos of the environments, some of which may say nothing."""
+        """Return `info["success"]` `[N]` from the infos of the environments, NaN where one does not report it."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
             if name in told:
@@ -399,10 +403,10 @@ class GymUPOMDP(UPOMDP):
                 success[says] = np.asarray(told[name], float)[says]
         return success
 
-    gives_state = False  # Python objects
+    supports_state = False  # Python objects
 
     def get_state(self) -> dict[str, Any]:
-        """Return everything that changes; the environments themselves are Python objects, copied deeply."""
+        """Return the whole state; the environments are Python objects, copied deeply."""
         if self.vectorization == "async":
             raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
         try:
@@ -418,12 +422,12 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> GymUPOMDP:
-        """Return a second one of so many environments, with a stream of its own; nothing is reset yet."""
+        """Return a UPOMDP with `num_envs` environments of the same kind, not yet reset, with its own stream."""
         rules = self._valid, self.seed_episodes, self.luck
         return GymUPOMDP(self.make_env, self.apply, self._theta, num_envs, self.vectorization, *rules)
 
     def copy(self) -> GymUPOMDP:
-        """Return a second one; environments that give no state begin the same levels anew."""
+        """Return a copy; environments without a state restart their levels."""
         twin = self.resized(self.num_envs)
         try:
             twin.set_state(self.get_state())

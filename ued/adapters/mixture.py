@@ -8,7 +8,6 @@ on it as it stands. Read next: `core.upomdp`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from gymnasium.spaces import Box, flatdim
 from ued.core import parameters
 from ued.core.cells import index_in
 from ued.core.level_space import check_theta, level_dtype
-from ued.core.parameters import Choice, Column, Range, snap
+from ued.core.parameters import Choice, Column, Range, quantize
 from ued.core.upomdp import UPOMDP
 
 
@@ -26,7 +25,7 @@ class Mixture(UPOMDP):
 
     Args:
         members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. They
-            belong to the mixture from then on; those of their environments that nobody plays are `idle`.
+            belong to the mixture from then on; environments on the level of another program are `idle`.
         names: of the programs.
 
     θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
@@ -40,12 +39,12 @@ class Mixture(UPOMDP):
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:
         _check(members, names)
         self.members, self.program_names, self.only = tuple(members), tuple(names), only
-        self.program_draws = tuple(tuple(member.draws) for member in members)
+        self.program_parameters = tuple(tuple(member.parameters) for member in members)
         first = members[0]
         self.num_agents = first.num_agents
         self.sizes = [flatdim(member.agent_observation_space) for member in members]
         self.width = max(self.sizes)
-        widest = max(map(len, self.program_draws))
+        widest = max(map(len, self.program_parameters))
         draws = [Column("program", Choice(*names))]
         draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
         seen = (self.width + len(members),)
@@ -53,8 +52,6 @@ class Mixture(UPOMDP):
         super().__init__(first.num_envs, space, first.single_action_space, draws)
         self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
         self.seed_is_luck = all(member.seed_is_luck for member in members)
-        for k, member in enumerate(self.members):
-            member.upcoming = partial(self._upcoming_of, k)
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
@@ -63,11 +60,11 @@ class Mixture(UPOMDP):
         return None if None in limits else max(limit for limit in limits if limit is not None)
 
     @property
-    def observation_unit(self) -> np.ndarray:
+    def observation_scale(self) -> np.ndarray:
         """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
         for k, member in enumerate(self.members):
-            unit = member.observation_unit
+            unit = member.observation_scale
             units[k, : self.sizes[k]] = 0.0 if unit is None else unit
         return units.min(axis=0)
 
@@ -99,15 +96,15 @@ class Mixture(UPOMDP):
         levels["program"] = self.program_of(levels["theta"])
         for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
-            levels["theta"][mine, own] = snap(levels["theta"][mine, own], member.draws)
+            levels["theta"][mine, own] = quantize(levels["theta"][mine, own], member.parameters)
             if member.seeds is not None:
                 levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
         return levels
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         edited, program = theta.copy(), self.program_of(theta)
-        for k, own in enumerate(self.program_draws):  # the columns behind mean what the member's mean
-            mine, columns = program == k, (self.draws[0], *own, *self.draws[1 + len(own) :])
+        for k, own in enumerate(self.program_parameters):  # the columns behind mean what the member's mean
+            mine, columns = program == k, (self.parameters[0], *own, *self.parameters[1 + len(own) :])
             edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
         return edited
 
@@ -143,9 +140,10 @@ class Mixture(UPOMDP):
         own["seed"], own["theta"] = levels["seed"], levels["theta"][:, 1 : 1 + dim]
         return own
 
-    def _upcoming_of(self, k: int) -> np.ndarray:
-        levels = self.levels[:0] if self.upcoming is None else self.upcoming()
-        return self._of_member(k, levels[self.program_of(levels["theta"]) == k])
+    def prefetch(self, levels: np.ndarray) -> None:
+        program = self.program_of(levels["theta"])
+        for k, member in enumerate(self.members):
+            member.prefetch(self._of_member(k, levels[program == k]))
 
     def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
         """Put observations of program k, of the environments `where`, in their places."""
@@ -170,8 +168,8 @@ class Mixture(UPOMDP):
     # ------------------------------------------------------------ state
 
     @property
-    def gives_state(self) -> bool:
-        return all(member.gives_state for member in self.members)
+    def supports_state(self) -> bool:
+        return all(member.supports_state for member in self.members)
 
     def get_state(self) -> dict[str, Any]:
         return {
@@ -215,7 +213,7 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
             raise ValueError(f"{name} has {member.num_agents} agents, {names[0]} {first.num_agents}")
         if member.single_action_space != first.single_action_space:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
-        if member.paid_apart:
-            raise ValueError(f"{name} has opponents; a mixture needs agents who are paid together")
+        if member.individual_rewards:
+            raise ValueError(f"{name} has opponents; a mixture needs agents with one reward")
         if len(member.agent_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

@@ -1,6 +1,6 @@
 """A UPOMDP as Stable-Baselines3's `VecEnv`: `PPO("MlpPolicy", SB3VecEnv(upomdp)).learn(100_000)`.
 
-Each episode is on a random level, or on what `upomdp.next_levels` gives; `info["theta"]` and `info["level_seed"]` of an
+Each episode plays a random level, or one of `upomdp.level_sampler`; `info["theta"]` and `info["level_seed"]` of an
 episode that ended say which it was. Read next: `examples/with_stable_baselines3.py`, which lets a curriculum choose.
 """
 
@@ -23,8 +23,8 @@ class SB3VecEnv(VecEnv):
             raise ValueError(f"Stable-Baselines3 plays one agent; the environments have {upomdp.num_agents}")
         self.upomdp = upomdp
         self._seed: int | None = None
-        if upomdp.next_levels is None:
-            upomdp.next_levels = upomdp.sample_levels
+        if upomdp.level_sampler is None:
+            upomdp.level_sampler = upomdp.sample_levels
         super().__init__(upomdp.num_envs, upomdp.single_observation_space, upomdp.single_action_space)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:

@@ -1,6 +1,6 @@
 """A UPOMDP as TorchRL's batched environment, as VMAS has it: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
 
-Each episode is on a random level, or on what `upomdp.next_levels` gives; "theta" says on which. TorchRL sees the last
+Each episode plays a random level, or one of `upomdp.level_sampler`; "theta" says on which. TorchRL sees the last
 observation of an episode, then resets.
 Read next: `sb3`, the same for Stable-Baselines3.
 """
@@ -33,8 +33,8 @@ class TorchRLEnv(EnvBase):
                 "PettingZoo environment, which TorchRL wraps: examples/with_torchrl.py"
             )
         super().__init__(device="cpu", batch_size=torch.Size([upomdp.num_envs]))
-        if upomdp.next_levels is None:
-            upomdp.next_levels = upomdp.sample_levels
+        if upomdp.level_sampler is None:
+            upomdp.level_sampler = upomdp.sample_levels
         self.upomdp, count = upomdp, upomdp.num_envs
         self.first = getattr(upomdp.single_action_space, "start", 0)
         seen, theta = spec_of(upomdp.single_observation_space, count), spec_of(upomdp.theta_space, count)
@@ -51,7 +51,7 @@ class TorchRLEnv(EnvBase):
         where = np.ones(self.upomdp.num_envs, bool) if asked is None else asked.flatten().numpy()
         if where.any():
             self._now = self.upomdp.start_next(where)
-        return TensorDict(self._look(self._now, self.upomdp.levels["theta"]), self.batch_size)
+        return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]), self.batch_size)
 
     def _step(self, tensordict: TensorDictBase) -> TensorDictBase:
         action = tensordict["action"].numpy() + self.first
@@ -59,9 +59,9 @@ class TorchRLEnv(EnvBase):
         ends = {"terminated": terminated, "truncated": truncated, "done": terminated | truncated}
         told = {name: torch.as_tensor(value)[:, None] for name, value in ends.items()}
         told["reward"] = torch.as_tensor(reward, dtype=torch.float32)[:, None]
-        return TensorDict(self._look(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
+        return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
 
-    def _look(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
+    def _observe(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
         return {"observation": torch.as_tensor(np.array(seen)), "theta": torch.as_tensor(theta.copy())}
 
     def _set_seed(self, seed: int | None) -> None:

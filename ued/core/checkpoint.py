@@ -17,6 +17,7 @@ import numpy as np
 import torch
 
 from ued.core.files import write_whole
+from ued.core.renamed import present_fields, present_keys
 
 FORMAT = "regista checkpoint"
 VERSION = 3  # 1: before methods held learners; 2: before normalisers had a floor
@@ -113,7 +114,7 @@ def encode(value: Any, where: str = "state") -> Any:
 
 
 def decode(value: Any) -> Any:
-    """Undo `encode`."""
+    """Undo `encode`; old names of keys and fields become the present ones, see `renamed`."""
     if isinstance(value, list):
         return [decode(item) for item in value]
     if not isinstance(value, dict):
@@ -124,7 +125,7 @@ def decode(value: Any) -> Any:
         return int(value[INTEGER])
     if TUPLE in value:
         return tuple(decode(item) for item in value[TUPLE])
-    return {key: decode(item) for key, item in value.items()}
+    return present_keys({key: decode(item) for key, item in value.items()})
 
 
 def _check_keys(value: dict[Any, Any], where: str) -> None:
@@ -144,7 +145,7 @@ def _encode_array(array: np.ndarray, where: str) -> dict[str, Any]:
 def _decode_array(value: dict[str, Any]) -> np.ndarray:
     described = ast.literal_eval(value["dtype"])  # in older checkpoints a dictionary
     dtype = np.dtype(described) if "names" in described else np.lib.format.descr_to_dtype(described)
-    return np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy()
+    return present_fields(np.frombuffer(value[ARRAY].numpy().tobytes(), dtype).reshape(value["shape"]).copy())
 
 
 def _reason(error: OSError) -> str:

@@ -1,11 +1,11 @@
-"""The seam between a curriculum and a trainer, ours or yours: who chooses levels, and who trains on them.
+"""The interface between a curriculum, which chooses levels, and a trainer, ours or yours, which trains on them.
 
-    records = curriculum.propose(num_envs)     # which levels to play, and whether to learn from them
-    ...                                        # play them; fill in records["returns"] and the like
-    metrics = curriculum.update(records)       # the curriculum learns what came of them
+    records = curriculum.propose(num_envs)     # levels to play, and whether to learn from them
+    ...                                        # play them; fill in records["returns"] and other results
+    metrics = curriculum.update(records)       # the curriculum learns from the results
 
-A curriculum owns no environment, no network of a student and no rollout: DR, PLR, ACCEL, SFL, ALP-GMM, minimax,
-self-regret and PAIRED's teacher all are curricula. Read next: `methods.method`, our trainer; `methods`, the curricula;
+A curriculum has no environment, no network of a student and no rollout. DR, PLR, ACCEL, SFL, ALP-GMM, minimax,
+self-regret and PAIRED's teacher are curricula. Read next: `methods.method`, our trainer; `methods`, the curricula;
 `examples` for other people's trainers.
 """
 
@@ -22,7 +22,7 @@ from ued.core.resumable import Resumable
 
 
 class Curriculum(Protocol):
-    """Chooses levels and learns from what students make of them.
+    """Chooses levels and learns from the results of students on them.
 
     Attributes:
         dtype: of its level records, see `levels.record.level_record_dtype`.
@@ -32,46 +32,46 @@ class Curriculum(Protocol):
     def dtype(self) -> np.dtype: ...
 
     def propose(self, count: int) -> np.ndarray:
-        """Return `count` level records with their results open."""
+        """Return `count` level records without results."""
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Take records with their results, write their scores, learn from them; return metrics.
+        """Learn from records with results, and write their scores; return metrics.
 
-        Records may come back in any order and any number; one without a finished episode must not come back.
+        Records may come in any order and number, but each must have a finished episode.
         """
 
     def state_dict(self) -> dict[str, Any]:
-        """Return everything: a curriculum made anew with the same arguments resumes from it."""
+        """Return the whole state, from which a curriculum made with the same arguments resumes."""
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned."""
+        """Restore what `state_dict` returned."""
 
 
 def need_vector(space: LevelSpace) -> None:
-    """Raise `ValueError` for a space of levels among which no θ can be chosen: none at all, or levels of a family."""
+    """Raise `ValueError` for a space without a vector θ to choose: one without parameters, or a family of levels."""
     if not space.theta_dim:
-        raise ValueError("there is nothing to choose: the environment has no free parameters; use dr")
-    if space.family is not None:
+        raise ValueError("the environment has no free parameters for a curriculum to choose; use dr")
+    if space.level_family is not None:
         raise ValueError(
-            f"levels of {type(space.family).__name__} can be drawn and mutated, but not placed; "
+            f"levels of {type(space.level_family).__name__} can be sampled and mutated, but not chosen by theta; "
             "use dr, plr, robust_plr, accel or sfl"
         )
 
 
 class ThetaSpace(LevelSpace, Resumable):
-    """Levels θ in [-1, 1]^D for a trainer of one's own, which needs no `UPOMDP`.
+    """Levels θ in [-1, 1]^D for a trainer of your own, without a `UPOMDP`.
 
     Args:
-        dim: D, or what the columns are, as `GymUPOMDP` takes `theta`.
-        valid: says which rows of θ `[n, D]` can be played; None: all.
-        seed: of the stream from which levels and their seeds are drawn.
+        dim: D, or the parameters, as for `theta` of `GymUPOMDP`.
+        valid: returns which rows of θ `[n, D]` are valid, bool `[n]`; None: all.
+        seed: of the random stream of levels and their seeds.
     """
 
     state_fields = ("stream",)
 
     def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_map = ThetaMap(dim)
-        self.draws, self.family = self.theta_map.draws, self.theta_map.family
+        self.parameters, self.level_family = self.theta_map.draws, self.theta_map.level_family
         self.stream = np.random.default_rng(seed)
         self._valid = valid
 
@@ -86,7 +86,7 @@ class ThetaSpace(LevelSpace, Resumable):
 
 
 class RandomLevelPool(Resumable):
-    """Random levels in reserve, drawn in blocks: checking a block of them costs hardly more than checking one."""
+    """Random levels, sampled in blocks: a block is validated in hardly more time than one level."""
 
     state_fields = ("levels",)
 
@@ -95,7 +95,7 @@ class RandomLevelPool(Resumable):
         self.levels = np.zeros(0, level_dtype(space.theta_dim))
 
     def take(self, count: int) -> np.ndarray:
-        """Return `count` levels drawn uniformly."""
+        """Return `count` uniformly sampled levels."""
         if count > len(self.levels):
             self.levels = np.concatenate([self.levels, self.space.sample_levels(max(count, self.block))])
         taken, self.levels = self.levels[:count], self.levels[count:]

@@ -1,8 +1,8 @@
-"""What a level is, and the levels that there are: all that a curriculum needs to know of environments.
+"""Levels and the space of levels: all that a curriculum needs from environments.
 
-A level is a row (program, seed, θ). θ `[D]` in [-1, 1] are the free parameters. The seed is the level's own: whatever
-an environment draws when it lays out its world comes from it, so a level that is played again is the level that was
-scored. What differs from episode to episode is luck; `luck_seed` says where it comes from.
+A level is a record (program, seed, θ). θ `[D]` in [-1, 1] are the free parameters. All random numbers of the level's
+layout come from its seed, so a replayed level is the level that was scored. Luck differs between episodes; its seeds
+come from `luck_seed`.
 
 Letters: `D` dimensions of θ, `n` levels. Read next: `parameters`, the columns of θ; `upomdp`, which plays levels.
 """
@@ -16,9 +16,9 @@ import numpy as np
 from ued.core import parameters
 from ued.core.parameters import LevelFamily, Parameter, Seeds, ThetaProgram
 
-MAX_TRIES = 4096  # draws of one valid row before `sample_theta` gives up
+MAX_TRIES = 4096  # draws per valid row before `sample_theta` fails
 BITS = 2**64 - 1
-SEEDS = 2**31  # seeds of levels and of luck are below: every `reset` takes them, and a table of float64 holds them
+SEEDS = 2**31  # bound of seeds of levels and luck: every `reset` accepts them, and float64 represents them
 
 
 class ThetaError(ValueError):
@@ -34,14 +34,14 @@ def level_dtype(dim: int) -> np.dtype:
     return np.dtype([("program", np.int32), ("seed", np.uint64), ("theta", np.float64, (dim,))])
 
 
-def whole(records: np.ndarray) -> np.ndarray:
-    """Return records as pieces of memory: a view, of which numpy copies rows in one go instead of field by field."""
-    array = np.asarray(records)  # of a recarray, which is slow to look at
+def as_void_view(records: np.ndarray) -> np.ndarray:
+    """Return a view of records as raw memory, of which numpy copies whole rows instead of field by field."""
+    array = np.asarray(records)  # drops the slow class of a recarray
     return array.view(np.dtype((np.void, array.itemsize)))
 
 
 def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
-    """Return θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows` demands N."""
+    """Return θ as float64 `[N, D]`, or raise `ThetaError`. One row `[D]` counts as `[1, D]`; `rows`: the required N."""
     try:
         if np.iscomplexobj(theta):
             raise TypeError("complex numbers")
@@ -63,9 +63,9 @@ def check_theta(theta: Any, dim: int, rows: int | None = None) -> np.ndarray:
 def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
     """Return the seed of an episode's luck, a fixed function of level seed, visit and number of the episode.
 
-    Whoever plays a visit of a level has the same luck in its k-th episode; another visit brings other luck. The first
-    episode of visit 0 has the seed of the level itself. It is the seed xor 31 bits of a hash of the two numbers
-    (SplitMix64's finalizer: Steele, Lea and Flood, OOPSLA 2014).
+    All students that play a visit of a level have the same luck in its k-th episode; another visit has other luck. The
+    first episode of visit 0 has the seed of the level itself. The seed is xor-ed with 31 bits of a hash of the two
+    numbers (SplitMix64's finalizer: Steele, Lea and Flood, OOPSLA 2014).
     """
     state = (visit * 0x9E3779B97F4A7C15 + episode * 0xD1342543DE82EF95) & BITS
     state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & BITS
@@ -74,63 +74,63 @@ def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
 
 
 class LevelSpace:
-    """The levels that there are: all that a curriculum needs to know of environments. Every `UPOMDP` is one.
+    """The space of levels: all that a curriculum needs from environments. Every `UPOMDP` is one.
 
-    Subclasses set `draws` and give `_stream`, and where they can `valid` and `describe`.
+    Subclasses set `parameters` and define `_stream`, and if they support them `valid` and `describe`.
 
     Attributes:
-        draws: what the D columns of θ are: name, low, high, and for a program the place in its text; see `parameters`.
-        family: where levels are no vector of parameters, what draws and mutates them; θ are their codes then.
-        program_names: names of the K programs of which its levels may be, program k of a level being the k-th; empty
-            where there is one only; see `mixture`.
-        program_draws: the columns of θ of each of them, behind column 0, which chooses; empty likewise.
-        seeds: where levels are nothing but seeds, which ones; a level's seed follows from its θ then.
-        seed_is_luck: θ alone fixes how an episode starts, and a level's seed is of its luck; else the seed is of its
-            layout, and two levels of the same θ differ.
-        theta_map: what `valid` and `describe` go by, such as a program or a `parameters.ThetaMap`; None: all levels are
-            valid, and a column's values lie evenly between its low and its high.
+        parameters: what the D columns of θ are: name, low, high, for a program the place in its text; see `parameters`.
+        level_family: where levels are not vectors of parameters, samples and mutates them; θ are then their codes.
+        program_names: names of the K programs of a `mixture`; a level's `program` is an index into them. Empty for a
+            single program.
+        program_parameters: for each of these programs its columns of θ, which follow column 0, the program.
+        seeds: where levels are seeds alone, the available ones; a level's seed then follows from its θ.
+        seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed
+            determines the layout, and two levels of the same θ differ.
+        theta_map: defines `valid` and `describe`, such as a program or a `parameters.ThetaMap`; None: all levels are
+            valid, and values are linear between low and high.
     """
 
-    draws: tuple[Parameter, ...]
-    family: LevelFamily | None = None
+    parameters: tuple[Parameter, ...]
+    level_family: LevelFamily | None = None
     seeds: Seeds | None = None
     seed_is_luck: bool = False
     program_names: tuple[str, ...] = ()
-    program_draws: tuple[tuple[Parameter, ...], ...] = ()
+    program_parameters: tuple[tuple[Parameter, ...], ...] = ()
     theta_map: ThetaProgram | None = None
 
     @property
     def theta_dim(self) -> int:
         """D, the number of columns of θ."""
-        return len(self.draws)
+        return len(self.parameters)
 
     @property
     def _stream(self) -> np.random.Generator:
-        """The stream from which levels and their seeds are drawn."""
-        raise NotImplementedError(f"{type(self).__name__} has no stream")
+        """The random stream of levels and their seeds."""
+        raise NotImplementedError(f"{type(self).__name__} must define _stream")
 
     def valid(self, theta: Any) -> np.ndarray:
-        """Return for each row of θ `[N, D]` whether it describes a level that can be played: bool `[N]`."""
+        """Return which rows of θ `[N, D]` describe valid levels: bool `[N]`."""
         rows = check_theta(theta, self.theta_dim)
         return np.ones(len(rows), bool) if self.theta_map is None else np.asarray(self.theta_map.valid(rows), bool)
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return each row of θ `[N, D]` in the units of the program: a list of N dicts, name to value."""
+        """Return each row of θ `[N, D]` in the units of the program: N dicts from name to value."""
         rows = check_theta(theta, self.theta_dim)
         if self.theta_map is not None:
             return [self.theta_map.describe(row) for row in rows]
-        low = np.array([parameter.low for parameter in self.draws])  # [D]
-        high = np.array([parameter.high for parameter in self.draws])  # [D]
+        low = np.array([parameter.low for parameter in self.parameters])  # [D]
+        high = np.array([parameter.high for parameter in self.parameters])  # [D]
         values = low + (rows + 1) / 2 * (high - low)  # [N, D]
-        names = [parameter.name for parameter in self.draws]
+        names = [parameter.name for parameter in self.parameters]
         return [dict(zip(names, map(float, row), strict=True)) for row in values]
 
     def make_levels(self, theta: Any) -> np.ndarray:
-        """Return levels with these θ `[n, D]` and fresh seeds below `SEEDS`: `[n]` of `level_dtype(D)`.
+        """Return levels with these θ `[n, D]` and new seeds below `SEEDS`: `[n]` of `level_dtype(D)`.
 
-        Where a column has finitely many values, θ becomes the middle of its cell: equal levels are equal.
+        A column with finitely many values is quantized to the center of its cell, so that equal levels have equal θ.
         """
-        theta = parameters.snap(check_theta(theta, self.theta_dim), self.draws)
+        theta = parameters.quantize(check_theta(theta, self.theta_dim), self.parameters)
         levels = np.zeros(len(theta), level_dtype(self.theta_dim))
         levels["theta"] = theta
         if self.seeds is not None:
@@ -140,26 +140,26 @@ class LevelSpace:
         return levels
 
     def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
-        """Give levels `[n]` these seeds `[n]`, but where a seed follows from θ."""
+        """Set the seeds `[n]` of levels `[n]`, unless seeds follow from θ."""
         if self.seeds is None:
             levels["seed"] = seeds
 
     def key_of(self, level: np.void) -> bytes:
-        """Return what tells a level from all others: its program and θ, and its seed.
+        """Return a key that is unique to a level: its program and θ, and its seed.
 
-        Not the seed where it is luck, nor of a family, whose code says all of a level.
+        The seed is left out where it only determines luck, and for a family, whose codes identify levels.
         """
         key = level["program"].tobytes() + level["theta"].tobytes()
-        return key if self.seed_is_luck or self.family is not None else key + level["seed"].tobytes()
+        return key if self.seed_is_luck or self.level_family is not None else key + level["seed"].tobytes()
 
     def sample_levels(self, count: int) -> np.ndarray:
-        """Draw valid levels uniformly (domain randomization): `[count]` of `level_dtype(D)`."""
+        """Sample valid levels uniformly (domain randomization): `[count]` of `level_dtype(D)`."""
         return self.make_levels(self.sample_theta(count))
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ uniformly, by rejection: `[count, D]`; of a family, codes of its levels.
+        """Sample valid θ uniformly, by rejection: `[count, D]`; for a family, codes of its levels.
 
-        Raises `ThetaError` where a row is still invalid after MAX_TRIES draws.
+        Raises `ThetaError` if a row is still invalid after MAX_TRIES draws.
         """
         theta = self._draw(count) if count else np.zeros((0, self.theta_dim))
         wrong = np.flatnonzero(~self.valid(theta)) if count else np.empty(0, int)
@@ -171,23 +171,23 @@ class LevelSpace:
         raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
 
     def _draw(self, count: int) -> np.ndarray:
-        """Draw θ `[count, D]`, valid or not."""
-        if self.family is None:
+        """Sample θ `[count, D]` without a check of validity."""
+        if self.level_family is None:
             return self._stream.uniform(-1.0, 1.0, (count, self.theta_dim))
-        levels = (self.family.sample(self._stream) for _ in range(count))
-        return check_theta([self.family.encode(level) for level in levels], self.theta_dim)
+        levels = (self.level_family.sample(self._stream) for _ in range(count))
+        return check_theta([self.level_family.encode(level) for level in levels], self.theta_dim)
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
-        """Return edited copies of θ `[k, D]`, valid or not: see `parameters.edit`.
+        """Return edited copies of θ `[k, D]`, which may be invalid; see `parameters.edit`.
 
-        A level of a family is mutated `num_edits` times; `edit_size` means nothing to it.
+        A level of a family is mutated `num_edits` times; `edit_size` is ignored.
         """
-        if self.family is None:
-            return parameters.edit(theta, self.draws, num_edits, edit_size, rng)
+        if self.level_family is None:
+            return parameters.edit(theta, self.parameters, num_edits, edit_size, rng)
         edited = theta.copy()
         for row, code in enumerate(theta):
-            level = self.family.decode(code)
+            level = self.level_family.decode(code)
             for _ in range(num_edits):
-                level = self.family.mutate(level, rng)
-            edited[row] = self.family.encode(level)
+                level = self.level_family.mutate(level, rng)
+            edited[row] = self.level_family.encode(level)
         return check_theta(edited, theta.shape[1])

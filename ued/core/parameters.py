@@ -1,10 +1,10 @@
-"""What θ means: parameters of several kinds as columns in [-1, 1], and levels that are no vector of parameters.
+"""Parameters of several kinds as columns of θ in [-1, 1], and levels that are not vectors of parameters.
 
     {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
 
-A column with finitely many values cuts [-1, 1] into cells, each as wide as its value is likely. Every θ in a cell is
-the same value, and levels hold the middle of it, so that equal levels are equal. Methods ask for these `Cells`: edits
-and adversaries draw values, entropy counts them. None of them goes by the order of a choice's options.
+A column with finitely many values divides [-1, 1] into cells, whose widths are proportional to the probabilities of the
+values. Every θ in a cell is the same value, and levels hold its center, so that equal levels have equal θ. Methods use
+these `Cells`: edits and adversaries draw values, entropy counts them. None depends on the order of a choice's options.
 Read next: `cells`; `upomdp`, the seam; `adapters.gym`, which puts values into environments.
 """
 
@@ -18,13 +18,13 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from ued.core.cells import Cells, cut, index_in, middle_of
+from ued.core.cells import Cells, bin_center, cut, index_in
 
-MOST_CATEGORIES = 32  # values of an `Integer` that are told apart one by one; beyond, it is a range in steps
+MOST_CATEGORIES = 32  # an `Integer` with more values is treated as a range in steps
 
 
 class Parameter(Protocol):
-    """What is known of one column of θ. `Column` is one; so is `scenic_lite.Draw`."""
+    """The interface of one column of θ. `Column` has it, and so does `scenic_lite.Draw`."""
 
     @property
     def name(self) -> str: ...
@@ -40,19 +40,19 @@ class Range:
 
     low: float
     high: float
-    cells = 0
+    num_bins = 0
 
     def __post_init__(self) -> None:
         if not _finite(self.low, self.high):
             raise ValueError(f"the ends of a range must be two finite numbers, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
-    def value(self, x: float) -> float:
-        """Return what x in [-1, 1] stands for."""
+    def from_unit(self, x: float) -> float:
+        """Return the value of x in [-1, 1]."""
         return self.low + (x + 1) / 2 * (self.high - self.low)
 
-    def place(self, value: float) -> float:
-        """Return the x in [-1, 1] that stands for a value."""
+    def to_unit(self, value: float) -> float:
+        """Return the x in [-1, 1] of a value."""
         return 2 * (value - self.low) / (self.high - self.low) - 1 if self.high != self.low else 0.0
 
 
@@ -62,19 +62,19 @@ class LogRange:
 
     low: float
     high: float
-    cells = 0
+    num_bins = 0
 
     def __post_init__(self) -> None:
         if not (_finite(self.low, self.high) and self.low > 0 and self.high > 0):
             raise ValueError(f"the ends of a LogRange must be positive and finite, got {self.low!r} and {self.high!r}")
         _check_order(self.low, self.high)
 
-    def value(self, x: float) -> float:
-        """Return what x in [-1, 1] stands for."""
+    def from_unit(self, x: float) -> float:
+        """Return the value of x in [-1, 1]."""
         return self.low * (self.high / self.low) ** ((x + 1) / 2)
 
-    def place(self, value: float) -> float:
-        """Return the x in [-1, 1] that stands for a value."""
+    def to_unit(self, value: float) -> float:
+        """Return the x in [-1, 1] of a value."""
         return 2 * math.log(value / self.low) / math.log(self.high / self.low) - 1 if self.high != self.low else 0.0
 
 
@@ -84,12 +84,12 @@ def _finite(*ends: Any) -> bool:
 
 def _check_order(low: float, high: float) -> None:
     if low > high:
-        raise ValueError(f"a range goes from its lower end to its upper one, got {low} and {high}")
+        raise ValueError(f"the low end of a range must not exceed the high end, got {low} and {high}")
 
 
 @dataclass(frozen=True)
 class Integer:
-    """A whole number from `low` to `high`, both included."""
+    """An integer from `low` to `high`, both included."""
 
     low: int
     high: int
@@ -97,29 +97,29 @@ class Integer:
     def __post_init__(self) -> None:
         ends = (self.low, self.high)
         if not _finite(*ends) or any(int(end) != end for end in ends) or self.low > self.high:
-            raise ValueError(f"an Integer goes from a whole number up to another, got {self.low!r} and {self.high!r}")
+            raise ValueError(f"an Integer needs integers low <= high, got {self.low!r} and {self.high!r}")
 
     @property
-    def cells(self) -> int:
+    def num_bins(self) -> int:
         return int(self.high) - int(self.low) + 1
 
-    def value(self, x: float) -> int:
-        """Return what x in [-1, 1] stands for."""
-        return int(self.low) + int(index_in(x, self.cells))
+    def from_unit(self, x: float) -> int:
+        """Return the value of x in [-1, 1]."""
+        return int(self.low) + int(index_in(x, self.num_bins))
 
-    def place(self, value: float) -> float:
-        """Return the x in [-1, 1] in the middle of those that stand for a value."""
-        return middle_of(value - self.low, self.cells)
+    def to_unit(self, value: float) -> float:
+        """Return the x in [-1, 1] at the center of the cell of a value."""
+        return bin_center(value - self.low, self.num_bins)
 
 
 class Choice:
     """One of several values of any type, without an order.
 
     Args:
-        values: what is chosen from; all different.
-        weights: how likely random levels have each value, as positive numbers of any sum; None: all alike.
+        values: the options, all different.
+        weights: relative probabilities of the values in random levels, positive numbers; None: uniform.
 
-    Raises `ValueError` for no values, equal ones, and weights that do not match them.
+    Raises `ValueError` without values, for equal values, and for weights that do not match them.
     """
 
     def __init__(self, *values: Any, weights: Sequence[float] | None = None) -> None:
@@ -146,16 +146,16 @@ class Choice:
         return len(self.values) - 1.0
 
     @property
-    def cells(self) -> int:
+    def num_bins(self) -> int:
         return len(self.values)
 
-    def value(self, x: float) -> Any:
-        """Return what x in [-1, 1] stands for."""
-        return self.values[int(cut(self.cells, self.weights).index(x))]
+    def from_unit(self, x: float) -> Any:
+        """Return the value of x in [-1, 1]."""
+        return self.values[int(cut(self.num_bins, self.weights).index(x))]
 
-    def place(self, value: Any) -> float:
-        """Return the x in [-1, 1] in the middle of those that stand for a value."""
-        return float(cut(self.cells, self.weights).middle(self.values.index(value)))
+    def to_unit(self, value: Any) -> float:
+        """Return the x in [-1, 1] at the center of the cell of a value."""
+        return float(cut(self.num_bins, self.weights).middle(self.values.index(value)))
 
 
 def _equal(one: Any, other: Any) -> bool:
@@ -169,7 +169,7 @@ Kind = Range | LogRange | Integer | Choice
 
 
 class Column(NamedTuple):
-    """One column of θ: its name and what its values are."""
+    """One column of θ: its name and the kind of its values."""
 
     name: str
     kind: Kind
@@ -185,23 +185,22 @@ class Column(NamedTuple):
 
 @runtime_checkable
 class LevelFamily(Protocol):
-    """Levels of your own that are no vector of parameters: mazes, tracks, graphs.
+    """Levels of your own that are not vectors of parameters: mazes, tracks, graphs.
 
-    A level is whatever you like; what is stored, compared and counted is its code, numbers in [-1, 1]. Equal levels
-    have equal codes.
+    A level may be any object; its code, numbers in [-1, 1], is stored and compared. Equal levels have equal codes.
 
     Attributes:
-        size: numbers in a code.
+        size: length of a code.
     """
 
     @property
     def size(self) -> int: ...
 
     def sample(self, rng: np.random.Generator) -> Any:
-        """Draw a level that can be played."""
+        """Sample a valid level."""
 
     def mutate(self, level: Any, rng: np.random.Generator) -> Any:
-        """Return a level that differs a little from this one, and can be played."""
+        """Return a valid level that differs a little from this one."""
 
     def encode(self, level: Any) -> np.ndarray:
         """Return the code `[size]` of a level."""
@@ -212,9 +211,9 @@ class LevelFamily(Protocol):
 
 @dataclass(frozen=True)
 class Seeds:
-    """Levels that are nothing but their seeds, as in Procgen: `count` of them, `first`, `first + 1`, ...
+    """Levels that are seeds alone, as in Procgen: `count` of them, `first`, `first + 1`, ...
 
-    The one column of θ, "seed", chooses among them, and `reset(seed=)` is given the number that it stands for.
+    The only column of θ, "seed", selects one of them, which is passed to `reset(seed=)`.
     Raises `ValueError` for seeds outside [0, 2^31).
     """
 
@@ -234,12 +233,12 @@ class Seeds:
         return (Column("seed", Integer(self.first, self.first + self.count - 1)),)
 
     def of(self, theta: np.ndarray) -> np.ndarray:
-        """Return the seeds that θ `[n, 1]` stand for: uint64 `[n]`."""
+        """Return the seeds of θ `[n, 1]`: uint64 `[n]`."""
         return (self.first + index_in(theta[:, 0], self.count)).astype(np.uint64)
 
 
 class ThetaProgram(Protocol):
-    """What a `scenic_lite.Program` offers here: columns, validity `[N]` of θ `[N, D]`, and values of θ `[D]`."""
+    """The part of `scenic_lite.Program` that defines θ: columns, validity `[N]` of θ `[N, D]`, values of θ `[D]`."""
 
     @property
     def draws(self) -> tuple[Parameter, ...]: ...
@@ -251,18 +250,18 @@ Theta = int | Mapping[str, Kind | tuple[float, float]] | ThetaProgram | LevelFam
 
 
 class ThetaMap:
-    """What θ means: D columns, which rows are valid, and what values they stand for.
+    """The meaning of θ: D columns, the validity of rows, and their values.
 
     Args:
-        theta: the number of dimensions (values are θ itself, named `theta[0]`, ...); a mapping from name to what the
-            parameter is, where a pair (low, high) is a `Range`; a program whose random values are the columns; a
-            `LevelFamily`, whose levels take the place of values; or `Seeds`.
-        valid: says of one level's values whether it can be played; None: all can.
+        theta: the number of dimensions (values are θ itself, named `theta[0]`, ...); a mapping from name to the kind of
+            the parameter, where a pair (low, high) is a `Range`; a program whose random values are the columns; a
+            `LevelFamily`, whose levels replace values; or `Seeds`.
+        valid: returns whether a level with these values is valid; None: all are.
     """
 
     def __init__(self, theta: Theta, valid: Callable[[Any], bool] | None = None) -> None:
         self.program: ThetaProgram | None = None
-        self.family: LevelFamily | None = None
+        self.level_family: LevelFamily | None = None
         self.seeds = theta if isinstance(theta, Seeds) else None
         if valid is not None and not callable(valid):
             raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
@@ -276,7 +275,7 @@ class ThetaMap:
         elif isinstance(theta, Mapping):
             self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
         elif isinstance(theta, LevelFamily):
-            self.family = theta
+            self.level_family = theta
             self.draws = numbered("code", theta.size)
         elif hasattr(theta, "draws"):
             self.program = theta
@@ -288,7 +287,7 @@ class ThetaMap:
             )
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
-        """Return which rows of θ `[n, D]` can be played: bool `[n]`."""
+        """Return which rows of θ `[n, D]` are valid: bool `[n]`."""
         good = np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
         if self._valid is not None:
             for row in np.flatnonzero(good):
@@ -296,22 +295,22 @@ class ThetaMap:
         return good
 
     def values(self, row: np.ndarray) -> Any:
-        """Return one row of θ `[D]` as values by name, in the environment's units; of a family, the level."""
-        if self.family is not None:
-            return self.family.decode(row)
+        """Return one row of θ `[D]` as values by name, in the environment's units; for a family, the level."""
+        if self.level_family is not None:
+            return self.level_family.decode(row)
         if self.program is not None:
             return self.program.describe(row)
-        return {column.name: column.kind.value(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
+        return {column.name: column.kind.from_unit(x) for column, x in zip(self.draws, row.tolist(), strict=True)}  # type: ignore[attr-defined]
 
     def describe(self, row: np.ndarray) -> dict[str, Any]:
-        """Return one row of θ `[D]` as values by name, to be read; of a family, its level."""
+        """Return one row of θ `[D]` as values by name, for display; for a family, the level."""
         values = self.values(row)
-        return {"level": values} if self.family is not None else values
+        return {"level": values} if self.level_family is not None else values
 
     def theta(self, values: Mapping[str, Any]) -> np.ndarray:
-        """Return the θ `[D]` of these values by name, or of a family's level. Raises `ValueError` for others."""
-        if self.family is not None:
-            return np.asarray(self.family.encode(values), float)
+        """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other values."""
+        if self.level_family is not None:
+            return np.asarray(self.level_family.encode(values), float)
         names = [draw.name for draw in self.draws]
         if self.program is not None or set(values) != set(names):
             raise ValueError(f"a level needs a value for each of {', '.join(names) or 'no name'}, got {dict(values)}")
@@ -319,14 +318,14 @@ class ThetaMap:
 
 
 def _placed(column: Column, value: Any) -> float:
-    """Return the x in [-1, 1] that stands for a value of a column. Raises `ValueError` for what is none of its."""
+    """Return the x in [-1, 1] of a value of a column. Raises `ValueError` if the column does not have the value."""
     try:
-        x = column.kind.place(value)
-        good = abs(x) <= 1 + 1e-9 and (not column.kind.cells or column.kind.value(x) == value)
-    except (TypeError, ValueError):  # no number, or none of the values of a choice
+        x = column.kind.to_unit(value)
+        good = abs(x) <= 1 + 1e-9 and (not column.kind.num_bins or column.kind.from_unit(x) == value)
+    except (TypeError, ValueError):  # not a number, or not an option of the choice
         good = False
     if not good:
-        raise ValueError(f"{column.name} must be of {column.kind}, got {value!r}")
+        raise ValueError(f"{column.name} must be a value of {column.kind}, got {value!r}")
     return min(max(x, -1.0), 1.0)
 
 
@@ -348,13 +347,13 @@ def _kind(name: str, about: Any) -> Kind:
 
 
 def kind_of(draw: Parameter) -> Kind | None:
-    """Return what a column's values are, as one of the kinds here; None where it tells another way, or not."""
+    """Return the kind of a column, or None if it has none of this module."""
     kind = getattr(draw, "kind", None)
     return kind if isinstance(kind, Range | LogRange | Integer | Choice) else None
 
 
 class Axis(NamedTuple):
-    """Numbers along which a column's θ is linear: how a name is written there, and the numbers of θ = -1 and 1."""
+    """An axis on which a column's θ is linear: a format of its label, and the numbers at θ = -1 and 1."""
 
     note: str
     low: float
@@ -362,7 +361,7 @@ class Axis(NamedTuple):
 
 
 def axis_of(draw: Parameter) -> Axis:
-    """Return the axis of a column: logarithms of a `LogRange`, numbers of the values of a `Choice`."""
+    """Return the axis of a column: logarithms for a `LogRange`, indices of the values for a `Choice`."""
     kind = kind_of(draw)
     if isinstance(kind, LogRange):
         return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
@@ -380,13 +379,13 @@ def axis_of(draw: Parameter) -> Axis:
 def cells_in(draw: Parameter) -> Cells | None:
     """Return the cells of a column; None for a real number.
 
-    One without a `kind` of this file must say `weights` (and `options`, their names), or "integers" between fixed ends.
+    A column without a `kind` of this module needs `weights` (and `options`, their names), or the kind "integers".
     """
     kind, weights = getattr(draw, "kind", None), getattr(draw, "weights", ())
     if isinstance(kind, Integer):
-        return Cells(kind.cells, None, True)
+        return Cells(kind.num_bins, None, True)
     if isinstance(kind, Choice):
-        return cut(kind.cells, kind.weights, names=[str(value) for value in kind.values])
+        return cut(kind.num_bins, kind.weights, names=[str(value) for value in kind.values])
     if weights:
         return cut(len(weights), weights, names=getattr(draw, "options", ()))
     if isinstance(kind, str) and kind == "integers" and math.isfinite(draw.low) and math.isfinite(draw.high):
@@ -395,13 +394,13 @@ def cells_in(draw: Parameter) -> Cells | None:
 
 
 def choice_in(draw: Parameter) -> Cells | None:
-    """Return the cells of a column whose values are told apart one by one: not of a long row of integers."""
+    """Return the cells of a column that is treated as categorical; None for reals and for many integers."""
     cells = cells_in(draw)
     return None if cells is None or (cells.ordered and cells.count > MOST_CATEGORIES) else cells
 
 
-def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
-    """Return θ `[n, D]` with each entry of a column of finitely many values in the middle of its cell."""
+def quantize(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
+    """Return θ `[n, D]` with each entry of a column of finitely many values moved to the center of its cell."""
     known = [(column, cells) for column, draw in enumerate(draws) if (cells := cells_in(draw)) is not None]
     if not known:
         return theta
@@ -409,7 +408,7 @@ def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
     even = [(column, cells.count) for column, cells in known if cells.edges is None]
     if even:
         columns, counts = np.array(even).T
-        theta[:, columns] = middle_of(index_in(theta[:, columns], counts), counts)
+        theta[:, columns] = bin_center(index_in(theta[:, columns], counts), counts)
     for column, cells in known:
         if cells.edges is not None:
             theta[:, column] = cells.middle(cells.index(theta[:, column]))
@@ -419,10 +418,10 @@ def snap(theta: np.ndarray, draws: Sequence[Parameter]) -> np.ndarray:
 def edit(
     theta: np.ndarray, draws: Sequence[Parameter], num_edits: int, edit_size: float, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return edited copies of θ `[k, D]`: `num_edits` columns are changed in each, each as its kind is.
+    """Return copies of θ `[k, D]` with `num_edits` edits each, which depend on the kind of the column.
 
-    A real number moves by up to `edit_size`, within [-1, 1]; an integer by at least one and at most that share of its
-    values. A choice becomes one of its other options, drawn by their weights, in whatever order they are listed.
+    A real number changes by up to `edit_size`, within [-1, 1]; an integer by at least 1 and at most that share of its
+    values. A choice becomes another of its options, drawn by their weights.
     """
     edited, cells = theta.copy(), [cells_in(draw) for draw in draws]
     counts = np.array([0 if known is None else known.count for known in cells])
@@ -439,7 +438,7 @@ def edit(
 
 
 def _other_value(x: float, cells: Cells, share: float, rng: np.random.Generator) -> float:
-    """Return the θ of another value: of ordered ones at most this share of them away, else of any, by weight."""
+    """Return the θ of another value: of a near one if values are ordered, else of any, drawn by weight."""
     index = int(cells.index(x))
     if not cells.ordered:
         weights = cells.shares.copy()

@@ -1,6 +1,6 @@
-"""Saving and resuming by a list of names: what changes while an object works, said once where the object is made.
+"""Saving and resuming by a list of names: a class lists its mutable attributes once.
 
-Read next: `checkpoint`, the file in which such states end.
+Read next: `checkpoint`, the file of such states.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ NUMBER, WHOLE = "a number", "a whole number"
 
 
 class Resumable:
-    """An object that names in `state_fields` the attributes that change while it works.
+    """An object whose mutable attributes are listed in `state_fields`.
 
-    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own; what may be
-    None has its type in `optional_fields`.
+    They may be numbers, arrays, generators of numpy or torch, and objects with a `state_dict` of their own;
+    `optional_fields` holds the types of those that may be None.
     """
 
     state_fields: tuple[str, ...] = ()
     optional_fields: ClassVar[Mapping[str, type]] = {}
 
     def state_dict(self) -> dict[str, Any]:
-        """Return a copy of everything that changes."""
+        """Return a copy of the whole state."""
         return {name: _saved(getattr(self, name)) for name in self.state_fields}
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError for what is of another kind, KeyError for too little.
+        """Restore what `state_dict` returned. Raises ValueError for other types or shapes, KeyError for missing fields.
 
-        Of arrays the first axis may be of another length, for some grow; where it may not, whoever has them says so.
+        The first axis of arrays may have another length, since some grow; subclasses check it if it may not.
         """
         for name in self.state_fields:
             value, saved = getattr(self, name), state[name]
@@ -49,7 +49,7 @@ def _saved(value: Any) -> Any:
 
 
 def restored(value: Any, state: Any, name: str) -> Any:
-    """Return `value` with this state put into it, or where it is plain data, a copy of the state."""
+    """Return `value` with this state restored, or for plain data a copy of the state."""
     if isinstance(value, np.random.Generator):
         value.bit_generator.state = state
     elif hasattr(value, "load_state_dict"):
@@ -65,7 +65,7 @@ def restored(value: Any, state: Any, name: str) -> Any:
 
 
 def _kind(value: Any) -> str:
-    """Say what kind of plain data something is: of an array its type and all but its first axis."""
+    """Describe the type of plain data; for an array its dtype and all but its first axis."""
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, {['N', *value.shape[1:]] if value.ndim else 'one number'}"
     if isinstance(value, int | np.integer) and not isinstance(value, bool):

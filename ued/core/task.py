@@ -82,7 +82,7 @@ def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
         return None
     try:
         rows = [scene] if isinstance(scene, Mapping) else scene
-        if len(rows) and (isinstance(rows[0], Mapping) or upomdp.family is not None):
+        if len(rows) and (isinstance(rows[0], Mapping) or upomdp.level_family is not None):
             rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
         return check_theta(rows, upomdp.theta_dim)
     except (ValueError, TypeError, AttributeError) as error:

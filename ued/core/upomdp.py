@@ -1,11 +1,11 @@
 """The seam between environments and methods: an under-specified POMDP as a Gymnasium vector environment.
 
-A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that somebody else sets. Here θ is a row of
-[-1, 1]^D, a *level* is a row (program, seed, θ), and N environments play N levels at a time. Which level comes next is
-the business of the method that trains on it, so an environment repeats its level until told otherwise.
+A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that are set from outside. θ is a row of
+[-1, 1]^D, a *level* is a record (program, seed, θ), and N environments play N levels at a time. The training method
+chooses the next level; until it does, an environment repeats its level.
 
-Every episode of a level starts from the same layout: it follows from the level alone. What differs between episodes is
-luck, whose seed follows from the level's seed, the visit of the level, and the number of the episode in that visit.
+Every episode of a level starts from the same layout, which follows from the level alone. Episodes differ by luck, whose
+seed follows from the level's seed, the visit of the level, and the number of the episode in that visit.
 
 Letters: `N` environments, `D` dimensions of θ. Read next: `learning.rollout`, which plays levels, or `adapters.gym`,
 which makes a UPOMDP of any Gymnasium environment.
@@ -27,13 +27,14 @@ from ued.core.level_space import SEEDS, LevelSpace, check_theta, level_dtype, lu
 from ued.core.parameters import Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
+PREFETCH = 128  # levels that a trainer announces at a time, at most
 LEVEL_STATE = ("levels", "visits", "episodes", "np_random")
 
 
 def of_one_agent(space: Space, agents: int) -> Space:
-    """Return one agent's space, given that of all agents of an environment.
+    """Return one agent's space, given the space of all agents of an environment.
 
-    Raises `ValueError` for one that is no array with an axis of so many agents.
+    Raises `ValueError` for a space without an axis of this many agents.
     """
     if agents == 1:
         return space
@@ -47,61 +48,59 @@ def of_one_agent(space: Space, agents: int) -> Space:
 def successes(info: dict[str, Any], ended: np.ndarray, returns: np.ndarray) -> np.ndarray:
     """Return which of the episodes that ended in the environments `ended` `[k]` succeeded: float `[k]`, 0 or 1.
 
-    What the environment says in `info["success"]` `[N]` counts; where it says nothing, or NaN, a return above 0 does.
+    `info["success"]` `[N]` decides; if it is missing, or NaN, a return above 0 is a success.
     """
     said = np.asarray(info["success"], float)[ended] if "success" in info else np.full(len(ended), np.nan)
     return np.where(np.isnan(said), returns > 0, said)
 
 
 def check_count(num_envs: Any) -> int:
-    """Return a number of environments. Raises ValueError for what is none."""
+    """Validate `num_envs` and return it. Raises ValueError unless it is a positive integer."""
     if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
-        raise ValueError(f"num_envs must be a whole number from 1 on, got {num_envs!r}")
+        raise ValueError(f"num_envs must be a positive integer, got {num_envs!r}")
     return int(num_envs)
 
 
 def set_stream(generator: np.random.Generator, state: Any) -> None:
-    """Put a stream back into a state that it has had. Raises ValueError for what is no such state."""
+    """Restore the state of a random stream. Raises ValueError for an invalid state."""
     try:
         generator.bit_generator.state = state
     except (TypeError, KeyError, ValueError, OverflowError) as error:
-        raise ValueError(f"np_random is no state of a {type(generator.bit_generator).__name__}") from error
+        raise ValueError(f"np_random is not a valid state of a {type(generator.bit_generator).__name__}") from error
 
 
 class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
-    Subclasses call `__init__` and give `_start`, `_advance`, and where they can `valid`, `describe`, `get_state`,
-    `set_state`. `step` starts an episode that ended again in the same step (`AutoresetMode.SAME_STEP`):
-    `info["final_obs"]` holds the last observations of those that ended, dense `[N, ...]`, `info["_final_obs"]` `[N]`
-    says which rows count, and `info["final_info"]` is what else was reported of them. Whoever chooses levels calls
-    `advance`, which starts nothing again, and then `reset_to_levels` or `play_again`: one reset for each episode.
-    Whether an ended episode succeeded is for the environment to say, in `info["success"]` `[N]`: 1, 0, or NaN where it
-    does not know. Whoever says nothing succeeds by a return above 0; see `successes`.
+    Subclasses call `__init__` and define `_start`, `_advance`, and if they support them `valid`, `describe`,
+    `get_state`, `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`):
+    `info["final_obs"]` holds the last observations of ended episodes, dense `[N, ...]`, `info["_final_obs"]` `[N]` is
+    the mask of its valid rows, and `info["final_info"]` is the info of that step. A trainer that chooses levels calls
+    `advance`, which restarts nothing, and then `reset_to_levels` or `play_again`: one reset per episode. An environment
+    reports the success of ended episodes in `info["success"]` `[N]`: 1, 0, or NaN if unknown. Without it a return above
+    0 is a success; see `successes`.
 
     Attributes:
         theta_space: `Box(-1, 1, (D,))`.
         levels: the levels being played, `[N]` of `level_dtype(D)`.
-        visits: the number of this visit of the level, int `[N]`; the same level at another visit has other luck.
-        episodes: the number of the episode in its visit, int `[N]`, from 0 on.
-        next_levels: called with k when k episodes ended in a step; gives the k levels that those environments play
-            next, each a new visit. None: each repeats its own. Domain randomization per episode is
-            `next_levels = sample_levels`.
-        upcoming: gives levels that are likely to be started soon, in this order: where starting many takes hardly
-            longer than starting one, they may be made ready in one go. No number depends on it. None: not known.
-        idle: bool `[N]`, environments that nobody plays. Their steps may be left out, and what `step` gives for them
-            means nothing; see `mixture`.
-        num_agents: A, who play together in each environment and are paid together. One of them has no axis of agents;
-            of several, observations and actions are `[N, A, ...]`, alike for all.
-        max_episode_steps: after how many steps an episode is over at the latest; None: not known.
-        paid_apart: they are opponents, each of whom learns from a reward of its own, `info["agent_rewards"]` `[N, A]`;
-            the rewards `[N]`, by which levels are judged, are those of the first side.
+        visits: the number of this visit of the level, int `[N]`; another visit of the same level has other luck.
+        episodes: the number of the episode in its visit, int `[N]`, starting at 0.
+        level_sampler: function that `step` calls with k when k episodes ended; it returns the next k levels of those
+            environments, each a new visit. None: each repeats its level. Domain randomization per episode is
+            `level_sampler = sample_levels`.
+        idle: bool `[N]`, environments that need not be stepped; the values that `step` returns for them are
+            meaningless. See `mixture`.
+        num_agents: A, agents of each environment, who share one reward. A single agent has no axis of agents; with
+            several, observations and actions are `[N, A, ...]`, of the same space for all.
+        max_episode_steps: maximum length of an episode in steps; None: unknown.
+        individual_rewards: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
+            The rewards `[N]`, from which curricula score levels, are then those of the first side.
     """
 
     num_agents = 1
     max_episode_steps: int | None = None
     autoreset_mode = AutoresetMode.SAME_STEP
-    paid_apart = False
+    individual_rewards = False
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -109,7 +108,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         num_envs: int,
         observation_space: gymnasium.Space,
         action_space: gymnasium.Space,
-        draws: Sequence[Parameter],
+        parameters: Sequence[Parameter],
     ) -> None:
         for name in ("_start", "_advance"):
             if getattr(type(self), name) is getattr(UPOMDP, name):
@@ -120,13 +119,12 @@ class UPOMDP(LevelSpace, VectorEnv):
         self.single_action_space = action_space
         self.observation_space = gymnasium.vector.utils.batch_space(observation_space, num_envs)
         self.action_space = gymnasium.vector.utils.batch_space(action_space, num_envs)
-        self.draws = tuple(draws)
+        self.parameters = tuple(parameters)
         self.theta_space = Box(-1.0, 1.0, (self.theta_dim,), np.float64)
         self.levels = np.zeros(num_envs, level_dtype(self.theta_dim))
         self.visits = np.zeros(num_envs, np.int64)
         self.episodes = np.zeros(num_envs, np.int64)
-        self.next_levels: Callable[[int], np.ndarray] | None = None
-        self.upcoming: Callable[[], np.ndarray] | None = None
+        self.level_sampler: Callable[[int], np.ndarray] | None = None
         self.idle = np.zeros(num_envs, bool)
 
     @property
@@ -134,28 +132,28 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.np_random
 
     @property
-    def gives_state(self) -> bool:
-        """Whether `get_state` is data that a checkpoint can hold; else open episodes begin anew after a kill."""
+    def supports_state(self) -> bool:
+        """Whether a checkpoint can hold what `get_state` returns; otherwise a resumed run restarts open episodes."""
         return type(self).get_state is not UPOMDP.get_state
 
     @property
     def agent_observation_space(self) -> Space:
-        """What one agent sees."""
+        """The observation space of one agent."""
         return of_one_agent(self.single_observation_space, self.num_agents)
 
     @property
     def agent_action_space(self) -> Space:
-        """What one agent does."""
+        """The action space of one agent."""
         return of_one_agent(self.single_action_space, self.num_agents)
 
-    # ------------------------------------------------------------ what a subclass gives
+    # ------------------------------------------------------------ what a subclass defines
 
     @property
-    def observation_unit(self) -> np.ndarray | None:
-        """What counts as a large change of each entry of an agent's observation `[F]`; 0, or None for all: unknown.
+    def observation_scale(self) -> np.ndarray | None:
+        """The size of a large change of each entry of an agent's observation, `[F]`; 0, or None for all: unknown.
 
-        Students do not look closer than at a share of it (`PPOConfig.obs_std_floor`). Only who knows what an entry
-        means can tell: a pole 0.05 rad off the plumb is falling, though an angle might be 1.
+        Students do not scale an entry up beyond a share of it (`PPOConfig.obs_std_floor`). It depends on the meaning of
+        the entry: a pole 0.05 rad from upright is falling, though an angle might be 1.
         """
         return None
 
@@ -163,30 +161,38 @@ class UPOMDP(LevelSpace, VectorEnv):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
         """Start an episode of `levels` `[k]` in the environments `where` (indices `[k]`); return all observations.
 
-        Whatever is drawn to lay out the world comes from the level's seed; what is luck, from `luck_seeds(where)`.
+        Random numbers of the layout come from the level's seed, those of luck from `luck_seeds(where)`.
         """
 
     @abstractmethod
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Step all; return observations, rewards, terminated, truncated `[N]`, info.
 
-        An environment whose episode ended stays at its end, with its last observation, until it is started again.
+        An environment whose episode ended keeps its last observation until it is restarted.
+        """
+
+    def prefetch(self, levels: np.ndarray) -> None:
+        """Take note of levels `[k]` that will be reset to soon, in this order; no number depends on it.
+
+        Trainers announce up to `PREFETCH` levels at a time, before they reset to the level that comes before them. An
+        environment that prepares many levels in hardly more time than one can prepare them together. By default
+        nothing happens.
         """
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
-        """Return which levels `[k]` can be started: bool `[k]`."""
+        """Return which levels `[k]` are valid: bool `[k]`."""
         return self.valid(levels["theta"])
 
     def get_state(self) -> dict[str, Any]:
-        """Return everything that changes, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
-        raise NotImplementedError(f"{type(self).__name__} cannot give its state")
+        """Return all mutable state, as arrays and plain values; `set_state` on a copy resumes bit for bit."""
+        raise NotImplementedError(f"{type(self).__name__} does not support get_state")
 
     def set_state(self, state: dict[str, Any]) -> Any:
-        """Take back what `get_state` returned; return the observations `[N, ...]` of that moment."""
-        raise NotImplementedError(f"{type(self).__name__} cannot take a state")
+        """Restore a state that `get_state` returned; return its observations `[N, ...]`."""
+        raise NotImplementedError(f"{type(self).__name__} does not support set_state")
 
     def level_state(self) -> dict[str, Any]:
-        """Return the part of a state that every UPOMDP has: which levels are played, and the stream of levels."""
+        """Return the state that every UPOMDP has: the levels being played, and the stream of levels."""
         return {
             "levels": self.levels.copy(),
             "visits": self.visits.copy(),
@@ -195,39 +201,39 @@ class UPOMDP(LevelSpace, VectorEnv):
         }
 
     def set_level_state(self, state: Any, *names: str) -> None:
-        """Take back what `level_state` returned.
+        """Restore what `level_state` returned.
 
-        Raises ValueError unless the state has its entries and those of these `names`, and levels of this kind for all
-        environments; nothing is taken then.
+        Raises ValueError, and changes nothing, unless the state has these entries and `names`, and levels of this dtype
+        for all environments.
         """
         missing = [name for name in (*LEVEL_STATE, *names) if not (isinstance(state, dict) and name in state)]
         if missing:
             raise ValueError(f"a state is what get_state returned, a dict with {missing[0]!r}, got {state!r:.100}")
         levels, expected = state["levels"], (self.levels.shape, self.levels.dtype)
         if not isinstance(levels, np.ndarray) or (levels.shape, levels.dtype) != expected:
-            raise ValueError(f"this state is one of other levels, or of another number of them than {self.num_envs}")
+            raise ValueError(f"the state must hold {self.num_envs} levels of {self.levels.dtype}, got {levels!r:.100}")
         check_theta(levels["theta"], self.theta_dim)
         numbers = [self._numbers(state[name], levels.shape) for name in ("visits", "episodes")]
         set_stream(self.np_random, state["np_random"])
         self.levels[:], self.visits[:], self.episodes[:] = levels, *numbers
 
     def luck_seeds(self, where: np.ndarray) -> np.ndarray:
-        """Return the seeds of the luck of the episodes that begin in the environments `where` `[k]`: uint64 `[k]`.
+        """Return the luck seeds of the episodes that start in the environments `where` `[k]`: uint64 `[k]`.
 
-        Where levels have layouts, they differ from the seeds of these in every episode.
+        If a level's seed determines its layout, luck seeds differ from it in every episode.
         """
         first = 0 if self.seed_is_luck else 1
         seeds, visits, episodes = self.levels["seed"][where], self.visits[where], self.episodes[where] + first
-        rows = zip(seeds.tolist(), visits.tolist(), episodes.tolist(), strict=True)  # a few, of which ints are quicker
+        rows = zip(seeds.tolist(), visits.tolist(), episodes.tolist(), strict=True)  # ints: faster for few rows
         return np.array([luck_seed(*row) for row in rows], np.uint64)
 
     def copy(self) -> UPOMDP:
-        """Return a second, independent UPOMDP of the same kind in the same state."""
-        raise NotImplementedError(f"{type(self).__name__} cannot be copied")
+        """Return an independent UPOMDP of the same kind in the same state."""
+        raise NotImplementedError(f"{type(self).__name__} does not support copy")
 
     def with_scripted_policy(self) -> UPOMDP:
-        """Return a copy in which the learner's part is played by the environment itself; actions are ignored there."""
-        raise NotImplementedError(f"{type(self).__name__} has no script that could play the learner's part")
+        """Return a copy that plays a scripted policy in place of the actions passed to it."""
+        raise NotImplementedError(f"{type(self).__name__} provides no scripted policy")
 
     # ------------------------------------------------------------ levels
 
@@ -236,10 +242,10 @@ class UPOMDP(LevelSpace, VectorEnv):
     ) -> tuple[Any, dict[str, Any]]:
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
-        `visits` and `episodes`, numbers or `[k]`, say which visit of the level this is and which episode of it comes
-        first; the same level, visit and episode have the same luck wherever they are played.
-        An invalid level is replaced by a random valid one, never silently: `info["replaced"]` `[k]` says which,
-        `info["levels"]` `[k]` what is played instead. Returns the observations of all N environments.
+        `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode;
+        the same level, visit and episode have the same luck in every environment.
+        An invalid level is replaced by a random valid one: `info["replaced"]` `[k]` is the mask of these,
+        `info["levels"]` `[k]` the levels played. Returns the observations of all N environments.
         Raises `ThetaError` for an invalid θ, `ValueError` for a wrong number of levels or another mask.
         """
         chosen = np.flatnonzero(self._mask(where))
@@ -262,7 +268,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self._start(self.levels[chosen], chosen)
 
     def _check_levels(self, levels: Any, count: int) -> None:
-        """Raise ValueError unless these are so many levels of this kind."""
+        """Raise ValueError unless these are `count` levels of the dtype and programs of this UPOMDP."""
         if not isinstance(levels, np.ndarray) or levels.dtype != self.levels.dtype:
             kind = levels.dtype if isinstance(levels, np.ndarray) else type(levels).__name__
             raise ValueError(f"levels must be records of {self.levels.dtype}, got {kind}; see make_levels")
@@ -273,24 +279,24 @@ class UPOMDP(LevelSpace, VectorEnv):
         unknown = levels["program"][(levels["program"] < 0) | (levels["program"] >= num_programs)]
         if unknown.size:
             known = "0 is the only program" if num_programs == 1 else f"programs are 0 to {num_programs - 1}"
-            raise ValueError(f"a level is of program {unknown[0]}; {known}")
+            raise ValueError(f"a level has program {unknown[0]}; {known}")
 
     @staticmethod
     def _numbers(value: Any, shape: tuple[int, ...]) -> np.ndarray:
-        """Return visits or episodes as int64 of this shape. Raises ValueError for other ones."""
+        """Return visits or episodes as integers. Raises ValueError for another shape or negative numbers."""
         numbers = np.asarray(value)
         if numbers.dtype.kind not in "iu" or numbers.shape not in ((), shape) or min(numbers.ravel().tolist()) < 0:
-            raise ValueError(f"visits and episodes must be {list(shape)} whole numbers from 0 on, got {value!r:.100}")
+            raise ValueError(f"visits and episodes must be {list(shape)} integers, 0 or larger, got {value!r:.100}")
         return numbers
 
     def _mask(self, where: Any) -> np.ndarray:
-        """Return which environments are meant: bool `[N]`, all for None. Raises ValueError for what is no mask."""
+        """Return the mask of environments, bool `[N]`; None: all. Raises ValueError for another shape or dtype."""
         if where is None:
             return np.ones(self.num_envs, bool)
         mask = np.asarray(where)
         if mask.dtype != bool or mask.shape != (self.num_envs,):
             got = f"shape {list(mask.shape)} of {mask.dtype}"
-            raise ValueError(f"a mask must be [{self.num_envs}] truth values, one for each environment, got {got}")
+            raise ValueError(f"a mask must have shape [{self.num_envs}] and dtype bool, got {got}")
         return mask
 
     # ------------------------------------------------------------ Gymnasium's names
@@ -300,8 +306,8 @@ class UPOMDP(LevelSpace, VectorEnv):
     ) -> tuple[Any, dict[str, Any]]:
         """Start new episodes on random valid levels, or on `options["theta"]` `[N, D]`.
 
-        `options["reset_mask"]` (bool `[N]`) restricts it to some environments. `seed` seeds the stream from which
-        levels and their seeds are drawn. Raises ValueError for other options, `ThetaError` for a θ that is none.
+        `options["reset_mask"]` (bool `[N]`) selects the environments to reset. `seed` seeds the random stream of levels
+        and their seeds. Raises ValueError for other options, `ThetaError` for an invalid θ.
         """
         if isinstance(seed, list):
             seeds = [number for number in seed if number is not None]
@@ -324,14 +330,14 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset_to_levels(levels, where)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all environments; an ended one is already at the start of its next episode (see the class)."""
+        """Step all environments; an environment whose episode ended starts its next one (see the class)."""
         observations, rewards, terminated, truncated, info = self.advance(actions)
         ended = terminated | truncated
         if not ended.any():
             return observations, rewards, terminated, truncated, info
         last = dict(info)
         info |= {
-            "final_obs": copy.deepcopy(observations),  # which may be the environment's own array
+            "final_obs": copy.deepcopy(observations),  # may be the environment's own buffer
             "_final_obs": ended,
             "final_info": last,
             "_final_info": ended,
@@ -339,22 +345,22 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.start_next(ended), rewards, terminated, truncated, info
 
     def advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all environments and start none again: observations of those that ended are the last of their episodes.
+        """Step all environments and restart none: an ended episode returns its last observation.
 
-        The caller starts them again by `reset_to_levels`, `play_again` or `start_next`, or sets them `idle`.
+        The caller restarts them by `reset_to_levels`, `play_again` or `start_next`, or marks them `idle`.
         """
         return self._advance(actions)
 
     def start_next(self, where: np.ndarray) -> Any:
-        """Start what comes next in the environments `where` (bool `[N]`): what `next_levels` gives, or the same levels.
+        """Start the next episodes in the environments `where` (bool `[N]`).
 
-        A level that `next_levels` gives is visited anew: the number of the visit is drawn from the stream of levels.
-        Returns the observations of all N environments.
+        They play the levels that `level_sampler` returns, or without it the same ones. A level that it returns is a new
+        visit, whose number is drawn from the random stream of levels. Returns the observations of all N environments.
         """
-        if self.next_levels is None:
+        if self.level_sampler is None:
             return self.play_again(where)
         count = int(np.count_nonzero(where))
-        levels, visits = self.next_levels(count), self.np_random.integers(0, SEEDS, count)
+        levels, visits = self.level_sampler(count), self.np_random.integers(0, SEEDS, count)
         return self.reset_to_levels(levels, where, visits)[0]
 
     # ------------------------------------------------------------ PAIRED's and the thesis's names

@@ -24,7 +24,7 @@ from torch import Tensor
 
 from ued.config import CloningConfig
 from ued.core.resumable import Resumable
-from ued.learning.adam import Adam
+from ued.learning.fast_adam import Adam
 from ued.learning.student import Student
 
 
@@ -35,7 +35,7 @@ class Demonstrated:
     Attributes:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
-        told: bool, like `action`: where it is not, nobody knows what was done, and nothing is learned from it.
+        told: bool, like `action`: False where the action is unknown; such steps are not learned from.
         returns: `[B]`, discounted, from this step on.
     """
 
@@ -137,7 +137,7 @@ class Cloner(Resumable):
         return dict(zip(("loss", "value_loss"), map(float, sums / max(steps, 1)), strict=True))
 
     @torch.inference_mode()
-    def judge(self, chunks: Iterable[Demonstrated]) -> Agreement:
+    def evaluate(self, chunks: Iterable[Demonstrated]) -> Agreement:
         """Compare the student with demonstrations; all actions count the same."""
         size = num_actions(self.student)
         counts, sums, told, steps = torch.zeros(size * size, dtype=torch.int64), np.zeros(2), 0, 0

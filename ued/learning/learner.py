@@ -1,6 +1,6 @@
-"""A learner: a student with all that plays and teaches it.
+"""A learner: a student with its rollout worker and its PPO.
 
-Read next: `methods.method`, which lets one or more of them play the same levels.
+Read next: `methods.method`, in which one or more learners play the same levels.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from gymnasium.spaces import Discrete
 from ued.config import PPOConfig
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
-from ued.learning.ppo import PPO, FadingKL, KLRegularizer
+from ued.learning.kl import AnnealedKL, KLRegularizer
+from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.upload import Upload
@@ -28,17 +29,17 @@ RECENT = 100  # episodes of a rolling return
 
 
 class Learner:
-    """A student, the worker that plays it, and PPO, which improves it.
+    """A student, its rollout worker, and its PPO.
 
     Args:
-        name: before the name of each of its metrics.
-        upomdp: N environments of its own.
+        name: prefix of its metrics.
+        upomdp: N environments for this learner alone.
         config: of the student and of PPO.
         seeds: of its weights, its actions, and the shuffling of minibatches, in this order.
-        on_episode_end: decides which level an environment plays next; see `RolloutWorker`.
-        scripted: the environments play the learner's part themselves: there is no student, and nothing is learned.
+        on_episode_end: selects the next level of an environment; see `RolloutWorker`.
+        scripted: the environments play a scripted policy: there is no student, and nothing is learned.
 
-    Raises `ValueError` for one critic of opponents.
+    Raises `ValueError` if opponents are given a central critic.
     """
 
     def __init__(
@@ -50,32 +51,33 @@ class Learner:
         on_episode_end: OnEpisodeEnd,
         scripted: bool = False,
     ) -> None:
-        if upomdp.paid_apart and config.critic == "central":
-            raise ValueError("opponents are not worth the same: they need critic = own")
+        if upomdp.individual_rewards and config.critic == "central":
+            raise ValueError("opponents have different values, so they need critic = own")
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
-        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_unit, agents)
+        self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_scale, agents)
         self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
-        self.recent = np.zeros(0)  # returns of its last episodes, RECENT at most
+        self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT
         self.learn_seconds = 0.0
-        self.origin: FadingKL | None = None  # what it began with, if it is to stay close to that at first
+        self.reference_policy: AnnealedKL | None = None  # the initial policy, if the student stays close to it at first
 
     def start_from(self, student: Mapping[str, Any], kl_coef: float, kl_env_steps: int) -> None:
-        """Begin with this student, a `state_dict`, its normaliser included; stay close to it at first if told to.
+        """Start from this student, a `state_dict` with its normalizer, and a KL regularizer to it if `kl_coef` > 0.
 
-        Raises RuntimeError for one of other observations, actions or networks.
+        Raises RuntimeError for a student of other observations, actions or networks.
         """
         if self.student is None:
             return
         self.student.load_state_dict(student)
-        self.origin = FadingKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
+        self.reference_policy = AnnealedKL(copy.deepcopy(self.student), kl_coef, kl_env_steps)
 
     def to(self, device: torch.device) -> None:
-        """Move the networks to a device, and what they see; all else of a rollout, the simulator and all random streams
-        stay on the host.
+        """Move the networks and the observations of rollouts to a device.
+
+        The rest of a rollout, the simulator and all random streams stay on the host.
         """
         if self.student is not None and device.type != "cpu":
             self.student.to(device)
@@ -84,29 +86,28 @@ class Learner:
 
     @property
     def rollout(self) -> Rollout:
-        """What it experienced last."""
+        """The last rollout."""
         return self.worker.rollout
 
     def start(self, records: np.ndarray) -> None:
-        """Begin an episode on the level of each of these records `[N]`; open episodes are lost."""
+        """Start an episode on the level of each record `[N]`; open episodes are dropped."""
         self.worker.start(records)
         self.values.reset()
 
     def compute_advantages(self) -> dict[str, np.ndarray]:
-        """Look back on the rollout; return what the critic thought in the episodes that ended in it, `[E]` by name."""
+        """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
         self.advantages = gae(self.rollout, self.config.gamma, self.config.gae_lambda)  # [T, N]
         return self.values.track(self.rollout, self.advantages)
 
     def learn(
         self, env_steps: int, regularizer: KLRegularizer | None = None, rollout: Rollout | None = None
     ) -> dict[str, float]:
-        """Learn from the last rollout, or from `rollout` in its place; return the metrics of episodes and losses.
+        """Learn from the last rollout, or from `rollout` instead; return metrics of episodes and losses.
 
-        `env_steps` are those of all learners so far, for the annealing of the learning rate. Without a `regularizer` of
-        the method's the student stays close to what it began with, if it is to.
+        `env_steps` of all learners so far anneal the learning rate. `regularizer` defaults to the one of `start_from`.
         """
-        if regularizer is None and self.origin is not None:
-            regularizer = self.origin.at(env_steps)
+        if regularizer is None and self.reference_policy is not None:
+            regularizer = self.reference_policy.at(env_steps)
         began, losses = perf_counter(), dict[str, float]()
         if self.ppo is not None:
             advantages = self.advantages if rollout is None else None
@@ -120,12 +121,12 @@ class Learner:
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 
     def pop_seconds(self) -> dict[str, float]:
-        """Return the seconds spent since the last call, by what they were spent on."""
+        """Return the seconds since the last call, by activity."""
         seconds, self.learn_seconds = self.worker.pop_seconds() | {"learn": self.learn_seconds}, 0.0
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return everything that changes; without `episodes`, all but the state of the environments."""
+        """Return the whole state; without `episodes`, all but the state of the environments."""
         return {
             "agents": self.upomdp.num_agents,
             "worker": self.worker.state_dict(episodes),
@@ -135,18 +136,18 @@ class Learner:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises `ValueError` if it is of another number of agents."""
+        """Restore what `state_dict` returned. Raises `ValueError` for another number of agents."""
         self.check_agents(state)
         self.worker.load_state_dict(state["worker"])
         if self.ppo is not None:
             self.ppo.load_state_dict(state["ppo"])
         self.values.load_state_dict(state["values"])
         self.recent = np.array(state["recent"], np.float64)
-        if state["worker"]["upomdp"] is None:  # its episodes have begun anew
+        if state["worker"]["upomdp"] is None:  # its episodes were restarted
             self.values.reset()
 
     def check_agents(self, state: dict[str, Any]) -> None:
-        """Raise `ValueError` if what `state_dict` returned is of another number of agents."""
+        """Raise `ValueError` if a state has another number of agents."""
         saved, agents = state.get("agents", 1), self.upomdp.num_agents
         if saved != agents:
             raise ValueError(f"the checkpoint holds a student of {counted(saved)}, the environments have {agents}")
@@ -157,7 +158,7 @@ def counted(agents: int) -> str:
 
 
 def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
-    """Return how often each agent of a team has taken each action; of one agent, or of real numbers, nothing."""
+    """Return the share of each action of each agent of a team; empty for one agent and for continuous actions."""
     space, agents = upomdp.agent_action_space, upomdp.num_agents
     if agents == 1 or not isinstance(space, Discrete):
         return {}
@@ -173,7 +174,7 @@ def action_shares(rollout: Rollout, upomdp: UPOMDP) -> dict[str, float]:
 def episode_metrics(name: str, episodes: Episodes, recent: np.ndarray) -> dict[str, float]:
     """Return mean return, mean length and number of a student's episodes, and the mean of its `recent` returns.
 
-    Means of none are nan.
+    Without an episode means are nan.
     """
     count = len(episodes.returns)
     return {

@@ -1,9 +1,9 @@
-"""What a student remembers of an episode: nothing, or the state of a GRU.
+"""The memory of a student within an episode: none, or a GRU.
 
-This is the one place that tells a feed-forward student from a recurrent one. A memory sits between a torso and its
-heads; it says how many numbers it keeps of each environment (`width`, 0 where it keeps nothing), and of which steps
-minibatches are made: of single ones, or of the whole sequences that backpropagation through time needs.
-Read next: `learning.student`, which has one for its actor and one for its critic; `learning.ppo`, which looks back.
+Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
+heads. It has the size of its state per environment (`width`, 0 without memory), and determines the sequences of
+minibatches: single steps, or the whole sequences that backpropagation through time needs.
+Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.
 """
 
 from __future__ import annotations
@@ -17,41 +17,40 @@ from ued.learning.networks import Team, linear
 
 
 class Past(NamedTuple):
-    """How the rows that a student looks at hang together: L steps of B environments, step by step.
+    """The sequences that rows of a batch form: L steps of B environments, step by step.
 
     Attributes:
-        memory: `[B, W]` what it remembered before the first of these steps.
-        begins: bool `[L, B]`, an episode begins with this step, and what was remembered before is forgotten; None:
-            L is 1, and `memory` says all.
-        told: bool `[L * B]`, for which rows an answer is wanted; None: for all.
+        memory: `[B, W]` the state before the first of these steps.
+        episode_starts: bool `[L, B]`, steps that start an episode, at which the state is reset; None: none, and L is 1.
+        mask: bool `[L * B]`, rows whose outputs are returned; None: all.
     """
 
     memory: Tensor
-    begins: Tensor | None = None
-    told: Tensor | None = None
+    episode_starts: Tensor | None = None
+    mask: Tensor | None = None
 
 
 class NoMemory(nn.Module):
-    """Steps have nothing to do with each other: a feed-forward student."""
+    """The memory of a feed-forward student, which has none."""
 
     width = 0
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return both as they are."""
+        """Return both unchanged."""
         return features, memory
 
     def sequences(self, train: Tensor) -> Tensor:
-        """Return what minibatches are made of, for a rollout whose steps `train` `[T, N]` are to be learned from.
+        """Return the sequences of minibatches, for a rollout with the mask `train` `[T, N]` of steps to learn from.
 
-        Each of S sequences holds the numbers of its L rows of the flat rollout `[T * N]`: `[S, L]`.
+        Each of the S sequences holds the indices of its L rows in the flat rollout `[T * N]`: `[S, L]`.
         """
         return train.flatten().nonzero()
 
 
 class GRU(nn.Module):
-    """A gated recurrent unit (Cho et al. 2014, as cuDNN has it) for each agent, reset where episodes begin.
+    """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
-    Truncated backpropagation through time: a rollout is looked back on whole, from what was remembered when it began.
+    Backpropagation through time goes through a whole rollout, from the state at its first step.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team) -> None:
@@ -61,11 +60,13 @@ class GRU(nn.Module):
         self.recall = linear(size, 3 * size, 1.0, generator, team.policies)
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return features `[told, (A,) size]` for `[L * B, (A,) size]`, and what is remembered after them, `[B, W]`."""
+        """Return features `[mask, (A,) size]` for `[L * B, (A,) size]`, and the state after them, `[B, W]`."""
         state = memory.view(len(memory), *features.shape[1:])  # [B, (A,) size]
         parts = 2 * state.shape[-1], state.shape[-1]  # of both gates, of the candidate
         read = self.read(features).unflatten(0, (-1, len(memory)))  # [L, B, (A,) 3 * size]
-        goes_on = None if past.begins is None else (~past.begins).float().view(*read.shape[:2], *(1,) * (read.ndim - 2))
+        goes_on = None
+        if past.episode_starts is not None:
+            goes_on = (~past.episode_starts).float().view(*read.shape[:2], *(1,) * (read.ndim - 2))
         states = []
         for t, now in enumerate(zip(*(part.unbind() for part in read.split(parts, -1)), strict=True)):
             state = state if goes_on is None else state * goes_on[t]
@@ -75,10 +76,10 @@ class GRU(nn.Module):
             state = torch.lerp(candidate, state, keep)
             states.append(state)
         remembered = torch.cat(states)
-        return remembered if past.told is None else remembered[past.told], state.flatten(1)
+        return remembered if past.mask is None else remembered[past.mask], state.flatten(1)
 
     def sequences(self, train: Tensor) -> Tensor:
-        """Return the rows of each environment that has something to be learned from; see `NoMemory.sequences`."""
+        """Return the rows of each environment with a step to learn from; see `NoMemory.sequences`."""
         rows = torch.arange(train.numel()).view(train.shape).T  # [N, T]
         return rows[train.any(0)]
 
@@ -87,5 +88,5 @@ Memory = NoMemory | GRU
 
 
 def make_memory(kind: Literal["none", "gru"], size: int, generator: torch.Generator, team: Team) -> Memory:
-    """Return a memory behind a torso of so many features."""
+    """Return a memory for a torso with `size` features."""
     return GRU(size, generator, team) if kind == "gru" else NoMemory()

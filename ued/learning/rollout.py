@@ -1,4 +1,4 @@
-"""What a student experiences in T steps of N environments, and how good each action turned out (GAE).
+"""The experience of a student in T steps of N environments, and its advantages by GAE.
 
 Read next: `learning.worker`, which fills rollouts, then `learning.ppo`, which learns from them.
 """
@@ -18,22 +18,22 @@ from ued.learning.networks import choices_of
 
 @dataclass
 class Rollout:
-    """T steps of N environments. Episodes run on from one rollout to the next.
+    """T steps of N environments. Episodes continue from one rollout to the next.
 
-    What an agent sees, does and expects has a further axis of agents where there are several, `[T, N, A, ...]`; they
-    are paid together unless they are opponents, and their episodes are the same.
+    With several agents, observations, actions and values have an axis of agents, `[T, N, A, ...]`. Agents share their
+    episodes, and unless they are opponents their reward.
 
     Attributes:
-        observation: `[T, N, size]`, uint8 as uint8, what was seen before the action.
-        action: `[T, N]` or flat `[T, N, K]` as the policy drew it.
+        observation: `[T, N, size]`, uint8 or float32, before the action.
+        action: `[T, N]` or flat `[T, N, K]`, as sampled from the policy.
         log_prob, value: `[T, N]`, of each agent.
         reward: `[T, N]`, of the team; of opponents `[T, N, A]`, of each.
-        terminated: `[T, N]` the episode ended in this step, and nothing follows.
-        truncated: `[T, N]` the episode was cut off in this step, and something would have followed.
-        final_value: `[T, N]` value of the last observation of an episode that was cut off, else 0, of each agent.
-        train: `[T, N]` the student is to learn from this step; otherwise it was only to be seen how it fares.
+        terminated: `[T, N]` whether the episode terminated in this step.
+        truncated: `[T, N]` whether the episode was truncated in this step.
+        final_value: `[T, N]` value of the last observation of a truncated episode, else 0, of each agent.
+        train: `[T, N]` whether the student learns from this step; otherwise the level is only evaluated.
         last_value: `[N]` value of the observation after the last step, of each agent.
-        memory: `[N, W]` what the student remembered before the first step; see `learning.memory`.
+        memory: `[N, W]` state of the student's memory before the first step; see `learning.memory`.
     """
 
     observation: Tensor
@@ -59,7 +59,7 @@ class Rollout:
         apart: bool = False,
         memory_width: int = 0,
     ) -> Rollout:
-        """Allocate a rollout for these spaces of one agent of one environment; `apart`: each agent is paid its own."""
+        """Allocate a rollout for the spaces of one agent; `apart`: agents have individual rewards."""
         assert observation_space.shape is not None and action_space.shape is not None
         shape = (num_steps, num_envs)
         by_agent = shape if agents == 1 else (*shape, agents)
@@ -81,22 +81,22 @@ class Rollout:
         )
 
     @property
-    def begins(self) -> Tensor:
-        """Where an episode begins, bool `[T, N]`; of the first step `memory` knows."""
+    def episode_starts(self) -> Tensor:
+        """Steps that start an episode, bool `[T, N]`; False at the first step, whose memory is in `memory`."""
         ended = self.terminated | self.truncated
         return torch.cat([torch.zeros_like(ended[:1]), ended[:-1]])
 
     def columns(self, envs: Tensor) -> Rollout:
-        """Return a copy with the environments `envs` (bool `[N]`) only."""
+        """Return a copy with only the environments `envs` (bool `[N]`)."""
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
         once = {name: arrays.pop(name)[envs] for name in ("last_value", "memory")}
         return Rollout(**{name: array[:, envs] for name, array in arrays.items()}, **once)
 
 
 def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
-    """Return generalised advantage estimates `[T, N]`, of each agent (Schulman et al. 2016, equation 16).
+    """Return generalized advantage estimates `[T, N]`, of each agent (Schulman et al. 2016, equation 16).
 
-    What follows a step is worth the next value within an episode, 0 after a termination, and the value of the final
+    The value after a step is the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.
     """
     by_agent = rollout.value.ndim

@@ -1,14 +1,14 @@
-"""A student: the policy that plays, the values it expects, and how it looks at observations and sends actions.
+"""A student: policy, values, normalization of observations, and conversion of actions.
 
-It plays for all agents of an environment: for one, or for a team of A, whose observations, actions and values have an
-axis of agents. A team has a policy for each agent, or one for all that is told the agent's number; its values come from
-what each agent sees, or from what all see together (MAPPO, Yu et al. 2022).
+It controls all agents of an environment: one, or a team of A, whose observations, actions and values have an axis of
+agents. A team has a policy for each agent, or a shared one that observes the index of the agent; its critic sees the
+observation of each agent, or those of all (MAPPO, Yu et al. 2022).
 
-It remembers nothing within an episode, or has a GRU. Whoever lets it play keeps what it remembers, a row of
-`memory_width` numbers for each environment, and sets it to 0 where an episode begins; see `learning.memory`.
+It has no memory within an episode, or a GRU. Its caller stores the state of the memory, a row of
+`memory_width` numbers for each environment, and sets it to 0 where an episode starts; see `learning.memory`.
 
-Observations are normalized by running statistics that the student carries (and its checkpoint with it), rather than by
-a fixed scaling: the same student then learns from any Gymnasium environment, whatever the units of its observations.
+Observations are normalized by running statistics, which are part of the student and its checkpoint. So a student learns
+from any Gymnasium environment, whatever the units of its observations.
 Images are scaled to [0, 1]; see `learning.pixels`.
 Read next: `learning.rollout`.
 """
@@ -36,9 +36,9 @@ CLIP = 10.0  # standard deviations
 class Normaliser(nn.Module):
     """Shift and scale observations by their running mean and standard deviation (Chan et al. 1979, parallel form).
 
-    A feature that hardly moved while the student learned must not blow up when it moves a little more, as in another
-    engine or on another level: no standard deviation counts as less than `floor` `[size]`, in the feature's own unit.
-    Each policy has statistics of its own.
+    Standard deviations are at least `floor` `[size]`, in the units of the features. Otherwise a feature that was nearly
+    constant in training would explode when it varies a little more, as in another engine or on another level. Each
+    policy has its own statistics.
     """
 
     mean: Tensor
@@ -60,7 +60,7 @@ class Normaliser(nn.Module):
         return (observation - self.mean).div_(deviation).clamp_(-CLIP, CLIP)  # in place: fresh memory is slow to get
 
     def track(self, observation: Tensor) -> None:
-        """Take a batch of observations `[B, size]` or `[B, A, size]` into the statistics."""
+        """Update the statistics with a batch of observations `[B, size]` or `[B, A, size]`."""
         observation = observation.flatten(0, -1 - self.mean.ndim)  # one policy: the rows of all agents
         rows = len(observation)
         observation = observation.double()
@@ -80,14 +80,14 @@ class Student(nn.Module):
 
     Args:
         observation_space, action_space: of one environment; flat Box or image, and see `networks.PolicyHead`.
-        config: how large its torsos are, and whether actor and critic share one, as in the thesis (Fig. 4.10).
-        generator: what the weights are drawn from.
-        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_unit`.
-        agents: for how many it plays; both spaces are those of one of them.
+        config: size of the torsos, and whether actor and critic share one, as in the thesis (Fig. 4.10).
+        generator: random stream of the initial weights.
+        unit: of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
+        agents: number of agents; both spaces are those of one agent.
 
     Attributes:
-        policies: how many there are: one, or one for each agent.
-        memory_width: how many numbers it remembers of an environment; 0: it is feed-forward.
+        policies: number of policies: 1, or one per agent.
+        memory_width: size of the memory of an environment; 0: it is feed-forward.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Student(nn.Module):
         self.memory_width = self.actor_memory.width + (0 if self.shared else self.critic_memory.width)
 
     def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False) -> Any:
-        """Take back weights. Raises ValueError for some that are no numbers, RuntimeError for those of another net."""
+        """Load weights. Raises ValueError for weights that are not finite, RuntimeError for another network."""
         for name, weights in state_dict.items():
             if not (isinstance(weights, Tensor) and weights.isfinite().all()):
                 raise ValueError(f"the student's {name} is not finite")
@@ -135,17 +135,17 @@ class Student(nn.Module):
     def forward(self, observation: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
         """Return the policy and the value `[B]` for observations `[B, size]`; of a team `[B, A]` for `[B, A, size]`.
 
-        `past` says how these hang together; without it each of them is the first of an episode.
+        `past` describes their sequences; without it each observation is the first of an episode.
         """
-        policy, value, _ = self._judge(observation, past)
+        policy, value, _ = self._infer(observation, past)
         return policy, value
 
     def empty_memory(self, num_envs: int) -> Tensor:
-        """Return what it remembers of N environments whose episodes begin: `[N, memory_width]`."""
+        """Return the memory of N environments at the start of episodes: `[N, memory_width]`."""
         return torch.zeros(num_envs, self.memory_width)
 
-    def _judge(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
-        """Return the policy, the value, and what is remembered afterwards."""
+    def _infer(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
+        """Return the policy, the value, and the new memory."""
         seen = self.normaliser(observation)
         past = past or Past(self.empty_memory(len(observation)).to(self.device))
         features, memory = self._actor_features(seen, past)
@@ -168,7 +168,7 @@ class Student(nn.Module):
         return self.critic(features)[..., 0], memory
 
     def _numbered(self, observation: Tensor) -> Tensor:
-        """Tell the one policy of several whom it plays for: a one-hot behind `[B, A, size]`, planes behind images."""
+        """Append the index of the agent for a shared policy: a one-hot to `[B, A, size]`, planes to images."""
         if not self.numbered:
             return observation
         shape = (self.agents, *[1] * (observation.ndim - 3), self.agents)
@@ -177,9 +177,9 @@ class Student(nn.Module):
         )
         return torch.cat([observation, number], -1)
 
-    @cached_property  # which ones there are never changes, and asking takes long
+    @cached_property  # constant, and slow to compute
     def parameters_apart(self) -> tuple[list[nn.Parameter], list[nn.Parameter]]:
-        """Return the parameters of which each policy has a share of its own, along the first axis, and the others."""
+        """Return the parameters that are stacked by policy along the first axis, and the others."""
         parts: list[nn.Module] = [self.actor_torso, self.actor_memory, self.actor]
         parts += [] if self.central else [self.critic_torso, self.critic_memory, self.critic]
         own = {weight for part in parts for weight in part.parameters()} if self.policies > 1 else set()
@@ -187,11 +187,11 @@ class Student(nn.Module):
 
     @property
     def device(self) -> torch.device:
-        """Where its weights are. What it is shown to play, and what it answers, is on the host wherever they are."""
+        """The device of the weights. Observations to play and sampled actions are on the host on every device."""
         return self.critic.weight.device
 
     def _fetched(self, policy: Policy) -> Policy:
-        """Return a policy whose numbers are on the host: actions are drawn there, by one stream on every device."""
+        """Return a policy on the host, where actions are sampled from the same stream for every device."""
         if self.device.type == "cpu":
             return policy
         fetched = copy.copy(policy)
@@ -199,31 +199,31 @@ class Student(nn.Module):
         return fetched
 
     def _sent(self, host: Tensor) -> Tensor:
-        """Return a tensor of the host where the weights are; one that is pinned is on its way while we go on."""
+        """Copy a tensor of the host to the device; from pinned memory without waiting."""
         return host.to(self.device, non_blocking=True)
 
-    # What follows takes what is remembered of each environment, `[B, memory_width]`; without it, nothing is.
+    # The following methods take the memory of each environment, `[B, memory_width]`; by default it is empty.
 
     @torch.inference_mode()
     def value(self, observation: Tensor, memory: Tensor | None = None) -> Tensor:
-        """Return the value `[B]`, of a team `[B, A]`, alone."""
+        """Return the value `[B]`, of a team `[B, A]`."""
         memory = self.empty_memory(len(observation)) if memory is None else memory
         return self._value(self.normaliser(self._sent(observation)), Past(self._sent(memory)))[0].cpu()
 
     def act(
         self, observation: Tensor, generator: torch.Generator, memory: Tensor | None = None
     ) -> tuple[Tensor, Tensor, Tensor]:
-        """Draw actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`.
+        """Sample actions; return them with their log-probabilities and the values: `[B]` each, of a team `[B, A]`.
 
-        `memory` is brought up to date.
+        `memory` is updated in place.
         """
-        return self.draw(*self.judge(observation, memory), generator)
+        return self.draw(*self.infer(observation, memory), generator)
 
     @torch.inference_mode()
-    def judge(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
-        """Do the first half of `act`: return policy and values where the weights are; a GPU may still be at work."""
+    def infer(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
+        """Do the first half of `act`: return policy and values on the device, which may still be computing them."""
         past = None if memory is None else Past(self._sent(memory))
-        policy, value, remembered = self._judge(self._sent(observation), past)
+        policy, value, remembered = self._infer(self._sent(observation), past)
         if memory is not None:
             memory.copy_(remembered)
         return policy, value
@@ -239,9 +239,9 @@ class Student(nn.Module):
     def play(
         self, observation: np.ndarray, generator: torch.Generator, greedy: bool = False, memory: Tensor | None = None
     ) -> np.ndarray:
-        """Return the actions to send to the environments, for observations as they come from them.
+        """Return the actions for the environments, given their observations.
 
-        Of `memory` only what the actor remembers is brought up to date.
+        Only the actor's part of `memory` is updated in place.
         """
         memory = self.empty_memory(len(observation)) if memory is None else memory
         seen = self.normaliser(self._sent(torch.as_tensor(observation, dtype=torch.float32)))
@@ -252,8 +252,8 @@ class Student(nn.Module):
     def to_environment(self, action: Tensor) -> np.ndarray:
         """Turn actions of the policy into actions of the environment.
 
-        A discrete action is shifted to where the space starts. A continuous one is stretched so that -1 and 1 are the
-        bounds where these are finite, and clipped to them.
+        A discrete action is shifted to the start of the space. A continuous one is scaled so that -1 and 1 become the
+        bounds if these are finite, and clipped to them.
         """
         array, space = action.numpy(), self.action_space
         if isinstance(space, Discrete):
@@ -270,7 +270,7 @@ class Student(nn.Module):
 
 
 def widened(space: Space, times: int, more: int) -> Space:
-    """Return a space of observations whose last axis is so many times as long, and this much longer."""
+    """Return a space of observations whose last axis is `times` as long plus `more`."""
     if not isinstance(space, Box) or not space.shape:
         return space  # `torso` says why not
     shape = (*space.shape[:-1], times * space.shape[-1] + more)
@@ -278,12 +278,12 @@ def widened(space: Space, times: int, more: int) -> Space:
 
 
 class Player:
-    """A student that plays episodes in a batch of environments, and remembers each of them.
+    """A student that plays episodes in a batch of environments, with its memory of each.
 
     Args:
-        student: what plays: a `Student`, or anything with its `play` and `empty_memory`.
-        generator: what actions are drawn from.
-        greedy: the most likely actions are taken.
+        student: a `Student`, or any object with its `play` and `empty_memory`.
+        generator: random stream of the actions.
+        greedy: take the most likely actions.
     """
 
     def __init__(self, student: Student, generator: torch.Generator, greedy: bool = False) -> None:
@@ -291,13 +291,13 @@ class Player:
         self.memory = student.empty_memory(0)  # [N, memory_width]
 
     def __call__(self, observation: np.ndarray) -> np.ndarray:
-        """Return actions for observations `[N, ...]`; another number of environments than before begins anew."""
+        """Return actions for observations `[N, ...]`; a new number of environments resets the memory."""
         if len(self.memory) != len(observation):
             self.memory = self.student.empty_memory(len(observation))
         return self.student.play(observation, self.generator, self.greedy, self.memory)
 
     def begin(self, where: np.ndarray | None = None) -> None:
-        """Forget what was in the environments `where` bool `[N]`, for an episode begins there; None: in all."""
+        """Reset the memory of the environments `where` bool `[N]`, whose episodes start; None: of all."""
         if where is None:
             self.memory[:] = 0.0
         else:

@@ -1,9 +1,8 @@
-"""What was done on each level, so that the very episodes that made its score can be played again.
+"""The actions on each visit of a level, from which its episodes can be replayed bit for bit.
 
-A turn is one playing of a level; a level that is replayed has several, and may have them at the same time.
-
-A level and the number of its turn, the visit, say all that an environment draws; with the actions they are the episode,
-bit for bit. Read next: `learning.worker`, which keeps a tape where somebody has asked for one.
+A replayed level has several visits, possibly at the same time. The level and the number of the visit determine all
+random numbers of the environment, so the actions complete the episodes. Read next: `learning.worker`, which fills a
+tape on request.
 """
 
 from __future__ import annotations
@@ -12,31 +11,31 @@ from collections import OrderedDict
 
 import numpy as np
 
-NONE = -1  # no turn: they are numbers from 0 on
-MOST_TURNS = 4096  # kept for somebody who never asks
+NONE = -1  # no visit; visits are numbered from 0
+MOST_VISITS = 4096  # kept if nobody calls `pop`
 
 
 class ActionTape:
-    """The actions in each of N environments since its turn began, and those of turns that are over.
+    """The actions in each of N environments since its visit began, and those of ended visits.
 
-    It is no part of a checkpoint: of a turn that was begun before the tape was, or before a kill, nothing is known.
+    Checkpoints do not include it, so a visit that started before the tape, or before a resumed run, has no actions.
     """
 
     def __init__(self, num_envs: int) -> None:
-        self._turn = np.full(num_envs, NONE)  # [N] that each plays
-        self._began = np.zeros(num_envs, np.int64)  # [N] step of the tape at which that began
+        self._visit = np.full(num_envs, NONE)  # [N] the one that each environment plays
+        self._began = np.zeros(num_envs, np.int64)  # [N] step of the tape at which it started
         self._steps = 0  # on the tape
         self._actions: np.ndarray | None = None  # [capacity, N, ...]
-        self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by turn
+        self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by visit
 
-    def begin(self, envs: np.ndarray, turns: np.ndarray) -> None:
-        """Note that the environments `[k]` begin these turns `[k]`."""
+    def begin(self, envs: np.ndarray, visits: np.ndarray) -> None:
+        """Start these visits `[k]` in the environments `[k]`."""
         for env in envs:
             self._keep(int(env))
-        self._turn[envs], self._began[envs] = turns, self._steps
+        self._visit[envs], self._began[envs] = visits, self._steps
 
     def note(self, actions: np.ndarray) -> None:
-        """Note the actions `[N, ...]` of a step."""
+        """Append the actions `[N, ...]` of a step."""
         if self._actions is None:
             self._actions = np.empty((64, *actions.shape), actions.dtype)
         if self._steps == len(self._actions):
@@ -44,26 +43,26 @@ class ActionTape:
         self._actions[self._steps] = actions
         self._steps += 1
 
-    def pop(self, turns: np.ndarray) -> dict[int, np.ndarray]:
-        """Return the actions `[T, ...]` of these turns, by their numbers, as far as they are known, and forget them.
+    def pop(self, visits: np.ndarray) -> dict[int, np.ndarray]:
+        """Remove and return the actions `[T, ...]` of these visits, by their numbers, if known.
 
-        A turn that goes on, because its environment waits for others, is told up to now.
+        A visit that continues, because its environment waits for others, has its actions so far.
         """
-        for env in np.flatnonzero(np.isin(self._turn, turns)):
+        for env in np.flatnonzero(np.isin(self._visit, visits)):
             self._keep(int(env))
-            self._turn[env] = NONE
-        return {turn: self._over.pop(turn) for turn in turns.tolist() if turn in self._over}
+            self._visit[env] = NONE
+        return {visit: self._over.pop(visit) for visit in visits.tolist() if visit in self._over}
 
     def _keep(self, env: int) -> None:
-        if self._turn[env] != NONE and self._actions is not None:
-            self._over[int(self._turn[env])] = self._actions[self._began[env] : self._steps, env].copy()
-            if len(self._over) > MOST_TURNS:
+        if self._visit[env] != NONE and self._actions is not None:
+            self._over[int(self._visit[env])] = self._actions[self._began[env] : self._steps, env].copy()
+            if len(self._over) > MOST_VISITS:
                 self._over.popitem(last=False)
 
     def _make_room(self) -> None:
-        """Drop the steps before the oldest open turn, and double the tape where that is not half of it."""
+        """Drop the steps before the oldest open visit, and double the tape where that is not half of it."""
         assert self._actions is not None
-        known = self._turn != NONE
+        known = self._visit != NONE
         first = int(self._began[known].min()) if known.any() else self._steps
         kept = self._actions[first : self._steps].copy()
         capacity = len(self._actions) if 2 * len(kept) <= len(self._actions) else 2 * len(self._actions)

@@ -1,7 +1,8 @@
-"""How observations come to a GPU on which a student's weights are: step by step, each of them once.
+"""Copy observations to the GPU that holds a student's weights, step by step and each of them once.
 
-A student acts on what it sees and later learns from it. So a rollout's observations are kept where the weights are, and
-no copy of them is left to be made for the update. Read next: `learning.worker`, which sends them.
+A student acts on an observation and later learns from it, so a rollout's observations are stored where the weights are.
+This saves a second copy of the whole rollout before each update, and the host does not wait for the copies. Read next:
+`learning.worker`, which sends them.
 """
 
 from __future__ import annotations
@@ -10,17 +11,17 @@ import numpy as np
 import torch
 from torch import Tensor
 
-BUFFERS = 2  # one is filled while what is in the other is on its way
+BUFFERS = 2  # one is filled while the other is copied
 
 
 class Upload:
-    """Copies batches of one shape from the host to a GPU, by pinned buffers in turn, while the host goes on.
+    """Copies batches of one shape from the host to a GPU through two pinned buffers, while the host goes on.
 
-    A buffer is filled again only when the copy out of it has ended. Whatever the GPU is asked afterwards waits for the
-    copies: they are in the order of its stream.
+    A buffer is filled again only when the copy out of it has ended. Later work on the GPU waits for the copies, since
+    they are part of its stream.
 
     Args:
-        like: of the batches' shape and type.
+        like: a batch, of whose shape and dtype all batches are.
     """
 
     def __init__(self, like: Tensor) -> None:
@@ -29,7 +30,7 @@ class Upload:
         self.turn = 0
 
     def __call__(self, batch: np.ndarray, place: Tensor) -> None:
-        """Write a batch `[N, ...]` to its place on the GPU, in time for whatever that is asked next."""
+        """Write a batch `[N, ...]` to its place on the GPU, before any later work of its stream."""
         buffer, copied = self.buffers[self.turn], self.copied[self.turn]
         copied.synchronize()  # returns at once where nothing has been copied yet
         buffer.copy_(torch.as_tensor(batch))

@@ -1,7 +1,7 @@
-"""A rollout worker: plays a policy in its own N environments and carries episodes over from one rollout to the next.
+"""A rollout worker: runs a policy in its own N environments; episodes continue from one rollout to the next.
 
-`collect` lets several workers go through their rollouts side by side, which is what keeps the two students of PAIRED
-at about the same level of the same curriculum. Read next: `learning.ppo`.
+`collect` steps several workers side by side, so that the students of PAIRED are at about the same level of the
+curriculum. Read next: `learning.ppo`.
 """
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
 
-# Called with the environments `[k]` whose episodes have just ended, their returns and success `[k]` (1, 0, nan: not
-# known); returns the environments `[c]` that change their level and the level records `[c]` that they get. The others
-# play on.
+# Called with the environments `[k]` whose episodes have just ended, their returns, and their success `[k]` (1, 0, nan:
+# unknown); returns the environments `[c]` that change their level, and their new level records `[c]`.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
@@ -37,15 +36,15 @@ class Episodes:
 
 
 class RolloutWorker(Resumable):
-    """Plays in N environments and fills its rollout.
+    """Steps N environments and fills its rollout.
 
     Args:
-        student: what plays; None where the environment plays the learner's part itself and heeds no action (see
-            `UPOMDP.with_scripted_policy`): values and log-probabilities are 0 then.
-        upomdp: N environments that nobody else uses. Its `next_levels` is cleared: `on_episode_end` decides on levels.
+        student: the policy; None for environments that ignore actions (see `UPOMDP.with_scripted_policy`): values and
+            log-probabilities are then 0.
+        upomdp: N environments for this worker alone. Sets its `level_sampler` to None: `on_episode_end` selects levels.
         num_steps: T of the rollout.
-        generator: what actions are drawn from.
-        on_episode_end: supplies the levels; see `OnEpisodeEnd`.
+        generator: random stream of the actions.
+        on_episode_end: selects the levels; see `OnEpisodeEnd`.
     """
 
     state_fields = ("training", "generator", "returns", "lengths", "memory", "env_steps")
@@ -59,46 +58,46 @@ class RolloutWorker(Resumable):
         on_episode_end: OnEpisodeEnd,
     ) -> None:
         self.student, self.upomdp, self.generator, self.on_episode_end = student, upomdp, generator, on_episode_end
-        upomdp.next_levels = None
+        upomdp.level_sampler = None
         spaces = upomdp.agent_observation_space, upomdp.agent_action_space
         self.memory = torch.zeros(upomdp.num_envs, 0) if student is None else student.empty_memory(upomdp.num_envs)
-        agents = upomdp.num_agents, upomdp.paid_apart
+        agents = upomdp.num_agents, upomdp.individual_rewards
         self.rollout = Rollout.empty(num_steps, upomdp.num_envs, *spaces, *agents, self.memory.shape[1])
         self.observation: np.ndarray | None = None  # until `start`
-        self.training = np.ones(upomdp.num_envs, bool)  # [N] where the student learns from what it does
+        self.training = np.ones(upomdp.num_envs, bool)  # [N] whether the student learns from the step
         self.returns = np.zeros(upomdp.num_envs)  # [N] of the open episodes
         self.lengths = np.zeros(upomdp.num_envs, np.int64)  # [N]
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
-        self.tape: ActionTape | None = None  # until somebody wants to see episodes again
-        self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to where the student is
-        self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of episodes, a few in each step
+        self.tape: ActionTape | None = None  # until episodes are to be replayed
+        self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to the device of the student
+        self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
 
     def start(self, records: np.ndarray) -> None:
-        """Begin an episode on the level of each of these records `[N]`."""
+        """Start an episode on the level of each record `[N]`."""
         self.observation, _ = self.upomdp.reset_to_levels(records["level"], None, visits_of(records))
         self.training[:] = records["train"]
         if self.tape is not None:
-            self.tape.begin(np.arange(len(records)), records["turn"])
+            self.tape.begin(np.arange(len(records)), records["visit"])
         self.returns[:] = 0.0
         self.lengths[:] = 0
         self.memory[:] = 0.0
 
     def begin(self) -> None:
-        """Begin a rollout: note what the student remembers of the open episodes."""
+        """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
 
-    def look(self, t: int) -> None:
-        """Let the student begin to judge what it sees before step t; on a GPU it does so while the host goes on."""
+    def observe(self, t: int) -> None:
+        """Compute the policy and values at the observations of step t; a GPU works while the host continues."""
         assert self.observation is not None
         began, seen = perf_counter(), self.rollout.observation[t]
         self.send(self.observation, seen)
         if self.student is not None:
-            self.judged = self.student.judge(seen, self.memory)
+            self.inferred = self.student.infer(seen, self.memory)
         self.seconds["forward"] += perf_counter() - began
 
     def step(self, t: int) -> None:
-        """Take step t of the rollout in all environments, at which the student has looked."""
+        """Take step t of the rollout in all environments, after `observe`."""
         rollout, began = self.rollout, perf_counter()
         actions = self._act(t)
         rollout.train[t] = torch.as_tensor(self.training)
@@ -108,7 +107,7 @@ class RolloutWorker(Resumable):
         self.observation, reward, terminated, truncated, info = self.upomdp.advance(actions)
         self.seconds["forward"] += acted - began
         self.seconds["sim"] += perf_counter() - acted
-        rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.paid_apart else reward)
+        rollout.reward[t] = torch.as_tensor(info["agent_rewards"] if self.upomdp.individual_rewards else reward)
         rollout.terminated[t] = torch.as_tensor(terminated)
         rollout.truncated[t] = torch.as_tensor(truncated)
         self._value_final_observations(t, truncated & ~terminated)
@@ -120,16 +119,16 @@ class RolloutWorker(Resumable):
             self._end_episodes(ended, info)
 
     def _act(self, t: int) -> np.ndarray:
-        """Return the actions of step t for the environments; note what the policy drew."""
+        """Sample the actions of step t, store them in the rollout, and return them for the environments."""
         if self.student is None:
             space = self.upomdp.agent_action_space
             return self.rollout.action[t].numpy() + (space.start if isinstance(space, Discrete) else 0)
-        action, log_prob, value = self.student.draw(*self.judged, self.generator)
+        action, log_prob, value = self.student.draw(*self.inferred, self.generator)
         self.rollout.action[t], self.rollout.log_prob[t], self.rollout.value[t] = action, log_prob, value
         return self.student.to_environment(action)
 
     def _value_final_observations(self, t: int, cut: np.ndarray) -> None:
-        """Note what would have followed the episodes that were cut off in step t: bool `[N]`."""
+        """Store the value of the last observations of the episodes truncated in step t: `cut` bool `[N]`."""
         self.rollout.final_value[t] = 0.0
         if cut.any() and self.student is not None:
             final = torch.as_tensor(np.asarray(self.observation)[cut], dtype=torch.float32)
@@ -137,7 +136,7 @@ class RolloutWorker(Resumable):
             self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
     def _end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
-        """Note the episodes that ended, bool `[N]`, and start others in their places."""
+        """Record the episodes that ended, `mask` bool `[N]`, and start the next ones."""
         ended = np.flatnonzero(mask)
         returns = self.returns[ended]
         self._ended[0].extend(returns.tolist())
@@ -154,7 +153,7 @@ class RolloutWorker(Resumable):
         self.seconds["sim"] += perf_counter() - chosen
 
     def _start_episodes(self, ended: np.ndarray, envs: np.ndarray, records: np.ndarray) -> None:
-        """Start episodes where some ended, bool `[N]`: in `envs` `[c]` on new levels, elsewhere on the old ones."""
+        """Start episodes where some ended, bool `[N]`: in `envs` `[c]` on new levels, elsewhere on the same ones."""
         changing = np.zeros(self.upomdp.num_envs, bool)
         changing[envs] = True
         again = ended & ~changing
@@ -163,13 +162,13 @@ class RolloutWorker(Resumable):
         if len(envs):
             self.training[envs] = records["train"]
             if self.tape is not None:
-                self.tape.begin(envs, records["turn"])
+                self.tape.begin(envs, records["visit"])
             order = np.argsort(envs)
             levels, visits = records["level"][order], visits_of(records)[order]
             self.observation, _ = self.upomdp.reset_to_levels(levels, changing, visits)
 
     def finish(self) -> None:
-        """Close the rollout: value what comes after its last step."""
+        """Finish the rollout: store the values of the observations after its last step."""
         if self.student is not None:
             last = torch.as_tensor(self.observation, dtype=torch.float32)
             self.rollout.last_value[:] = self.student.value(last, self.memory)
@@ -180,15 +179,15 @@ class RolloutWorker(Resumable):
         return Episodes(np.array(returns, np.float64), np.array(lengths, np.int64))
 
     def pop_seconds(self) -> dict[str, float]:
-        """Return the seconds spent since the last call, simulating, asking the network, and choosing levels."""
+        """Return the seconds since the last call spent on simulation, on the network, and on the choice of levels."""
         seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return seconds
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return everything that changes besides the student's weights.
+        """Return the whole state besides the student's weights.
 
-        `episodes=False` leaves out the environments, whose state may be no data (as in `GymUPOMDP`); their episodes
-        then begin anew on the same levels.
+        `episodes=False` leaves out the state of the environments, which a checkpoint may be unable to hold (as of
+        `GymUPOMDP`); a resumed run then restarts their episodes on the same levels.
         """
         return super().state_dict() | {
             "upomdp": self.upomdp.get_state() if episodes else None,
@@ -196,12 +195,12 @@ class RolloutWorker(Resumable):
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError if it is of another number of environments."""
-        super().load_state_dict({"memory": self.memory} | state)  # those of before there were any have none
+        """Restore what `state_dict` returned. Raises ValueError for another number of environments."""
+        super().load_state_dict({"memory": self.memory} | state)  # older states have no memory
         for name in ("training", "returns", "lengths", "memory"):
             if len(getattr(self, name)) != self.upomdp.num_envs:
-                raise ValueError(f"{name} must be of {self.upomdp.num_envs} environments")
-        self._ended = [], []  # of an update that broke off
+                raise ValueError(f"{name} must have {self.upomdp.num_envs} rows, one per environment")
+        self._ended = [], []  # of an interrupted update
         if state["upomdp"] is None:
             self.upomdp.set_level_state(state)
             numbers = state["visits"], state["episodes"]
@@ -212,20 +211,20 @@ class RolloutWorker(Resumable):
 
 
 def visits_of(records: np.ndarray) -> np.ndarray:
-    """Return the numbers of these visits of levels `[k]`; 0 for records that nobody has numbered."""
-    return np.maximum(records["turn"], 0)
+    """Return the numbers of these visits of levels `[k]`; 0 for records without a number."""
+    return np.maximum(records["visit"], 0)
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
     """Fill the workers' rollouts, one step of each in turn.
 
-    All look before the first one acts: on a GPU the others' networks are at work while its environments are simulated.
+    All networks are evaluated before the first worker steps: a GPU evaluates the others while it simulates.
     """
     for worker in workers:
         worker.begin()
     for t in range(len(workers[0].rollout.reward)):
         for worker in workers:
-            worker.look(t)
+            worker.observe(t)
         for worker in workers:
             worker.step(t)
     for worker in workers:

@@ -19,7 +19,7 @@ from torch import Tensor
 from ued.config import AdversaryConfig
 from ued.core.parameters import Parameter, numbered
 from ued.core.resumable import Resumable
-from ued.learning.adam import Adam
+from ued.learning.fast_adam import Adam
 from ued.levels.theta_distribution import ThetaDistribution
 from ued.levels.unimodal import Unimodal
 
@@ -47,7 +47,7 @@ class Adversary(Resumable):
         config: its distribution, network and learning.
         generator: of its weights and draws.
         context_size: entries of the context where this is no random vector; see `propose`.
-        program_draws: of a mixture, the columns of each program.
+        program_parameters: of a mixture, the columns of each program.
 
     Raises `ValueError` where there is nothing to propose (D = 0).
     """
@@ -60,7 +60,7 @@ class Adversary(Resumable):
         config: AdversaryConfig,
         generator: torch.Generator,
         context_size: int | None = None,
-        program_draws: Sequence[Sequence[Parameter]] = (),
+        program_parameters: Sequence[Sequence[Parameter]] = (),
     ) -> None:
         columns = numbered("theta", draws) if isinstance(draws, int) else draws
         if not columns:
@@ -72,7 +72,7 @@ class Adversary(Resumable):
         size, hidden = context_size or config.context_size, config.hidden_size
         self.context_size = size
         self.network: ThetaDistribution | Unimodal = (
-            ThetaDistribution(columns, program_draws, size, hidden, generator)
+            ThetaDistribution(columns, program_parameters, size, hidden, generator)
             if config.distribution == "program"
             else Unimodal(config.distribution, self.dim, size, hidden, generator)
         )

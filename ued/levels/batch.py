@@ -1,4 +1,4 @@
-"""The levels on which an update was based, and all that is told of each: a row of levels.csv.
+"""The levels of an update, and the columns of levels.csv for each.
 
 Read next: `levels.record`, what a level record holds; `recorder.recorder`, which shows them.
 """
@@ -18,29 +18,29 @@ VALUES = {"value": "mean_value", "positive_advantage": "positive_advantage", "ab
 
 @dataclass(frozen=True)
 class LevelBatch:
-    """The L levels on which an update was based: level records `[L]`, and the students that have played them."""
+    """The L levels of an update: level records `[L]`, and the names of the students that played them."""
 
     records: np.ndarray
     students: Sequence[str]
 
     @property
     def theta(self) -> np.ndarray:
-        """Where the levels lie: `[L, D]`."""
+        """The θ of the levels: `[L, D]`."""
         return self.records["level"]["theta"]
 
     @property
     def score(self) -> np.ndarray:
-        """What the teacher makes of each level (PAIRED: regret), `[L]`; nan where there is no teacher."""
+        """The score of each level (PAIRED: regret), `[L]`; nan without a score."""
         return self.records["score"]
 
     @property
     def source(self) -> np.ndarray:
-        """Where each level comes from, in a word, `[L]`."""
+        """The origin of each level as a word, `[L]`."""
         return SOURCES[self.records["origin"]]
 
     @property
     def returns(self) -> dict[str, np.ndarray]:
-        """For each student, mean undiscounted return `[L]` over its whole episodes; nan where it has none."""
+        """For each student, mean undiscounted return `[L]` over its whole episodes; nan without one."""
         return dict(zip(self.students, mean_returns(self.records).T, strict=True))
 
     @property
@@ -55,11 +55,11 @@ class LevelBatch:
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:
-        """Return who each level is, by name `[L]`: id, turn, source, parent (nan: none), program, seed, episodes."""
+        """Return what identifies each level, by name `[L]`: id, visit, source, parent (nan: none), program, ..."""
         level, parent = self.records["level"], self.records["parent"]
         return {
             "id": self.records["id"],
-            "turn": self.records["turn"],
+            "visit": self.records["visit"],
             "source": self.source,
             "parent": np.where(parent == NONE, np.nan, parent),
             "program": level["program"],
@@ -68,11 +68,10 @@ class LevelBatch:
         }
 
     def outcomes(self) -> dict[str, np.ndarray]:
-        """Return what students made of each level, by name `[L]`, and the score that follows from it.
+        """Return the results of students on each level, by name `[L]`, and its score.
 
-        return, best, success: of each student, over its episodes. Where scores may be made of what a critic thought, as
-        in PLR, also best_ever, the best return that was ever made on the level, and the means over episodes of V,
-        max(A, 0) and |A|.
+        return, best, success: of each student, over its episodes. For methods whose scores may use values, as in PLR,
+        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}

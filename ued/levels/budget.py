@@ -1,8 +1,8 @@
-"""When replay and teachers begin, by the length of the run: sooner in a short one, so that something is learned.
+"""The start of replay and of teachers by the length of the run: earlier in a short run.
 
-A buffer of 1,000 levels wants 500 before anything is replayed, and an adversary waits for 32 levels. A run of long
-episodes may never play so many. So the defaults also begin once a share of the run is spent, and a method that does
-not know how long it will run begins after a few levels of each environment. Read next: `levels.buffer`,
+By default replay starts after 500 levels for a buffer of 1,000, and an adversary learns from 32 levels at a time. A run
+of long episodes may never play as many, so both also start once a share of the run is spent. Without a known budget
+they start after a few levels of each environment. Read next: `levels.buffer`,
 `levels.teacher`.
 """
 
@@ -11,22 +11,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-FILL = 0.5  # of the buffer: levels offered before replay where the run is long enough for them
-BATCH = 32  # levels that an adversary waits for in such a run
-SHARE = 0.1  # of the budget, after which neither waits longer
-LEAST_BATCH = 4  # levels of an adversary's smallest batch: fewer cannot be told apart
-LEVELS_PER_ENV = 4  # offered before replay where no budget is known
-NUM_ENVS = 16  # where a curriculum is used without environments
+FILL = 0.5  # of the buffer: levels offered before replay starts
+BATCH = 32  # levels that an adversary waits for
+SHARE = 0.1  # of the budget, after which neither waits any longer
+LEAST_BATCH = 4  # levels in an adversary's smallest batch
+LEVELS_PER_ENV = 4  # offered before replay without a known budget
+NUM_ENVS = 16  # assumed for a curriculum without environments
 
 
 @dataclass
 class Budget:
-    """How long a run is, as far as known, and how much of it is spent.
+    """The length of a run, if known, and the part of it that is spent.
 
     Attributes:
         num_envs: environments of each student.
-        total: env_steps of the run; None: not known.
-        spent: env_steps before the rollout that is being filled.
+        total: env_steps of the run; None: unknown.
+        spent: env_steps before the current rollout.
     """
 
     num_envs: int = NUM_ENVS
@@ -35,15 +35,15 @@ class Budget:
 
     @classmethod
     def of(cls, space: Any) -> Budget:
-        """Return the budget of a curriculum that nobody gave one: all that is known is its number of environments."""
+        """Return the default budget of a curriculum: of unknown length, with the environments of the space."""
         return cls(getattr(space, "num_envs", NUM_ENVS))
 
     def warm_up(self) -> int:
-        """Return the env_steps after which nobody waits longer; 0 where no budget is known."""
+        """Return the env_steps after which neither waits any longer; 0 without a known budget."""
         return 0 if self.total is None else round(SHARE * self.total)
 
     def allows_replay(self, offered: int, capacity: int) -> bool:
-        """Return whether a buffer to which so many levels were offered may be replayed, by default."""
+        """Return whether replay may start by default, after `offered` levels."""
         if offered >= FILL * capacity:
             return True
         if self.total is None:
@@ -51,7 +51,7 @@ class Budget:
         return offered > 0 and self.spent >= self.warm_up()
 
     def allows_lesson(self, waiting: int, last: int) -> bool:
-        """Return whether an adversary may learn from so many levels, by default, having learned at env_step `last`."""
+        """Return whether an adversary may learn by default from `waiting` levels, if it last did at env_step `last`."""
         if waiting >= BATCH:
             return True
         if self.total is None:

@@ -1,6 +1,6 @@
 """The buffer of levels that PLR, ACCEL and REPAIRED replay: one structured array, a row per level.
 
-Which level is replayed follows its score and how long ago it was last played (Jiang et al. 2021b, section 3.2):
+A level is replayed by its score and its staleness, the time since it was last played (Jiang et al. 2021b, 3.2):
 
     P = (1 - staleness_coef) P_score + staleness_coef P_stale
     P_score ~ rank^(-1 / temperature), or max(score, 0)^(1 / temperature);  P_stale ~ now - last played
@@ -22,15 +22,15 @@ from ued.levels.budget import Budget
 from ued.levels.ranking import Ranking
 from ued.levels.record import NONE, Origin, make_records, number
 
-EPSILON = 1e-8  # so that a power of 0 is no division by 0
+EPSILON = 1e-8  # avoids a division by 0 for scores of 0
 
 
 def slot_dtype(level: np.dtype) -> np.dtype:
     """Return the record of a level in the buffer.
 
-    id: of the level, unique in a run; level; score; best: the best return ever made on it; last_played: when it was, or
-    was put in; created: when it was put in; num_replays: how often it was replayed; parent: id of the level it was made
-    from, or NONE; generation: edits between it and a random level.
+    id: of the level, unique in a run; level; score; best: the highest return ever on it; last_played: time of its last
+    replay, or of insertion; created: time of insertion; num_replays: number of replays; parent: id of the level it was
+    edited from, or NONE; generation: edits between it and a random level.
     """
     return np.dtype(
         [
@@ -48,10 +48,10 @@ def slot_dtype(level: np.dtype) -> np.dtype:
 
 
 class LevelBuffer(Resumable):
-    """At most `capacity` levels, the most worthwhile ones seen so far.
+    """At most `capacity` levels, those with the highest replay weights so far.
 
     Args:
-        space: what levels there are.
+        space: the space of levels.
         config: capacity, priorities, staleness.
         budget: of the run; see `is_ready`.
     """
@@ -93,10 +93,10 @@ class LevelBuffer(Resumable):
         return self._count / self.config.capacity
 
     def is_ready(self, min_fill: float | None) -> bool:
-        """Return whether as many levels were offered as fill this share of the capacity; None: as the budget says.
+        """Return whether replay may start: after this share of the capacity was offered; None: by the budget.
 
-        The share is of levels offered, not kept: a few programs without parameters, for example, never fill a buffer.
-        By the budget, replay that has begun goes on, also if the budget is extended.
+        Levels count when they are offered, not when they are kept: a few programs without parameters never fill a
+        buffer. By the budget, replay that has started continues, even if the budget is extended.
         """
         if not self._count:
             return False
@@ -106,10 +106,10 @@ class LevelBuffer(Resumable):
         return self.replays
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned; older states do not say whether replay has begun."""
+        """Restore what `state_dict` returned; older states lack `replays`."""
         super().load_state_dict({"replays": False} | state)
 
-    # ------------------------------------------------------------ what is replayed
+    # ------------------------------------------------------------ replay
 
     def weights(self) -> np.ndarray:
         """Return the probability `[n]` with which each level is replayed next."""
@@ -133,7 +133,7 @@ class LevelBuffer(Resumable):
         return weight / weight.sum() if len(weight) else weight
 
     def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw `count` levels to replay; return their rows `[count]`. They count as played now."""
+        """Sample `count` levels to replay; return their rows `[count]`. They count as played now."""
         cumulated = np.cumsum(self.weights())
         rows = np.searchsorted(cumulated, rng.random(count) * cumulated[-1], side="right")
         rows = np.minimum(rows, self._count - 1)
@@ -143,7 +143,7 @@ class LevelBuffer(Resumable):
         return rows
 
     def replay(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw `count` levels; return them as level records of this dtype: the very levels that were scored."""
+        """Sample `count` levels to replay; return them as level records of this dtype."""
         slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
         records = make_records(dtype, slots["level"], Origin.REPLAYED)
         records["id"] = slots["id"]
@@ -157,31 +157,31 @@ class LevelBuffer(Resumable):
         rng: np.random.Generator,
         new: Callable[[int], np.ndarray],
     ) -> np.ndarray:
-        """Return `count` level records: each replayed with probability `replay_prob` once `is_ready`, else one of those
-        that `new` gives, in any order.
+        """Return `count` level records in random order: each replayed with probability `replay_prob` once the buffer
+        `is_ready`, else made by `new`.
         """
         replays = rng.binomial(count, config.replay_prob) if self.is_ready(config.min_fill) else 0
         return np.concatenate([self.replay(dtype, replays, rng), new(count - replays)])[rng.permutation(count)]
 
-    # ------------------------------------------------------------ what is kept
+    # ------------------------------------------------------------ insertion
 
     def find(self, ids: np.ndarray) -> np.ndarray:
-        """Return the row `[k]` of each of these ids, NONE for a level that is no longer kept."""
+        """Return the row `[k]` of each id, NONE for a level that is not in the buffer."""
         return np.array([self._rows_by_id.get(number, NONE) for number in ids.tolist()], np.int64)
 
     def best_returns(self, records: np.ndarray) -> np.ndarray:
-        """Return the best return `[L]` that was ever made on the level of each of these records, by any student."""
+        """Return the highest return `[L]` ever on the level of each record, by any student."""
         best = np.nanmax(records["returns"], (1, 2), initial=-np.inf)
         replayed = np.flatnonzero(records["origin"] == Origin.REPLAYED)
         rows = self.find(records["id"][replayed])
-        kept = rows != NONE  # one may have been displaced meanwhile
+        kept = rows != NONE  # others were displaced since
         best[replayed[kept]] = np.fmax(best[replayed[kept]], self.slots["best"][rows[kept]])
         return best
 
     def store(self, records: np.ndarray) -> dict[str, float]:
-        """Take in scored level records `[L]`: replayed levels get their new scores, the others are offered.
+        """Store scored level records `[L]`: replayed levels get their new scores, the others are inserted.
 
-        Returns metrics: how full the buffer is, how many of the others are kept, and what it holds; see `insert`.
+        Returns metrics: fill ratio, number of inserted levels, mean score, age and generation; see `insert`.
         """
         best = self.best_returns(records)
         replayed = records["origin"] == Origin.REPLAYED
@@ -197,18 +197,18 @@ class LevelBuffer(Resumable):
         return metrics
 
     def update_scores(self, rows: np.ndarray, score: np.ndarray, best: np.ndarray) -> None:
-        """Write the new scores `[k]` and best returns `[k]` of levels that were replayed."""
+        """Set the new scores `[k]` and best returns `[k]` of replayed levels."""
         self.slots["score"][rows] = score
         np.fmax.at(self.slots["best"], rows, best)
         self._score_weights = None
         self._rescored.update(rows.tolist())
 
     def insert(self, records: np.ndarray, best: np.ndarray) -> int:
-        """Offer scored records `[k]` of new levels, with the best returns `[k]` on them; return how many are kept.
+        """Insert scored records `[k]` of new levels, with the best returns `[k]` on them; return how many are kept.
 
-        A full buffer gives up the levels that it would replay least, each for one with at least its score. A level that
-        it holds already keeps the better score. Of edits whose parent is gone the generation is counted anew. Levels
-        without an id, as some trainers number none, get one.
+        In a full buffer they replace the levels with the smallest replay weights, if their scores are at least as high.
+        A level that is already in the buffer keeps the higher score. The generation of an edit whose parent is gone
+        starts again at 1. Levels without an id get one, since some trainers do not number levels.
         """
         self.next_id = number(records, self.next_id)
         rows = self._as_slots(records, best)
@@ -238,7 +238,7 @@ class LevelBuffer(Resumable):
         return True
 
     def _displace(self, rows: np.ndarray) -> int:
-        """Let levels `[k]`, the best of them first, take the places of those that would be replayed least."""
+        """Let levels `[k]`, the best first, replace those with the smallest replay weights; return how many did."""
         if not len(rows):
             return 0
         rows = rows[np.argsort(-rows["score"], kind="stable")]
@@ -264,7 +264,7 @@ class LevelBuffer(Resumable):
 
 
 def smallest(values: np.ndarray, count: int) -> np.ndarray:
-    """Return the places of the `count` smallest of these values, or of all, the least first, equal ones in order."""
+    """Return the indices of the `count` smallest values, in increasing order; ties keep their order."""
     count = min(count, len(values))
     if not count:
         return np.zeros(0, np.int64)

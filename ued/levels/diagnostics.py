@@ -1,7 +1,7 @@
-"""What can be told of the levels of an update, whatever the method: where they lie, where from, how students fared.
+"""Metrics of the levels of an update for every method: distribution, origins, success rates.
 
-These numbers tell a curriculum that collapses from one that works: a teacher stuck on few levels has a low entropy and
-coverage; one that aims too high has a low success rate; regret that is luck pays it for chance (see `regret_split`).
+They show whether a curriculum collapses: a teacher stuck on few levels has a low entropy and coverage, one whose levels
+are too hard a low success rate; `regret_split` shows how much regret is luck.
 Read next: `methods.method`, which logs them in every update.
 """
 
@@ -16,13 +16,13 @@ from ued.core.parameters import Parameter, choice_in
 from ued.levels.record import Origin, mean_returns, solved
 
 BINS = 10  # of each column of θ that is a real number
-MOST_CHOICES, MOST_OPTIONS = 4, 8  # of which metrics tell one by one
+MOST_CHOICES, MOST_OPTIONS = 4, 8  # with metrics of their own
 
 
 def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
     """Return counts by origin, the spread of θ and the success rate of finished level records `[L]`.
 
-    `draws` are the columns of θ; None: real numbers; empty: θ are codes, whose spread means nothing.
+    `draws` are the columns of θ; None: real numbers; empty: θ are codes, whose spread is meaningless.
     """
     counts = np.bincount(levels["origin"], minlength=len(Origin))
     metrics = {"levels": float(len(levels))}
@@ -41,7 +41,7 @@ def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) 
 
 
 def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float]:
-    """Return of each program of a mixture its share of finished level records `[L]`, and the success rate on these."""
+    """Return the share of each program of a mixture among finished level records `[L]`, and its success rate."""
     metrics = {}
     for k, name in enumerate(names):
         mine = levels["level"]["program"] == k
@@ -53,15 +53,15 @@ def program_metrics(levels: np.ndarray, names: Sequence[str]) -> dict[str, float
 
 
 def theta_metrics(theta: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
-    """Return how widely levels θ `[L, D]` are spread; nothing for fewer than two.
+    """Return metrics of the spread of θ `[L, D]`; empty for fewer than two levels.
 
-    `draws` are the columns; None: real numbers. Values are counted one by one, as likely as the program draws them;
-    a real number has a histogram of 10 bins. No measure goes by the order of a choice's options but theta_std.
+    `draws` are the columns; None: real numbers. Each value of a choice is a bin, weighted by its probability; a real
+    number has 10 bins. Only theta_std depends on the order of a choice's options.
 
     theta_std: mean of the columns' standard deviations; uniform levels have 0.58.
     theta_entropy: sum of the columns' entropies in nats, from histograms with Miller and Madow's correction (1955);
-        random levels have D log 2, the largest value, and it is what the adversary's bonus is measured in.
-    theta_coverage: share of the bins that hold a level, divided by what as many random levels would reach.
+        random levels have D log 2, the largest value. The adversary's entropy bonus has the same unit.
+    theta_coverage: share of bins with a level, divided by the share expected of as many random levels.
     """
     count, dim = theta.shape
     if not dim or count < 2:
@@ -94,11 +94,10 @@ def _binned(theta: np.ndarray, draws: Sequence[Parameter] | None) -> tuple[np.nd
 
 
 def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, float]:
-    """Return of each option of the first choices among `draws` how scored level records `[L]` went about it.
+    """Return metrics of scored level records `[L]` for each option of the first choices among `draws`.
 
-    choice_ratio/COLUMN/OPTION: share of it among the adversary's levels, over its weight in the program: below 1 it is
-    proposed less often than random levels have it. choice_score/COLUMN/OPTION: mean score of all levels with it, nan
-    where there are none.
+    choice_ratio/COLUMN/OPTION: share of the option in the adversary's levels, divided by its weight in the program;
+    below 1: rarer than in random levels. choice_score/COLUMN/OPTION: mean score of all levels with it, nan without one.
     """
     theta, proposed = levels["level"]["theta"], levels["origin"] == Origin.PROPOSED
     metrics, known = (
@@ -118,12 +117,12 @@ def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, 
 
 
 def regret_split(levels: np.ndarray, has_antagonist: bool) -> dict[str, float]:
-    """Return the mean regret of the adversary's own among scored levels `[L]`, and its parts: skill and luck.
+    """Return the mean regret of the adversary's levels among scored levels `[L]`, and its parts: skill and luck.
 
-    With outcomes by chance, the best of several episodes exceeds their mean even between equal students; that part
-    says nothing about the level. Skill is what student 1, the antagonist, has above student 0, or without antagonist
-    what the best student has above the mean of all: means over all levels, since on each the best is so by luck, too.
-    Luck is the rest.
+    With random outcomes, the best of several episodes exceeds their mean even between equal students; that part says
+    nothing about the level. Skill is the mean return of student 1, the antagonist, minus that of student 0, or without
+    an antagonist the best student's minus the mean of all. Means are over all levels, since the best student on a
+    single level may be so by luck. Luck is the rest.
     """
     levels = levels[levels["origin"] == Origin.PROPOSED]
     if not len(levels):

@@ -1,45 +1,51 @@
-"""Which student plays which level: all play the same levels in the same order, the same number of whole episodes each.
+"""The queue of levels: all students play the same levels in the same order, for the same number of whole episodes.
 
-A student's environment that has played its level often enough takes the next one from the queue, on its own, while the
-others go on. So no episode is cut off by a change of level, none is lost or counted as 0, long episodes are not left
-out, and no environment waits for the longest. A student whose episodes are shorter would run ahead; when it is
-`max_lead` levels ahead of the slowest, it plays its level again until the others have caught up, and those episodes
-train it but do not count. Read next: `methods.method`, whose `play` hides this queue.
+An environment that has played its level often enough takes the next one from the queue while the others continue. So a
+change of level cuts off no episode, long episodes count like short ones, and no environment waits for the longest
+episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest student, it
+repeats its level until the others have caught up; it learns from these episodes, but they are no results. Read next:
+`methods.method`, whose `collect_rollouts` uses this queue.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import chain
 from typing import Any
 
 import numpy as np
 
 from ued.core.curriculum import Curriculum
-from ued.core.level_space import whole
+from ued.core.level_space import as_void_view
 from ued.core.resumable import Resumable
+from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
-# Levels that are proposed ahead where all of them are to be played: at least so many, and for many environments a share
-# of their number, for one request of many levels costs hardly more than one of one.
+# Levels proposed ahead if all proposals are played: at least this many, and for many environments a share of their
+# number, since a request for many levels takes hardly longer than a request for one.
 PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
 
 
 class LevelQueue(Resumable):
-    """Hands level records to S students with N environments each, and keeps the results until all have played.
+    """Hands level records to S students with N environments each, and stores results until all have played a level.
 
     Args:
         curriculum: proposes the levels.
         num_envs: N.
         max_lead: levels that one student may be ahead of another, at least N; 0: no new level before `clear`.
-        drop_stale_proposals: forget after each update what nobody has begun, so that the next levels are proposed by
-            the curriculum as it is now. Not for a curriculum that is changed by proposing, as replay is.
+        drop_stale_proposals: drop the proposals that no student has started after each update, so that the updated
+            curriculum proposes the next levels. Not for a curriculum with a state that proposing changes, as replay.
         resample_level_every: an environment takes a new level when it has played its own often enough ("episode"), or
             the first time that this happens in each rollout ("rollout").
+
+    Attributes:
+        prefetch: for each student, the function that announces to its environments which levels it will play next,
+            `[k]` of them; see `UPOMDP.prefetch`.
 
     Raises `ValueError` for a `max_lead` between 0 and N.
     """
 
-    state_fields = ("records", "taken", "playing", "next_id", "next_turn")
+    state_fields = ("records", "taken", "playing", "next_id", "next_visit")
 
     def __init__(
         self,
@@ -56,33 +62,37 @@ class LevelQueue(Resumable):
         self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
         self.proposal_batch = num_envs if drop_stale_proposals else max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
         self.students = curriculum.dtype["returns"].shape[0]
-        self.records = np.zeros(0, curriculum.dtype)  # in the order of play; finished ones leave in `pop_finished`
-        self.taken = np.zeros(self.students, np.int64)  # [S] records that each student has begun: a prefix
-        self.playing = np.full((self.students, num_envs), NONE)  # [S, N] which record each environment plays
-        self.next_id = self.next_turn = 0  # of the levels of the run, and of their playings
-        self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once in each
+        self.records = np.zeros(0, curriculum.dtype)  # in the order of play; `pop_finished` removes finished ones
+        self.taken = np.zeros(self.students, np.int64)  # [S] number of records that each student has started
+        self.playing = np.full(
+            (self.students, num_envs), NONE
+        )  # [S, N] index of the record that each environment plays
+        self.next_id = self.next_visit = 0  # of levels, and of visits
+        self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once per rollout
+        self.prefetch: list[Callable[[np.ndarray], None]] = [lambda levels: None] * self.students
+        self._announced = [NONE] * self.students  # the last visit that each student's environments know of
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
-        """Return the records `[N]` that a student starts with, to be read at once: they are no copy."""
+        """Return the first records `[N]` of a student, a view that is valid until the next call."""
         return self._take(student, np.arange(self.num_envs))
 
     def begin_rollout(self) -> None:
-        """Let each environment take a new level again, where it may do so once in a rollout."""
+        """Let each environment take a new level again, if it may do so once per rollout."""
         self.needs_new_level[:] = True
 
     def on_episode_end(
         self, student: int, ended: np.ndarray, returns: np.ndarray, success: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Note returns and success `[k]` of the episodes that ended in the environments `ended` `[k]`.
+        """Store returns and success `[k]` of the episodes that ended in the environments `ended` `[k]`.
 
-        Return the environments `[c]` that change their level, and their new records `[c]`, as `first` does; the others
-        play on.
+        Return the environments `[c]` that change their level, and their new records `[c]`, a view as in `first`. The
+        others repeat their level.
         """
-        if self.once_per_rollout:  # what the others play is not counted
+        if self.once_per_rollout:  # episodes of the others do not count
             first = self.needs_new_level[student, ended]
             ended, returns, success = ended[first], returns[first], success[first]
-        envs, due = ended.tolist(), self._due[student]  # a few, of which lists are quicker
+        envs, due = ended.tolist(), self._due[student]  # lists: faster for few environments
         left = [due[env] for env in envs]  # this one included
         self._ended[student].append((self.playing[student, ended], left, returns, success))
         for env in envs:
@@ -101,9 +111,9 @@ class LevelQueue(Resumable):
         if missing > 0:
             proposals = self.curriculum.propose(max(missing, self.proposal_batch))
             self.next_id = number(proposals, self.next_id)
-            proposals["turn"] = self.next_turn + np.arange(len(proposals))
-            self.next_turn += len(proposals)
-            joined = np.concatenate([whole(self.records), whole(proposals)])
+            proposals["visit"] = self.next_visit + np.arange(len(proposals))
+            self.next_visit += len(proposals)
+            joined = np.concatenate([as_void_view(self.records), as_void_view(proposals)])
             self.records = joined.view(self.records.dtype)
         records = self.records[start : start + len(envs)]
         if len(envs):
@@ -111,27 +121,32 @@ class LevelQueue(Resumable):
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
                 self._due[student][env] = episodes
             self.taken[student] += len(envs)
+            if records["visit"][-1] > self._announced[student]:
+                self._announce(student)
         return records
 
-    def turns(self, student: int) -> np.ndarray:
-        """Return which turn each of a student's environments plays `[N]`; NONE for one that waits."""
-        return np.append(self.records["turn"], NONE)[self.playing[student]]  # NONE, -1, is the last
+    def _announce(self, student: int) -> None:
+        """Let a student's environments know which levels come after those that it has begun."""
+        start = int(self.taken[student])
+        coming = self.records[start : start + PREFETCH]
+        self._announced[student] = int(coming["visit"][-1] if len(coming) else self.records["visit"][start - 1])
+        self.prefetch[student](coming["level"])
 
-    def upcoming(self, student: int) -> np.ndarray:
-        """Return the levels that a student will begin next, as far as they have been proposed."""
-        return self.records["level"][self.taken[student] :]
+    def visits(self, student: int) -> np.ndarray:
+        """Return the visit that each of a student's environments plays `[N]`; NONE for one that has no level yet."""
+        return np.append(self.records["visit"], NONE)[self.playing[student]]  # NONE, -1, is the last
 
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
-        """Write what the critic thought in the E episodes that ended since the last call, in their order: `[E]` each.
+        """Store the critic's statistics of the E episodes that ended since the last call, in their order: `[E]` each.
 
-        Not where levels last for a rollout: episodes that do not count are not told apart there.
+        With one level per rollout they are dropped, since they include episodes that do not count.
         """
         self._write_results(student, {} if self.once_per_rollout else stats)
 
     def _write_results(self, student: int, stats: dict[str, np.ndarray]) -> None:
-        """Write what came of the E episodes that ended since the last call, and these stats `[E]`, into their records.
+        """Write the results of the E episodes that ended since the last call, and stats `[E]`, into their records.
 
-        It is done once in a rollout: writing into a few records takes as long as into all.
+        This happens once per rollout: writing into a few records takes as long as into all.
         """
         if not self._ended[student]:
             return
@@ -146,20 +161,22 @@ class LevelQueue(Resumable):
         np.add.at(self.records["num_played"][:, student], rows, 1)
 
     def _forget_ended(self) -> None:
-        self._due = [[0] * self.num_envs for _ in range(self.students)]  # [S][N] episodes on what each plays
-        # of the episodes that ended in each step [k]: record, episodes due, returns, success
+        self._due = [
+            [0] * self.num_envs for _ in range(self.students)
+        ]  # [S][N] episodes left on the level of each environment
+        # of the episodes that ended in each step [k]: record, episodes left, returns, success
         self._ended: list[list[tuple[Any, ...]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
-        """Return for each record whether every student has played it often enough: bool `[R]`."""
+        """Return which records every student has played often enough: bool `[R]`."""
         for student in range(self.students):
             self._write_results(student, {})
         return np.all(self.records["num_played"] >= self.records["num_episodes"][:, None], axis=1)
 
     def pop_finished(self) -> np.ndarray:
-        """Remove and return the finished records `[L]`, in the order of play; drop proposals that have become stale."""
+        """Remove and return the finished records `[L]`, in the order of play; drop stale proposals."""
         finished = self.finished()
-        records, before = whole(self.records), np.cumsum(finished) - finished
+        records, before = as_void_view(self.records), np.cumsum(finished) - finished
         index = np.where(finished, NONE, np.arange(len(self.records)) - before)
         index = np.append(index, NONE)  # so that NONE, the last, stays NONE
         self.playing = index[self.playing]
@@ -170,20 +187,20 @@ class LevelQueue(Resumable):
         return records[finished].view(self.curriculum.dtype)
 
     def clear(self) -> None:
-        """Forget all records, finished or not; students begin again with `first`."""
+        """Drop all records, finished or not; students start again with `first`."""
         self.records = self.records[:0]
         self.taken[:] = 0
         self.playing[:] = NONE
         self._forget_ended()
 
     def state_dict(self) -> dict[str, Any]:
-        """Return a copy of everything that changes."""
+        """Return a copy of the whole state."""
         self.finished()
         return super().state_dict()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError if its level records have other fields, or no such
-        record is there as somebody plays.
+        """Restore what `state_dict` returned. Raises ValueError if its level records have other fields, or if an
+        environment plays a record that does not exist.
         """
         expected, stored = self.records.dtype.names or (), state["records"].dtype.names or ()
         if expected != stored:
@@ -194,7 +211,8 @@ class LevelQueue(Resumable):
         _check_range("taken", self.taken, (students,), 0, rows)
         _check_range("num_episodes", self.records["num_episodes"], (rows,), 0, episodes)
         _check_range("num_played", self.records["num_played"], (rows, students), 0, episodes)
-        self._forget_ended()  # of an update that broke off
+        self._forget_ended()  # of an interrupted update
+        self._announced = [NONE] * self.students
         due = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
         due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
         self._due = due[self.playing, np.arange(students)[:, None]].tolist()
@@ -202,4 +220,4 @@ class LevelQueue(Resumable):
 
 def _check_range(name: str, numbers: np.ndarray, shape: tuple[int, ...], low: int, high: int) -> None:
     if numbers.shape != shape or (numbers.size and (numbers.min() < low or numbers.max() > high)):
-        raise ValueError(f"{name} must be {list(shape)} numbers from {low} to {high}")
+        raise ValueError(f"{name} must have shape {list(shape)} and values from {low} to {high}")

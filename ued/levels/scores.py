@@ -1,7 +1,7 @@
-"""What a level is worth to a teacher or a buffer, from what students made of it.
+"""Scores of levels for a teacher or a buffer, from the results of students.
 
-Returns are undiscounted and of whole episodes; nan stands for an episode that was not played, and never counts as 0.
-Read next: `levels.buffer`, which is sorted by scores; `methods.paired`, which pays regret.
+Returns are undiscounted and of whole episodes; nan stands for an episode that was not played and is left out of means.
+Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose score is regret.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def max_mc(records: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Return MaxMC `[L]`: the best return ever made on the level `[L]` minus what the critic expected on the way.
+    """Return MaxMC `[L]`: the mean over steps of R_max - V(s_t) (Jiang et al. 2021a, section 5.2).
 
-    The mean over steps of R_max - V(s_t) (Jiang et al. 2021a, section 5.2). The best return is that of all time, so a
-    student that forgets a level raises its score.
+    R_max is `best` `[L]`, the highest return ever on the level, so a student that forgets a level raises its score.
     """
     return best - mean_played(records["mean_value"][:, 0])
 
@@ -37,8 +36,8 @@ def l1_value_loss(records: np.ndarray, best: np.ndarray) -> np.ndarray:
 def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
     """Return p (1 - p) `[L]`, p the share of episodes that succeed (Rutherford et al. 2024, section 4).
 
-    Of a single episode it is 0 whatever happens: ask for several. The unbiased estimate of the variance is used, n / (n
-    - 1) times the naive one, so that levels with more episodes do not look more learnable.
+    It is 0 for a single episode, so several are needed. The estimate of the variance is unbiased, n / (n - 1) times the
+    naive one, so that levels with more episodes do not appear more learnable.
     """
     success = solved(records)[:, 0]
     count, p = (~np.isnan(success)).sum(1), mean_played(success)
@@ -57,18 +56,18 @@ NEEDS = {"max_mc": "mean_value", "positive_value_loss": "positive_advantage", "l
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
     """Return the score `[L]` of level records by a rule of `SCORES`.
 
-    `best` `[L]` are the best returns ever made on these levels before; those of the records themselves are included.
-    Raises `ValueError` where the trainer has not told what the rule needs, or a record holds no episode.
+    `best` `[L]` are the highest returns on these levels so far; those of the records are included.
+    Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
     """
     returns = records["returns"][:, 0]
     empty = np.isnan(returns).all(1)
     if empty.any():
-        raise ValueError(f"level {int(np.flatnonzero(empty)[0])} holds no finished episode, so it cannot be scored")
+        raise ValueError(f"level {int(np.flatnonzero(empty)[0])} has no finished episode, so it has no score")
     field = NEEDS.get(rule)
     if field and np.isnan(mean_played(records[field][:, 0])).any():
         raise ValueError(
             f'the score {rule} needs records["{field}"], which the trainer has not filled in; '
-            "the score learnability needs returns alone"
+            "the score learnability needs only returns"
         )
     now = np.nanmax(returns, 1)
     return SCORES[rule](records, now if best is None else np.fmax(now, best))
@@ -77,10 +76,10 @@ def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.
 def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible: bool = False) -> np.ndarray:
     """Return the regret `[L]` of the protagonist on L levels, from both students' returns `[L, n]` of n episodes.
 
-    rule: "max_mean" is max of the antagonist's returns minus mean of the protagonist's (Dennis et al. 2020,
-    section 4.1, as implemented by its authors); "mean_mean" takes means of both, which equally good students make 0 on
-    average where outcomes are random, while the maximum adds what luck alone can gain.
-    flexible: on each level, whichever student did better by the rule's left side plays the antagonist's part.
+    rule: "max_mean" is the maximum of the antagonist's returns minus the mean of the protagonist's (Dennis et al. 2020,
+    section 4.1, as implemented by its authors); "mean_mean" takes means of both. With random outcomes the mean_mean
+    regret of equally good students is 0 on average, while max_mean is positive by luck.
+    flexible: on each level, the better student (by the rule's first term) is the antagonist.
     """
     best, other = _best(antagonist, rule), _best(protagonist, rule)
     gap = best - np.nanmean(protagonist, 1)
@@ -90,8 +89,8 @@ def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible:
 def population_regret(returns: np.ndarray, rule: str) -> np.ndarray:
     """Return the regret `[L]` of a population of S students, from their returns `[L, S, n]`.
 
-    The best student's max (or mean) minus the mean over all students (Dennis et al. 2020, appendix, "population
-    PAIRED"): nobody is cast as antagonist.
+    The maximum (or mean) of the best student minus the mean over all students, none of which is the antagonist (Dennis
+    et al. 2020, appendix, "population PAIRED").
     """
     best = (np.nanmax(returns, 2) if rule == "max_mean" else np.nanmean(returns, 2)).max(1)
     return best - np.nanmean(returns, (1, 2))

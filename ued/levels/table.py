@@ -1,6 +1,6 @@
-"""Levels from levels.csv, the table of a run: a row is a level that was played, written so that it reads back equal.
+"""Read levels from levels.csv, the table of a run, whose rows hold played levels at full precision.
 
-Read next: `levels.batch`, what is in a row.
+Read next: `levels.batch`, the columns.
 """
 
 from __future__ import annotations
@@ -12,32 +12,33 @@ from typing import Any
 import numpy as np
 
 from ued.core.level_space import level_dtype
+from ued.core.renamed import present_keys
 
 
-def read_level(run: str | Path, id: int, turn: int | None = None) -> np.ndarray:
-    """Return a level of a run as a record `[1]` of `level_dtype(D)`, as `UPOMDP.reset_to_levels` takes it.
+def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray:
+    """Return a level of a run as a record `[1]` of `level_dtype(D)`, for `UPOMDP.reset_to_levels`.
 
     Args:
         run: the folder of a run, or the path of its levels.csv.
         id: the number of the level.
-        turn: the number of a visit of it; None: any, for the level is the same at each.
+        visit: the number of a visit of it; None: any, since all visits have the same level.
 
-    Of a mixture of programs, θ says which program it is. Raises `FileNotFoundError` where there is no such table,
-    `KeyError` for a level that is not in it, `ValueError` for a row that is damaged.
+    In a mixture of programs, θ determines the program. Raises `FileNotFoundError` without such a table, `KeyError` for
+    a level that is not in it, `ValueError` for a damaged row.
     """
-    return read_visit(run, id, turn)[0]
+    return read_visit(run, id, visit)[0]
 
 
-def read_visit(run: str | Path, id: int, turn: int | None = None) -> tuple[np.ndarray, int]:
-    """Return a level as `read_level` does, and the number of the visit; for None the first one in the table."""
+def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.ndarray, int]:
+    """Return a level, see `read_level`, and the number of the visit; for None the first one in the table."""
     path = Path(run)
     path = path / "levels.csv" if path.is_dir() else path
     with open(path, newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            if row.get("id") == str(id) and turn in (None, _whole(row, "turn", path)):
-                return _level(row, path), _whole(row, "turn", path)
-    visit = "" if turn is None else f" at visit {turn}"
-    raise KeyError(f"{path} has no level {id}{visit}; its columns id and turn have those that were played")
+        for row in map(present_keys, csv.DictReader(file)):
+            if row.get("id") == str(id) and visit in (None, _whole(row, "visit", path)):
+                return _level(row, path), _whole(row, "visit", path)
+    at = "" if visit is None else f" at visit {visit}"
+    raise KeyError(f"{path} has no level {id}{at}; see its column id for the levels that were played")
 
 
 def _level(row: dict[str, Any], path: Path) -> np.ndarray:

@@ -1,6 +1,6 @@
 """A learned teacher: an adversary that proposes levels, with a share of random ones, and learns from their scores.
 
-PAIRED, minimax and self-regret differ in what they call a score, and in nothing else. Read next: `levels.adversary`,
+PAIRED, minimax and self-regret differ only in the score. Read next: `levels.adversary`,
 the policy; `methods.minimax`, the shortest use.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 
 from ued.config import TeacherConfig
 from ued.core.curriculum import LevelSpace, need_vector
-from ued.core.level_space import level_dtype, whole
+from ued.core.level_space import as_void_view, level_dtype
 from ued.core.resumable import Resumable
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
@@ -23,16 +23,16 @@ from ued.levels.record import Origin, level_record_dtype, make_records
 
 
 class Teacher(Resumable):
-    """Proposes levels and learns from the scores of its own proposals among them.
+    """Proposes levels and learns from the scores of the adversary's own proposals.
 
     Args:
-        space: what levels there are.
-        config: the adversary; how many levels are random; what an invalid proposal costs.
+        space: the space of levels.
+        config: of the adversary; share of random levels; penalty for invalid proposals.
         students, episodes: S and n of the level records.
         seed: of its random streams.
-        budget: of the run, which says when it learns; see `AdversaryConfig.min_batch`.
+        budget: of the run, which decides when it learns; see `AdversaryConfig.min_batch`.
 
-    Raises `ValueError` where the environment has no free parameters.
+    Raises `ValueError` if the environment has no free parameters.
     """
 
     state_fields: tuple[str, ...] = ("adversary", "pending_proposals", "mix", "learned_at")
@@ -50,10 +50,10 @@ class Teacher(Resumable):
         seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
-        if space.theta_dim:  # else the adversary says that there is nothing to choose
+        if space.theta_dim:  # else the adversary raises the error
             need_vector(space)
         generator = torch_generator(seeds.next())
-        self.adversary = Adversary(space.draws, config.adversary, generator, size, space.program_draws)
+        self.adversary = Adversary(space.parameters, config.adversary, generator, size, space.program_parameters)
         self.mix = np.random.default_rng(seeds.next())
         own = [
             ("z", np.float32, (self.adversary.context_size,)),
@@ -61,11 +61,11 @@ class Teacher(Resumable):
             ("log_prob", np.float32),
         ]
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), students, episodes, own)
-        self.pending_proposals = np.zeros(0, self.dtype)  # scored, but too few yet for the adversary to learn from
+        self.pending_proposals = np.zeros(0, self.dtype)  # scored, but too few for an update
         self.learned_at = 0  # env_steps
 
     def propose(self, count: int) -> np.ndarray:
-        """Return `count` level records: the adversary's proposals, some random levels among them."""
+        """Return `count` level records: proposals of the adversary, and a share of random levels."""
         proposals = self.adversary.propose(count, self._context(count))
         theta = self.adversary.theta(proposals)  # [count, D]
         records = make_records(self.dtype, self.space.make_levels(theta), Origin.PROPOSED)
@@ -78,15 +78,15 @@ class Teacher(Resumable):
         return records
 
     def _view(self) -> UPOMDP | None:
-        """Return environments of the adversary's own, if it is to see what students see."""
+        """Return separate environments whose observations are the adversary's context, if it has this context."""
         if self.config.adversary.context == "random":
             return None
         if not isinstance(self.space, UPOMDP):
-            raise ValueError("the context 'observation' needs a UPOMDP to look at; use 'random'")
+            raise ValueError("the context 'observation' needs a UPOMDP; use 'random'")
         return self.space.copy()
 
     def _context(self, count: int) -> np.ndarray | None:
-        """Return what is seen of `count` random levels as they begin (thesis, section 4.3): `[count, size]`."""
+        """Return the first observations of `count` random levels (thesis, section 4.3): `[count, size]`."""
         if self.view is None:
             return None
         batches: list[np.ndarray] = []
@@ -96,19 +96,21 @@ class Teacher(Resumable):
         return np.concatenate(batches)[:count]
 
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
-        """Note the score `[L]` of these levels `[L]`; let the adversary learn from its own among them.
+        """Set the score `[L]` of these levels `[L]`; update the adversary on its own proposals among them.
 
-        It waits until there are enough of them. Returns how often it proposes the options of choices, and what they
-        scored, see `choice_metrics`; its gradient steps; and the means of its losses, none while it waits.
+        The adversary waits until it has enough proposals. Returns `choice_metrics`, the number of gradient steps, and
+        the means of the losses, which are missing while it waits.
         """
         levels["score"] = score
-        metrics = choice_metrics(levels, self.space.draws)
-        proposals = whole(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
+        metrics = choice_metrics(levels, self.space.parameters)
+        proposals = as_void_view(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
-            refused = levels[levels["origin"] == Origin.REPLACED]  # what was played in their place is not theirs
+            refused = levels[levels["origin"] == Origin.REPLACED]  # the levels played in their place are not theirs
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
-        self.pending_proposals = np.concatenate([whole(self.pending_proposals), whole(proposals)]).view(self.dtype)
+        self.pending_proposals = np.concatenate([as_void_view(self.pending_proposals), as_void_view(proposals)]).view(
+            self.dtype
+        )
         if not self._is_enough(len(self.pending_proposals)):
             return metrics | {"adversary/gradient_steps": 0.0}
         self.learned_at = self.budget.spent
@@ -119,10 +121,10 @@ class Teacher(Resumable):
         return metrics | {f"adversary/{name}": value for name, value in losses.items()}
 
     def _is_enough(self, waiting: int) -> bool:
-        """Return whether the adversary learns from so many levels."""
+        """Return whether the adversary learns from `waiting` levels."""
         least = self.config.adversary.min_batch
         return self.budget.allows_lesson(waiting, self.learned_at) if least is None else waiting >= least
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned; older states do not say when the adversary last learned."""
+        """Restore what `state_dict` returned; older states lack `learned_at`."""
         super().load_state_dict({"learned_at": 0} | state)

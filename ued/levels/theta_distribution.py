@@ -47,12 +47,12 @@ class Drawn(NamedTuple):
     cells: Cells | None
 
 
-def layout(draws: Sequence[Parameter], program_draws: Sequence[Sequence[Parameter]] = ()) -> list[Drawn]:
+def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Parameter]] = ()) -> list[Drawn]:
     """Return what is to be drawn for the columns of θ; on a mixture column 0, then each program's own columns."""
-    if not program_draws:
+    if not program_parameters:
         return [Drawn(column, -1, choice_in(draw)) for column, draw in enumerate(draws)]
     drawn = [Drawn(0, -1, choice_in(draws[0]))]
-    for program, own in enumerate(program_draws):
+    for program, own in enumerate(program_parameters):
         drawn += [Drawn(column, program, choice_in(draw)) for column, draw in enumerate(own, 1)]
     return drawn
 
@@ -64,7 +64,7 @@ class ThetaDistribution(nn.Module):
     choice; 0 in columns that the chosen program of a mixture does not have.
 
     Args:
-        draws, program_draws: the columns of θ, see `layout`.
+        draws, program_parameters: the columns of θ, see `layout`.
         context_size: Z.
         hidden: units of each of the two layers.
         generator: of the first weights.
@@ -73,14 +73,14 @@ class ThetaDistribution(nn.Module):
     def __init__(
         self,
         draws: Sequence[Parameter],
-        program_draws: Sequence[Sequence[Parameter]],
+        program_parameters: Sequence[Sequence[Parameter]],
         context_size: int,
         hidden: int,
         generator: torch.Generator,
     ) -> None:
         super().__init__()
-        drawn = layout(draws, program_draws)
-        self.dim, self.mixed = len(draws), bool(program_draws)
+        drawn = layout(draws, program_parameters)
+        self.dim, self.mixed = len(draws), bool(program_parameters)
         self.choices = [part for part in drawn if part.cells is not None]
         self.reals = [part for part in drawn if part.cells is None]
         (self.choice_at, self.choice_of), (self.real_at, self.real_of) = map(_places, (self.choices, self.reals))

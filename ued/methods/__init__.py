@@ -16,18 +16,18 @@ from ued import config
 
 @dataclass(frozen=True)
 class MethodRow:
-    """What there is to know of a method without loading it.
+    """A row of the table of methods, available without loading torch.
 
     Attributes:
         name: `regista train --method NAME`, and the prefix of its settings: `--name.setting`.
         module: the file that holds it.
         class_name: the class in it, made with (upomdp, ppo, settings, seed).
-        settings: makes its settings as they are by default.
-        title, colour: in pictures; the colour is the method's own in all of them.
-        paper: where it was described, or – for none.
+        settings: creates its default settings.
+        title, colour: in all figures.
+        paper: its source, or – without one.
         help: one line on how it chooses levels.
         steps: simulated steps per step that the student learns from, with the default settings.
-        settings_of: the method whose settings it shares, if they are not its own.
+        settings_of: the method whose settings it shares, if any.
     """
 
     name: str
@@ -55,49 +55,49 @@ class MethodRow:
 METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
     MethodRow(
         "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomisation", "#4a6fa5", "Tobin et al. 2017",
-        "a uniform level for every episode", "1",
+        "a random level for every episode", "1",
     ),
     MethodRow(
         "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#7a5c48", "Dennis et al. 2020",
-        "an adversary is paid what the student loses", "1",
+        "an adversary lowers the student's return", "1",
     ),
     MethodRow(
         "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
-        "an adversary is paid the regret of a protagonist against an antagonist; with options for what stabilises it",
+        "an adversary maximizes the regret of a protagonist against an antagonist; with options that stabilize it",
         "2, for the student that counts",
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
         "#f0a202", "the same, to the letter",
-        "the students are paid in regret, too; no entropy bonus, no random levels", "2, and episodes that are cut off",
+        "students, too, learn from regret; no entropy bonus, no random levels", "2, plus truncated episodes",
     ),
     MethodRow(
         "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#d81e8c", "–",
-        "the student's own later episodes are the antagonist", "1",
+        "an adversary maximizes the gain of the student's later episodes over its earlier ones", "1",
     ),
     MethodRow(
         "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#8c1c2e",
-        "Jiang et al. 2021a", "PAIRED's levels in a buffer; students learn from replayed ones alone", "4",
+        "Jiang et al. 2021a", "PAIRED's levels enter a buffer; students learn only from replayed ones", "4",
     ),
     MethodRow(
         "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
-        "new levels, and by turns those again that were worth it", "1",
+        "random levels, and replayed ones with high scores", "1",
     ),
     MethodRow(
         "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
-        "the same, learning from replayed levels alone (PLR⊥)", "2", settings_of="plr",
+        "PLR that learns only from replayed levels (PLR⊥)", "2", settings_of="plr",
     ),
     MethodRow(
         "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",
-        "replayed levels are edited, and their copies enter the buffer", "2.25",
+        "edited copies of replayed levels enter the buffer", "2.25",
     ),
     MethodRow(
         "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
-        "random levels that are solved about half of the time", "1 / (1 − share of looking around)",
+        "random levels that the student solves about half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
         "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
-        "levels where returns have been changing, by Gaussian mixtures", "1",
+        "levels with changing returns, from Gaussian mixtures", "1",
     ),
 )}
 # fmt: on

@@ -21,7 +21,7 @@ from ued.levels.buffer import LevelBuffer
 from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, make_records, mean_returns
 from ued.methods.method import Method
-from ued.methods.plr import PLRLevels
+from ued.methods.plr import PLRCurriculum
 
 TRIES = 8  # to edit a level into a valid one
 
@@ -32,21 +32,19 @@ class ACCEL(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    curriculum: ACCELLevels
+    curriculum: ACCELCurriculum
 
-    def begin(self, config: ACCELConfig | None, seed: int) -> None:
+    def setup(self, config: ACCELConfig | None, seed: int) -> None:
         if not self.upomdp.theta_dim:
             raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
-        self.curriculum = ACCELLevels(self.upomdp, config or ACCELConfig(), seed, self.budget)
+        self.curriculum = ACCELCurriculum(self.upomdp, config or ACCELConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
-        levels = self.play()  # [L]
-        score = self.curriculum.score(levels)  # [L] what each is worth replaying
-        metrics = self.curriculum.store(levels, score)
-        self.curriculum.edit_replayed(levels)  # their children are proposed next
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
 
@@ -55,11 +53,11 @@ class ACCEL(Method):
         return self.curriculum.buffer
 
 
-class ACCELLevels(PLRLevels):
+class ACCELCurriculum(PLRCurriculum):
     """Replays levels and tries edited copies of them. A `Curriculum`."""
 
     config: ACCELConfig
-    state_fields = (*PLRLevels.state_fields, "children")
+    state_fields = (*PLRCurriculum.state_fields, "children")
 
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)
@@ -70,14 +68,11 @@ class ACCELLevels(PLRLevels):
         children, self.children = self.children[:count], self.children[count:]
         return np.concatenate([children, super().propose(count - len(children))])
 
-    def edit_replayed(self, records: np.ndarray) -> None:
-        """Make edited copies of the replayed ones among these levels, to be proposed next."""
-        self.children = np.concatenate([self.children, self._edited(self._parents(records))])
-
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score the levels and store them as PLR; edit copies of those that were replayed."""
         metrics = super().update(records)
-        self.edit_replayed(records)
+        children = self._edited(self._parents(records))
+        self.children = np.concatenate([self.children, children])  # they are proposed next
         return metrics
 
     def _parents(self, records: np.ndarray) -> np.ndarray:

@@ -36,23 +36,22 @@ class ALPGMM(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    curriculum: ALPLevels
+    curriculum: ALPGMMCurriculum
 
-    def begin(self, config: ALPGMMConfig | None, seed: int) -> None:
-        self.curriculum = ALPLevels(self.upomdp, config or ALPGMMConfig(), seed)
+    def setup(self, config: ALPGMMConfig | None, seed: int) -> None:
+        self.curriculum = ALPGMMCurriculum(self.upomdp, config or ALPGMMConfig(), seed)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""
-        levels = self.play()  # [L]
-        progress = self.curriculum.progress_of(levels)  # [L] how far each return is from the nearest level's before
-        metrics = self.curriculum.fit(levels, progress)
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # progress of each episode; fit the mixture when it is time
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class ALPLevels(Resumable):
+class ALPGMMCurriculum(Resumable):
     """Proposes levels of high learning progress. A `Curriculum`.
 
     Args:
@@ -91,7 +90,7 @@ class ALPLevels(Resumable):
         records["origin"][focused] = Origin.PROPOSED
         return records
 
-    def progress_of(self, records: np.ndarray) -> np.ndarray:
+    def _progress_of(self, records: np.ndarray) -> np.ndarray:
         """Return the absolute learning progress `[L]` of the episodes on these levels, which it remembers."""
         theta = np.concatenate([self.theta, records["level"]["theta"]])  # [n + L, D]
         returns = np.concatenate([self.returns, records["returns"][:, 0, 0]])  # [n + L]
@@ -101,9 +100,9 @@ class ALPLevels(Resumable):
         self.unfitted += len(records)
         return progress
 
-    def fit(self, records: np.ndarray, progress: np.ndarray) -> dict[str, float]:
-        """Note the progress `[L]` of these levels; fit the mixture when enough episodes are new."""
-        records["score"] = progress
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score each level by its progress; fit the mixture when enough episodes are new."""
+        records["score"] = self._progress_of(records)
         if self.unfitted >= self.config.fit_every:
             self._fit()
         components = 0 if self.mixture is None else len(self.mixture["weights"])
@@ -111,10 +110,6 @@ class ALPLevels(Resumable):
             "alp/components": float(components),
             "alp/progress": float(self.progress[-250:].mean()) if len(self.progress) else 0.0,
         }
-
-    def update(self, records: np.ndarray) -> dict[str, float]:
-        """Note the progress of each episode; fit the mixture when enough are new."""
-        return self.fit(records, self.progress_of(records))
 
     def _fit(self) -> None:
         """Fit mixtures of 2 and more Gaussians to (θ, ALP) of the last episodes; keep the best."""

@@ -24,20 +24,21 @@ from ued.methods.method import Method
 class DR(Method):
     """Trains one student on random levels; see `Method` for the arguments."""
 
-    def begin(self, config: DRConfig | None, seed: int) -> None:
+    def setup(self, config: DRConfig | None, seed: int) -> None:
         every = (config or DRConfig()).resample_level_every
-        self.curriculum = RandomLevels(self.upomdp)
+        self.curriculum = RandomCurriculum(self.upomdp)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, resample_level_every=every)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play levels drawn uniformly, and learn from all of them."""
-        levels = self.play()  # [L]
-        metrics = self.learner.learn(self.env_steps)
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # nothing: random levels have no score
+        metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class RandomLevels(Resumable):
+class RandomCurriculum(Resumable):
     """Proposes uniform levels and learns nothing. A `Curriculum`."""
 
     def __init__(self, space: LevelSpace) -> None:

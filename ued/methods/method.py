@@ -1,10 +1,11 @@
-"""What methods are made of: learners, a curriculum, and a queue that brings its levels to them.
+"""The parts of a method: learners, a curriculum, and a queue that hands its levels to them.
 
-A method's `update()` is its paper's algorithm box: `play` lets all learners fill a rollout with levels that the
-curriculum proposed, and returns those that every learner has finished; the method scores them, lets its curriculum and
-its learners learn, and ends with `report`. A rollout is not cut to levels: each environment takes a new one when it has
-played its own often enough (see `levels.queue`). Where a curriculum only looks at a level (PLR⊥, children of ACCEL,
-candidates of SFL), its steps are simulated and counted, and no student learns from them.
+A method's `update()` is the algorithm box of its paper. `collect_rollouts` lets all learners fill a rollout with levels
+of the curriculum, and returns those that every learner has finished. Then `curriculum.update(levels)` scores them and
+learns from the scores, the learners learn from their rollouts, and `report` ends the update. Rollouts are not aligned
+with levels: each environment takes a new level when it has played its own often enough (see `levels.queue`). Levels
+that a curriculum only evaluates (PLR⊥, children of ACCEL, candidates of SFL) count as simulated steps, but no student
+learns from them.
 Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 """
 
@@ -35,23 +36,23 @@ from ued.levels.queue import LevelQueue
 
 
 class Method:
-    """A way to train students on levels of its choice. Every method is one, with a `begin` and an `update` of its own.
+    """Trains students on levels of its choice. Each method is a subclass that defines `setup` and `update`.
 
     Args:
-        upomdp: the environments; they are reset and belong to this object from then on.
-        ppo: how every student learns.
-        config: the method's own settings, a dataclass of `ued.config`; None: the default ones.
+        upomdp: the environments, for this method alone; they are reset.
+        ppo: settings of every student.
+        config: settings of the method, a dataclass of `ued.config`; None: the defaults.
         seed: of every random stream.
-        env_steps: how many will be simulated; a method with a buffer or a teacher begins earlier in a short run. None:
-            not known; see `levels.budget`.
+        env_steps: length of the run; replay and teachers start earlier in a short run. None: unknown; see
+            `levels.budget`.
 
     Attributes:
-        curriculum: what chooses the levels.
-        queue: brings its levels to the learners.
+        curriculum: chooses the levels.
+        queue: hands its levels to the learners.
         learners: in the order of the students in level records.
         updates: training iterations so far.
-        last: the levels that the last update was based on.
-        budget: how long the run is, and how much of that is spent.
+        last: the levels of the last update.
+        budget: length of the run, and the part of it that is spent.
     """
 
     curriculum: Curriculum
@@ -71,22 +72,22 @@ class Method:
         self.updates = 0
         self.last: LevelBatch | None = None
         upomdp.reset(seed=self._seeds.next())
-        self._columns = upomdp.draws if upomdp.family is None else ()
-        self.begin(config, self._seeds.next())
+        self._columns = upomdp.parameters if upomdp.level_family is None else ()
+        self.setup(config, self._seeds.next())
 
-    def begin(self, config: Any, seed: int) -> None:
-        """Make the `curriculum`, of this seed, and the `queue`, and add the learners."""
-        raise NotImplementedError(f"{type(self).__name__} has no begin")
+    def setup(self, config: Any, seed: int) -> None:
+        """Create the `curriculum`, with this seed, and the `queue`, and add the learners."""
+        raise NotImplementedError(f"{type(self).__name__} must define setup")
 
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
-        """Let one more learner begin to play the queue's levels in environments of its own; see `Learner`.
+        """Add a learner with environments of its own, which starts on the levels of the queue; see `Learner`.
 
-        Raises `RoomError` where the machine has no memory for it.
+        Raises `RoomError` if the machine has too little memory.
         """
         index = len(self.learners)
         if not scripted:
             check_learners(self.ppo, upomdp.agent_observation_space, upomdp.num_envs, upomdp.num_agents, index + 1)
-        upomdp.upcoming = partial(self.queue.upcoming, index)
+        self.queue.prefetch[index] = upomdp.prefetch
         on_episode_end = partial(self.queue.on_episode_end, index)
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))
         self.learners[index].start(self.queue.first(index))
@@ -96,15 +97,15 @@ class Method:
 
     def update(self) -> dict[str, float]:
         """Do one training iteration; return its metrics."""
-        raise NotImplementedError(f"{type(self).__name__} has no update")
+        raise NotImplementedError(f"{type(self).__name__} must define update")
 
-    def play(self) -> np.ndarray:
-        """Let all learners fill a rollout; return the level records `[L]` that all of them have now finished."""
-        self.roll_out()
+    def collect_rollouts(self) -> np.ndarray:
+        """Let all learners fill a rollout; return the level records `[L]` that all of them have finished."""
+        self.fill_rollouts()
         return self.queue.pop_finished()
 
-    def roll_out(self) -> None:
-        """Let all learners fill a rollout with the queue's levels and look back on it."""
+    def fill_rollouts(self) -> None:
+        """Let all learners fill a rollout with the queue's levels, and compute its advantages."""
         self.budget.spent = self.env_steps
         self.queue.begin_rollout()
         collect([learner.worker for learner in self.learners])
@@ -113,7 +114,7 @@ class Method:
         self._played = perf_counter()
 
     def report(self, levels: np.ndarray, metrics: dict[str, float]) -> dict[str, float]:
-        """End an update that was based on these levels `[L]`; return its metrics and those that all methods have."""
+        """End an update on these levels `[L]`; return its metrics and those that all methods have."""
         by_learner = [learner.pop_seconds() for learner in self.learners]
         seconds = {f"time/{name}": sum(spent[name] for spent in by_learner) for name in by_learner[0]}
         seconds["time/curriculum"] = perf_counter() - self._played - seconds["time/learn"]
@@ -124,39 +125,39 @@ class Method:
         return counters | metrics | level_metrics(levels, self._columns) | programs | seconds
 
     def keep_tapes(self) -> None:
-        """Keep from now on what is done on each level, `learner.worker.tape`, so that episodes can be played again."""
+        """Record the actions of learners from now on, in `learner.worker.tape`, so that episodes can be replayed."""
         for index, learner in enumerate(self.learners):
             learner.worker.tape = ActionTape(learner.upomdp.num_envs)
             if not learner.worker.env_steps:
-                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.turns(index))
+                learner.worker.tape.begin(np.arange(learner.upomdp.num_envs), self.queue.visits(index))
 
-    # ------------------------------------------------------------ what others ask
+    # ------------------------------------------------------------ students and state
 
     @property
     def student(self) -> Student:
-        """The policy to evaluate: the first one (PAIRED: the protagonist)."""
+        """The student to evaluate: the first one (PAIRED: the protagonist)."""
         return next(iter(self.students.values()))
 
     @property
     def students(self) -> dict[str, Student]:
-        """All policies in training, by name."""
+        """All students, by name."""
         return {learner.name: learner.student for learner in self.learners if learner.student is not None}
 
     @property
     def buffer(self) -> LevelBuffer | None:
-        """The levels that are kept to be replayed; None where none are."""
+        """The buffer of levels to replay; None for a method without one."""
         return None
 
     @property
     def env_steps(self) -> int:
-        """Steps simulated so far, for whatever purpose."""
+        """All steps simulated so far, including those of evaluated levels."""
         return sum(learner.worker.env_steps for learner in self.learners)
 
     def state_dict(self, episodes: bool = True) -> dict[str, Any]:
-        """Return everything: a method made anew with the same arguments resumes from it to the same numbers.
+        """Return the whole state, from which a method made with the same arguments resumes to the same numbers.
 
-        `episodes=False` leaves out the state of the environments, which for a `GymUPOMDP` no checkpoint can hold; open
-        episodes then begin anew.
+        `episodes=False` leaves out the state of the environments, which no checkpoint can hold for a `GymUPOMDP`; open
+        episodes are then restarted.
         """
         return {
             "learners": [learner.state_dict(episodes) for learner in self.learners],
@@ -166,7 +167,7 @@ class Method:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError if it is of another number of agents."""
+        """Restore what `state_dict` returned. Raises ValueError for another number of agents."""
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.load_state_dict(saved)
         self.curriculum.load_state_dict(state["curriculum"])
@@ -174,12 +175,12 @@ class Method:
         self.updates = restored(self.updates, state["updates"], "updates")
 
     def start_from(self, student: Mapping[str, Any], kl_coef: float = 0.0, kl_env_steps: int = 0) -> None:
-        """Let all learners begin with this student, a `state_dict`; see `Learner.start_from`."""
+        """Let all learners start from this student, a `state_dict`; see `Learner.start_from`."""
         for learner in self.learners:
             learner.start_from(student, kl_coef, kl_env_steps)
 
     def load_students(self, state: dict[str, Any]) -> None:
-        """Take back the students alone of what `state_dict` returned, to be played: the environments may have changed.
+        """Restore only the students of a state, to play them; the environments may differ.
 
         Raises ValueError for students of another number of agents, RuntimeError for other observations or actions.
         """

@@ -1,10 +1,10 @@
-"""The minimax adversary (Dennis et al. 2020, section 3): a teacher that is paid what the student loses.
+"""The minimax adversary (Dennis et al. 2020, section 3): an adversary that lowers the student's return.
 
     repeat
         the adversary proposes levels; the student plays them and learns
         the adversary learns to lower the student's mean return
 
-It ends at levels that nobody can solve; it is here to be compared with. Read next: `methods.self_regret`.
+It converges to unsolvable levels; it is a baseline. Read next: `methods.self_regret`.
 """
 
 from __future__ import annotations
@@ -26,26 +26,26 @@ class Minimax(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: MinimaxConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = MinimaxLevels(self.upomdp, config or MinimaxConfig(), seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+    def setup(self, config: MinimaxConfig | None, seed: int) -> None:
+        self.curriculum = MinimaxCurriculum(self.upomdp, config or MinimaxConfig(), seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels; pay it the student's loss; let both learn."""
-        levels = self.play()  # [L]
-        loss = -mean_returns(levels)[:, 0]  # [L] the mean over episodes, as the paper has it
-        metrics = self.teacher.learn(levels, loss)
+        """Play the adversary's levels; let the adversary and the student learn."""
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # the adversary, from the student's loss
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class MinimaxLevels(Teacher):
+class MinimaxCurriculum(Teacher):
     """Proposes levels on which the student fails. A `Curriculum`; see `Teacher` for the arguments."""
 
     def __init__(self, space: LevelSpace, config: MinimaxConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, 1, config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the student's mean return, negated."""
-        return self.learn(records, -mean_returns(records)[:, 0])
+        """Reward the adversary with the student's loss."""
+        loss = -mean_returns(records)[:, 0]  # [L] the mean over episodes, as in the paper
+        return self.learn(records, loss)

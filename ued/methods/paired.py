@@ -3,13 +3,13 @@
     repeat
         the adversary proposes levels θ
         the protagonist plays them, and so does the antagonist
-        regret of a level = what the antagonist reached - what the protagonist reached
+        regret of a level = return of the antagonist - return of the protagonist
         the adversary learns to cause regret; both students learn from the rewards of the environment
 
-A level that nobody can solve causes no regret, nor does one that both solve: what is left lies at the edge of what the
-protagonist can do. Students learn from their own rewards, as in every implementation that works: from each student's
-view the other's return is a constant. The letter of the algorithm is `methods.paired_literal`.
-Read next: `levels.teacher` and `levels.adversary`; `method`, for `play`; `methods.repaired`.
+An unsolvable level causes no regret, nor does a level that both students solve; regret is high at the edge of the
+protagonist's abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the
+other's return is a constant. The literal algorithm is `methods.paired_literal`.
+Read next: `levels.teacher` and `levels.adversary`; `method`, for `collect_rollouts`; `methods.repaired`.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ import numpy as np
 
 from ued.config import PairedConfig
 from ued.core.curriculum import LevelSpace
+from ued.learning.kl import KLRegularizer
 from ued.learning.learner import Learner
-from ued.learning.ppo import KLRegularizer
 from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.diagnostics import regret_split
@@ -40,17 +40,16 @@ class Paired(Method):
     parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
     """
 
-    def begin(self, config: PairedConfig | None, seed: int) -> None:
+    def setup(self, config: PairedConfig | None, seed: int) -> None:
         self.config = config or PairedConfig()
-        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels with all students; pay it their regret; let everybody learn."""
-        levels = self.play()  # [L] finished by the protagonist and by the antagonist
-        regret = paired_regret(levels, self.config)  # [L]
-        metrics = self.teacher.learn(levels, regret)
+        """Play the adversary's levels with all students; let the adversary learn from regret, and the students."""
+        levels = self.collect_rollouts()  # [L] finished by the protagonist and by the antagonist
+        metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
         metrics |= regret_split(levels, has_antagonist(self.config))
         for learner in self.learners:
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
@@ -81,7 +80,7 @@ def has_antagonist(config: PairedConfig) -> bool:
     return config.roles == "dennis2020" or config.antagonist == "scripted"
 
 
-class PairedLevels(Teacher):
+class PairedCurriculum(Teacher):
     """Proposes levels that cause regret. A `Curriculum` for two students, or more; see `Teacher` for the arguments."""
 
     config: PairedConfig
@@ -90,8 +89,9 @@ class PairedLevels(Teacher):
         super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary the regret that its levels caused."""
-        return self.learn(records, paired_regret(records, self.config))
+        """Reward the adversary with the regret that its levels caused."""
+        regret = paired_regret(records, self.config)  # [L]
+        return self.learn(records, regret)
 
 
 # ---------------------------------------------------------------- who the students are

@@ -1,13 +1,13 @@
-"""PAIRED to the letter of its Algorithm 1 (Dennis et al. 2020): the students, too, are paid in regret.
+"""Literal PAIRED, as in Algorithm 1 (Dennis et al. 2020): the students, too, learn from regret.
 
     repeat
         the adversary proposes levels θ
         the protagonist plays them, and so does the antagonist
-        regret of a level = what the antagonist reached - what the protagonist reached
+        regret of a level = return of the antagonist - return of the protagonist
         the adversary learns with reward regret, the antagonist with regret, the protagonist with -regret
 
-It is here to be compared with; `methods.paired` is what works. Regret must be known when students learn, so a level
-lives in one rollout, which should be long enough for its episodes: environments in which it is not contribute nothing.
+It is a baseline for `methods.paired`. Students need the regret when they learn, so each level is played within one
+rollout, which should be long enough for its episodes: levels that are not finished in time are dropped.
 Read next: `methods.repaired`.
 """
 
@@ -22,7 +22,7 @@ from ued.learning.rollout import Rollout
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.methods.method import Method
-from ued.methods.paired import PairedLevels, paired_regret
+from ued.methods.paired import PairedCurriculum
 
 
 class PairedLiteral(Method):
@@ -31,23 +31,24 @@ class PairedLiteral(Method):
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: PairedLiteralConfig | None, seed: int) -> None:
+    def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:
         self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="dennis2020")
-        self.curriculum = self.teacher = PairedLevels(self.upomdp, self.config, seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
+        self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
         self.protagonist = self.add_learner("protagonist", self.upomdp)
         self.antagonist = self.add_learner("antagonist", self.upomdp.copy())
 
     def update(self) -> dict[str, float]:
-        """Play one level of the adversary in each environment; pay all three in regret; let them learn."""
+        """Play one level of the adversary in each environment; let all three learn from regret."""
         self.queue.clear()  # episodes that are still open are lost
         for index, learner in enumerate(self.learners):
             learner.start(self.queue.first(index))
-        self.roll_out()
+        self.fill_rollouts()
         finished = torch.as_tensor(self.queue.finished())  # [N] environments whose level both have finished
         levels = self.queue.pop_finished()  # [L]
-        regret = paired_regret(levels, self.config)  # [L]
-        metrics = self.teacher.learn(levels, regret) | regret_split(levels, has_antagonist=True)
+        metrics = self.curriculum.update(levels)  # the adversary, from the regret of each level
+        metrics |= regret_split(levels, has_antagonist=True)
+        regret = levels["score"]  # [L]
         for learner, reward in ((self.protagonist, -regret), (self.antagonist, regret)):
             rollout = regret_as_reward(learner.rollout.columns(finished), reward)
             metrics |= learner.learn(self.env_steps, rollout=rollout)

@@ -29,19 +29,18 @@ from ued.methods.method import Method
 class PLR(Method):
     """Trains one student on new and on replayed levels; see `Method` for the arguments."""
 
-    curriculum: PLRLevels
+    curriculum: PLRCurriculum
     robust = False
 
-    def begin(self, config: PLRConfig | None, seed: int) -> None:
-        self.curriculum = PLRLevels(self.upomdp, config or PLRConfig(), seed, self.robust, self.budget)
+    def setup(self, config: PLRConfig | None, seed: int) -> None:
+        self.curriculum = PLRCurriculum(self.upomdp, config or PLRConfig(), seed, self.robust, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
-        levels = self.play()  # [L] each new or replayed, as `propose` tossed the coin
-        score = self.curriculum.score(levels)  # [L] what each is worth replaying
-        metrics = self.curriculum.store(levels, score)
+        levels = self.collect_rollouts()  # [L] each new or replayed, as `propose` tossed the coin
+        metrics = self.curriculum.update(levels)  # score each level and store it
         metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
         return self.report(levels, metrics)
 
@@ -56,7 +55,7 @@ class RobustPLR(PLR):
     robust = True
 
 
-class PLRLevels(Resumable):
+class PLRCurriculum(Resumable):
     """Replays the levels that were worth it. A `Curriculum`.
 
     Args:
@@ -90,16 +89,8 @@ class PLRLevels(Resumable):
         records["train"] = not self.robust
         return records
 
-    def score(self, records: np.ndarray) -> np.ndarray:
-        """Return the scores `[L]` of level records by the rule of the settings; see `levels.scores`."""
-        records["best"] = self.buffer.best_returns(records)
-        return scores.score(self.config.score, records, records["best"])
-
-    def store(self, records: np.ndarray, score: np.ndarray) -> dict[str, float]:
-        """Offer new levels to the buffer with their scores `[L]`; give replayed ones their new scores."""
-        records["score"] = score
-        return self.buffer.store(records)
-
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels and store them."""
-        return self.store(records, self.score(records))
+        """Score the levels by the rule of the settings, see `levels.scores`; store them in the buffer."""
+        records["best"] = self.buffer.best_returns(records)
+        records["score"] = scores.score(self.config.score, records, records["best"])
+        return self.buffer.store(records)  # new levels are offered, replayed ones get their new scores

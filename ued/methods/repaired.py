@@ -23,39 +23,39 @@ from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import regret_split
 from ued.levels.queue import LevelQueue
 from ued.methods.method import Method
-from ued.methods.paired import PairedLevels, add_students, has_antagonist, kl_target, paired_regret
+from ued.methods.paired import PairedCurriculum, add_students, has_antagonist, kl_target
 
 
 class Repaired(Method):
     """Trains two students on replayed levels of an adversary; see `Paired` for what is raised."""
 
-    def begin(self, config: RepairedConfig | None, seed: int) -> None:
+    curriculum: RepairedCurriculum
+
+    def setup(self, config: RepairedConfig | None, seed: int) -> None:
         self.config = config or RepairedConfig()
-        self.curriculum = self.teacher = RepairedLevels(self.upomdp, self.config, seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+        self.curriculum = RepairedCurriculum(self.upomdp, self.config, seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
         """Play levels of the adversary and of the buffer; score them by regret; learn from the buffer's alone."""
-        levels = self.play()  # [L] each the adversary's or replayed, as `propose` tossed the coin
-        regret = paired_regret(levels, self.config)  # [L]
-        metrics = self.teacher.learn(levels, regret)  # the adversary, from its own
+        levels = self.collect_rollouts()  # [L] each the adversary's or replayed, as `propose` tossed the coin
+        metrics = self.curriculum.update(levels)  # the adversary, from its own; the buffer stores all
         metrics |= regret_split(levels, has_antagonist(self.config))
-        metrics |= self.teacher.buffer.store(levels)
         for learner in self.learners:  # from replayed levels: the others are not marked to be trained on
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
         return self.report(levels, metrics)
 
     @property
     def buffer(self) -> LevelBuffer:
-        return self.teacher.buffer
+        return self.curriculum.buffer
 
 
-class RepairedLevels(PairedLevels):
+class RepairedCurriculum(PairedCurriculum):
     """Proposes levels that cause regret, and replays those that caused most. A `Curriculum`."""
 
     config: RepairedConfig
-    state_fields = (*PairedLevels.state_fields, "buffer", "rng")
+    state_fields = (*PairedCurriculum.state_fields, "buffer", "rng")
 
     def __init__(self, space: LevelSpace, config: RepairedConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, budget)
@@ -73,5 +73,6 @@ class RepairedLevels(PairedLevels):
         return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary for its own levels; store all of them with their regret."""
-        return super().update(records) | self.buffer.store(records)
+        """Reward the adversary with the regret of its own levels; store all levels with their regret."""
+        metrics = super().update(records)
+        return metrics | self.buffer.store(records)

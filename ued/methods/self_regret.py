@@ -5,8 +5,8 @@
         self-regret of a level = the best of the later n episodes - the mean of the earlier n
         the adversary learns to cause self-regret
 
-With outcomes 0 and 1 of probability p and n = 2 the expectation is p (1 - p): the objective of learnability by a
-learned teacher, at the price of domain randomisation, for there is no antagonist to simulate.
+For outcomes 0 and 1, success rate p and n = 2 its expectation is p (1 - p), the learnability of the level. It costs as
+many steps as domain randomization, since no antagonist is simulated.
 Read next: `methods.paired`.
 """
 
@@ -24,26 +24,25 @@ from ued.methods.method import Method
 
 
 class SelfRegret(Method):
-    """Trains one student on the levels of an adversary that is paid its self-regret; see `Method` for the arguments.
+    """Trains one student on the levels of an adversary that maximizes self-regret; see `Method` for the arguments.
 
     Raises `ValueError` where the environment has no free parameters.
     """
 
-    def begin(self, config: SelfRegretConfig | None, seed: int) -> None:
-        self.curriculum = self.teacher = SelfRegretLevels(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
-        self.queue = LevelQueue(self.teacher, self.upomdp.num_envs)
+    def setup(self, config: SelfRegretConfig | None, seed: int) -> None:
+        self.curriculum = SelfRegretCurriculum(self.upomdp, config or SelfRegretConfig(), seed, self.budget)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play the adversary's levels; pay it how far the student surpassed itself; let both learn."""
-        levels = self.play()  # [L]
-        regret = self.teacher.self_regret(levels)  # [L]
-        metrics = self.teacher.learn(levels, regret)
+        """Play the adversary's levels; let the adversary and the student learn."""
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # the adversary, from the student's self-regret
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class SelfRegretLevels(Teacher):
+class SelfRegretCurriculum(Teacher):
     """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
 
     def __init__(
@@ -52,11 +51,7 @@ class SelfRegretLevels(Teacher):
         super().__init__(space, config, 1, 2 * config.episodes_per_level, seed, budget)
         self.rule = config.regret
 
-    def self_regret(self, records: np.ndarray) -> np.ndarray:
-        """Return what the later episodes brought above the earlier ones, `[L]`."""
-        earlier, later = np.split(records["returns"][:, 0], 2, axis=1)  # [L, n] each
-        return scores.regret(earlier, later, self.rule)
-
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Pay the adversary self-regret."""
-        return self.learn(records, self.self_regret(records))
+        """Reward the adversary with self-regret: the gain of the later episodes over the earlier ones."""
+        earlier, later = np.split(records["returns"][:, 0], 2, axis=1)  # [L, n] each
+        return self.learn(records, scores.regret(earlier, later, self.rule))

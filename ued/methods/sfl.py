@@ -29,23 +29,22 @@ TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can 
 class SFL(Method):
     """Trains one student on learnable levels; see `Method` for the arguments."""
 
-    curriculum: SFLLevels
+    curriculum: SFLCurriculum
 
-    def begin(self, config: SFLConfig | None, seed: int) -> None:
-        self.curriculum = SFLLevels(self.upomdp, config or SFLConfig(), seed)
+    def setup(self, config: SFLConfig | None, seed: int) -> None:
+        self.curriculum = SFLCurriculum(self.upomdp, config or SFLConfig(), seed)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
         """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
-        levels = self.play()  # [L]
-        learnability = self.curriculum.learnability(levels)  # [L] p (1 - p) of candidates, nan of the others
-        metrics = self.curriculum.choose(levels, learnability)
+        levels = self.collect_rollouts()  # [L]
+        metrics = self.curriculum.update(levels)  # p (1 - p) of each candidate; choose the largest
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
 
-class SFLLevels(Resumable):
+class SFLCurriculum(Resumable):
     """Proposes the levels that are solved about half of the time. A `Curriculum`.
 
     Args:
@@ -81,7 +80,7 @@ class SFLLevels(Resumable):
         records["train"][:candidates] = False  # they are only looked at
         return records[self.rng.permutation(count)]
 
-    def learnability(self, records: np.ndarray) -> np.ndarray:
+    def _learnability(self, records: np.ndarray) -> np.ndarray:
         """Return p (1 - p) `[L]` of the candidates among these level records, nan for the others."""
         learnability = np.full(len(records), np.nan)
         looked_at = ~records["train"]
@@ -90,9 +89,9 @@ class SFLLevels(Resumable):
         learnability[looked_at] = scores.score("learnability", candidates) + TIE_BREAK * rate
         return learnability
 
-    def choose(self, records: np.ndarray, learnability: np.ndarray) -> dict[str, float]:
-        """Judge candidates; choose the most learnable when all are judged; ask for new ones when it is time."""
-        records["score"] = learnability
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score candidates; choose the most learnable when all are scored; ask for new ones when it is time."""
+        records["score"] = self._learnability(records)
         candidates = records[~records["train"]]
         self.judged = np.concatenate([self.judged, candidates])
         metrics = {"sfl/candidates": float(len(candidates))}
@@ -104,7 +103,3 @@ class SFLLevels(Resumable):
             self.waiting, self.looking = self.config.candidates, True
         self.updates += 1
         return metrics
-
-    def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score candidates by their learnability; choose when all are scored."""
-        return self.choose(records, self.learnability(records))

@@ -1,4 +1,4 @@
-"""What a recording shows of environments that nobody has written a painter for: what they render, as a film.
+"""Recordings of environments without a painter: their rendered frames, as a film.
 
 Read next: `recorder.scene_log`, which draws where there is a painter.
 """

@@ -53,7 +53,7 @@ def side(match, agent):
 
 
 @kernel
-def pay_checkpoints(match):
+def add_checkpoint_rewards(match):
     """Reward each agent once for each checkpoint while its player owns the ball, and for the rest at a goal.
 
     As in Google Research Football's wrapper, the agent's player after the step counts.

@@ -61,7 +61,7 @@ class Observer:
 
     @property
     def unit(self) -> np.ndarray | None:
-        """The size of a large change of each entry of one agent's vector; see `UPOMDP.observation_unit`."""
+        """The size of a large change of each entry of one agent's vector; see `UPOMDP.observation_scale`."""
         if self.kind not in (FEATURES, SIMPLE115):
             return None
         return simple115_unit() if self.kind == SIMPLE115 else np.ones(features_size(self._players))

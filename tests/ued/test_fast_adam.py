@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from ued.learning.adam import Adam, clip_norm
+from ued.learning.fast_adam import Adam, clip_norm
 
 
 def network() -> nn.Module:
