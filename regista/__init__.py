@@ -22,10 +22,8 @@ def _check_siblings() -> None:
     home = Path(__file__).resolve().parent.parent
     for name in ("ued", "scenic_lite"):
         spec = find_spec(name)
-        found = Path(spec.origin).resolve() if spec and spec.origin else None  # a bare folder has no origin
-        if found is None:
-            raise ImportError(f"Regista's package {name!r} is missing: it must be at {home / name}. Reinstall Regista.")
-        if found.parent != home / name:
+        found = Path(spec.origin).resolve() if spec and spec.origin else None
+        if found and found.parent != home / name:
             raise ImportError(
                 f"Regista needs its own package {name!r}, at {home / name}, but Python finds {found} first. "
                 f"Rename that, or put its folder later on sys.path."

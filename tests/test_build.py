@@ -1,6 +1,5 @@
 """A wheel has all that Regista needs and nothing else; every module of it can be imported, every name is defined."""
 
-import shutil
 import subprocess
 import sys
 import tarfile
@@ -75,16 +74,6 @@ def test_another_package_of_the_same_name_is_refused(unpacked, tmp_path, name, f
         f"Regista needs its own package '{name}', at {unpacked / name}, but Python finds {other} first. "
         f"Rename that, or put its folder later on sys.path. False\n"
     ), done.stderr
-
-
-@pytest.mark.parametrize("name", ["ued", "scenic_lite"])
-def test_a_package_that_is_missing_is_named(unpacked, tmp_path, name):
-    """A bare folder of its name, as a namespace package is, does not stand in for it."""
-    for package in {"regista", "ued", "scenic_lite"} - {name}:
-        shutil.copytree(unpacked / package, tmp_path / package)
-    (tmp_path / name).mkdir()
-    done = run([sys.executable, "-S", "-c", "import regista"], tmp_path, PYTHONPATH=str(tmp_path))
-    assert f"Regista's package '{name}' is missing: it must be at {tmp_path / name}." in done.stderr
 
 
 def test_type_checkers_read_what_is_installed(unpacked):
