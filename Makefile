@@ -4,6 +4,9 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 
+# The versions to install; CONSTRAINTS=/dev/null takes the newest that pyproject.toml allows.
+CONSTRAINTS ?= constraints.txt
+
 # Of the thousands of files that pip would compile to bytecode in half a minute, a tenth is ever imported: what every
 # command imports is compiled here, the rest where it is first used. Tests start hundreds of programs: also where
 # PYTHONDONTWRITEBYTECODE is set, they keep bytecode.
@@ -17,7 +20,7 @@ setup: $(READY)
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Regista needs Python 3.11 or newer; set PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --constraint $(CONSTRAINTS) --editable '.[dev]'
 	@$(CACHED) $(BIN)/python -c '$(USED)'
 	@touch $@
 

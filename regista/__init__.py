@@ -12,9 +12,27 @@ Read next: `regista.experiments.calls`, what `train` and `evaluate` do; `ued`, t
 """
 
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from regista import minigames as minigames
+
+def _check_siblings() -> None:
+    """Raise `ImportError` where Python finds another `ued` or `scenic_lite` first, such as a user's own `ued.py`."""
+    home = Path(__file__).resolve().parent.parent
+    for name in ("ued", "scenic_lite"):
+        spec = find_spec(name)
+        found = Path(spec.origin).resolve() if spec and spec.origin else None
+        if found and found.parent != home / name:
+            raise ImportError(
+                f"Regista needs its own package {name!r}, at {home / name}, but Python finds {found} first. "
+                f"Rename that, or put its folder later on sys.path."
+            )
+
+
+_check_siblings()  # before anything of Regista imports the wrong one
+
+from regista import minigames as minigames  # noqa: E402
 
 if TYPE_CHECKING:  # what editors and type checkers see
     from regista.experiments.calls import evaluate as evaluate

@@ -66,6 +66,21 @@ def test_a_wheel_has_nothing_of_the_lab_and_no_tests(wheel):
     assert not parts & {"lab", "tests", "torture", "studies", "benchmarks"}
 
 
+@pytest.mark.parametrize("name", ["ued", "scenic_lite"])
+@pytest.mark.parametrize("file", ["{}.py", "{}/__init__.py"])
+def test_another_package_of_the_same_name_is_refused(unpacked, tmp_path, name, file):
+    """In one sentence that names both places, and before torch is imported."""
+    other = tmp_path / file.format(name)
+    other.parent.mkdir(exist_ok=True)
+    other.touch()
+    code = "import sys\ntry: import regista\nexcept ImportError as error: print(error, 'torch' in sys.modules)"
+    done = run([sys.executable, "-c", code], tmp_path, PYTHONPATH=f"{tmp_path}:{unpacked}")
+    assert done.stdout == (
+        f"Regista needs its own package '{name}', at {unpacked / name}, but Python finds {other} first. "
+        f"Rename that, or put its folder later on sys.path. False\n"
+    ), done.stderr
+
+
 def test_type_checkers_read_what_is_installed(unpacked):
     """PEP 561: without its marker a package is `Any` to mypy and to editors."""
     assert all((unpacked / package / "py.typed").is_file() for package in ("regista", "scenic_lite", "ued"))

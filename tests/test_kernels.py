@@ -317,7 +317,7 @@ def test_equal_copies_of_regista_share_what_is_compiled(tmp_path: Path) -> None:
     environment.pop("NUMBA_DISABLE_JIT", None)
     misses = []
     for copy in (tmp_path / "first", tmp_path / "second", tmp_path / "edited"):
-        for package in ("kernels", "minigames"):
+        for package in ("kernels", "minigames", "scenic_lite", "ued"):
             shutil.copytree(jit.ROOT / package, copy / package)
         shutil.copytree(jit.ROOT / "regista", copy / "regista", symlinks=True)
         if copy.name == "edited":

@@ -20,7 +20,7 @@ import numpy as np
 from regista.envs.scenic3.episode import Episode, Role
 from regista.envs.scenic3.program import ScenicProgram
 from ued.core.level_space import LevelError, check_theta
-from ued.core.processes import end_with_parent
+from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
 BEGIN_SECONDS = 120.0  # until a process counts as hung; simulators may take long to start
@@ -157,8 +157,9 @@ class Worker:
 
     def _ask(self, *request: Any) -> None:
         if self._pipe is None:
-            self._pipe, theirs = multiprocessing.Pipe()
-            self._process = multiprocessing.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
+            context: Any = multiprocessing.get_context(START_METHOD)  # mypy knows no `Process` of a context
+            self._pipe, theirs = context.Pipe()
+            self._process = context.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
             self._process.start()
             theirs.close()
         with suppress(OSError):  # it has died: `answer` restarts it

@@ -1,6 +1,7 @@
 """Parameters of every kind, through the methods; levels that are no vector; errors that tell the level."""
 
 import copy
+import threading
 from dataclasses import replace
 
 import gymnasium
@@ -27,6 +28,7 @@ from ued import (
     ThetaSpace,
 )
 from ued.core.parameters import ThetaMap, edit, quantize
+from ued.core.processes import START_METHOD
 from ued.core.upomdp import UPOMDP
 from ued.levels.diagnostics import theta_metrics
 
@@ -325,3 +327,17 @@ def test_an_error_of_the_setter_tells_the_level():
 
     with pytest.raises(LevelError, match=r"failed in the function that applies levels: KeyError: 'lanes' \(level"):
         GymUPOMDP(Bandit, broken, KINDS, 1).reset(seed=0)
+
+
+@pytest.mark.skipif(START_METHOD != "fork", reason="processes elsewhere are sent what makes their environments")
+def test_processes_make_environments_that_cannot_be_pickled():
+    """On every Python: from 3.14 on processes do not fork unless told to."""
+    lock = threading.Lock()
+
+    def make_env():
+        with lock:
+            return Bandit()
+
+    env = GymUPOMDP(make_env, put, KINDS, 2, "async")
+    env.reset(seed=0)
+    env.close()

@@ -22,7 +22,7 @@ from gymnasium.vector import AutoresetMode
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
-from ued.core.processes import end_with_parent
+from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
 # Applies a level's values to an environment. If it returns a dict, this becomes the options of `reset`.
@@ -361,8 +361,10 @@ class GymUPOMDP(UPOMDP):
 
             return make
 
-        kind = gymnasium.vector.AsyncVectorEnv if self.vectorization == "async" else gymnasium.vector.SyncVectorEnv
-        return kind([slot(index) for index in range(num_envs)], autoreset_mode=AutoresetMode.DISABLED)
+        slots = [slot(index) for index in range(num_envs)]
+        if self.vectorization == "sync":
+            return gymnasium.vector.SyncVectorEnv(slots, autoreset_mode=AutoresetMode.DISABLED)
+        return gymnasium.vector.AsyncVectorEnv(slots, context=START_METHOD, autoreset_mode=AutoresetMode.DISABLED)
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other names."""
