@@ -19,7 +19,7 @@ from regista.experiments.pictures import level_plots, plots, theta_plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run import arguments, build, origin, starting
 from regista.experiments.run.arguments import group, positional
-from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.config import GAME, TrainConfig
 from regista.experiments.run.errors import read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
@@ -41,21 +41,21 @@ CHOSEN = ("minigame", "method", "seed")  # settings of a run that the comparison
 class CompareConfig(Checked):
     """What is typed after `regista compare`."""
 
-    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="1v1Restricted")
-    methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; the differences are to the first")
+    minigame: str = positional(GAME, default="1v1Restricted")
+    methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; differences are relative to the first")
     seeds: int = setting(5, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
         0,
-        "seed of the first run; 0 to 9 are of final tables, so tune with 1000 and above",
+        "first seed (use >= 1000 for tuning; 0-9 are reserved for reported results)",
         ">=0",
         most=LARGEST_SEED - 10_000,
     )
-    held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
-    episodes: int = setting(500, "whole episodes on each test scene after training", ">=1", most=1_000_000)
+    held_out: bool = setting(False, "evaluate on held-out scenes, for final results only")
+    episodes: int = setting(500, "episodes on each test scene after training", ">=1", most=1_000_000)
     levels: int = setting(
-        200, "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none", most=1_000_000, least=0
+        200, "random levels for CVaR10, the success rate on the worst tenth; 0: none", most=1_000_000, least=0
     )
-    level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
+    level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
     from_: Path | None = setting(
         None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
     )
@@ -75,8 +75,7 @@ class CompareConfig(Checked):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    config = _read(argv)
-    game = build.find_game(config.minigame)
+    config, game = _read(argv)
     folder = config.out or Path("runs") / f"compare-{game.short}"
     runs = prepare(config, game, folder)
     # Before there are several processes: this compiles the kernels
@@ -133,12 +132,13 @@ def draw(comparison: Comparison, folder: Path) -> None:
     overview(comparison, folder / "overview.png")
 
 
-def _read(argv: Sequence[str]) -> CompareConfig:
+def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
+    """Return what is typed, and the game that is named."""
     known = CompareConfig(train=starting.settings_for(argv))
     others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
-    minigame = typed.get("minigame", CompareConfig().minigame)
-    start = build.find_game(minigame).start(typed.get("preset", "fast"))
+    game = build.find_game(typed.get("minigame", CompareConfig().minigame))
+    start = game.start(typed.get("preset", "fast"))
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)
@@ -147,4 +147,4 @@ def _read(argv: Sequence[str]) -> CompareConfig:
     for method in config.methods:
         build.find_method(method)
     build.find_device(config.train.device)
-    return config
+    return config, game

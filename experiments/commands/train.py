@@ -20,7 +20,7 @@ from typing import Any, Literal
 
 from regista.experiments.pictures import plots
 from regista.experiments.run import arguments, build, origin, outlook, starting, versions
-from regista.experiments.run.arguments import group
+from regista.experiments.run.arguments import group, option
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
 from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
@@ -31,7 +31,7 @@ from regista.experiments.run.signals import StopRequest
 from ued.config import FineTuningConfig, setting
 from ued.core.task import Task
 
-DESCRIPTION = "Train students on a minigame. A run can be stopped with Ctrl-C at any time and continued with --resume."
+DESCRIPTION = "Train students on a game or task. Ctrl-C saves and stops a run; --resume continues it."
 
 
 @dataclass(frozen=True)
@@ -40,9 +40,11 @@ class TrainFlags:
 
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
-    from_: Path | None = setting(None, "begin with the student of this run, or checkpoint, such as regista clone makes")
+    from_: Path | None = setting(
+        None, "start from the student of this run or checkpoint, for example one from regista clone"
+    )
     preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (images: a day)")
-    connect: str | None = setting(None, "show the recording in this viewer, too: HOST:PORT, of one that `rerun` began")
+    connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import shutil
+import textwrap
 import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import field, fields, is_dataclass
@@ -33,13 +34,14 @@ def group(
     help: str,
     prefix: str = "",
     without: tuple[str, ...] = (),
-    topics: tuple[str, ...] = (),
+    topics: Mapping[str, str] | None = None,
 ) -> Any:
     """Return a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
 
-    The fields `without` get no flag. A group with `topics` is shown by `--help TOPIC`, not by `--help`.
+    The fields `without` get no flag. A group with `topics`, each with its title, is shown by `--help TOPIC`, not by
+    `--help`.
     """
-    about = {"help": help, "prefix": prefix, "without": without, "topics": topics}
+    about = {"help": help, "prefix": prefix, "without": without, "topics": topics or {}}
     return field(default_factory=factory, metadata=about)
 
 
@@ -120,7 +122,7 @@ class _Place(NamedTuple):
     prefix: str
     others: Others
     without: tuple[str, ...] = ()
-    topics: tuple[str, ...] = ()
+    topics: Mapping[str, str] = {}
 
 
 def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
@@ -135,12 +137,13 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
             nested = parser.add_argument_group(help_text or item.name)
             prefix = place.prefix + about.get("prefix", f"{item.name}.")
             topics = about.get("topics") or place.topics
-            for topic in topics:
+            for topic, title in topics.items():
                 parser.topics.setdefault(topic, []).append(nested)
+                parser.titles.setdefault(topic, title)
             others = {case: _part(bases, item.name) for case, bases in place.others.items()}
             _add(parser, nested, value, _Place(f"{path}.", prefix, others, about.get("without", ()), topics), flags)
         elif about.get("positional"):
-            _add_positional(container, item, hints[item.name], path)
+            _add_positional(parser, item, hints[item.name], path)
             parser.words += (item.name.upper(),)
         else:
             help_text += _stated(value, item.name, place.others)
@@ -286,6 +289,8 @@ class _Parser(argparse.ArgumentParser):
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.topics: dict[str, list[Any]] = {}  # groups that `--help TOPIC` shows
+        self.titles: dict[str, str] = {}  # of these pages
+        self._positionals.title = "arguments"
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(message.removeprefix("argument ") + f"; see {self.prog} --help")
@@ -307,8 +312,8 @@ class _Parser(argparse.ArgumentParser):
         formatter = self._get_formatter()
         if topic is None:
             formatter.add_text(self.description)
-        for group in shown:
-            formatter.start_section(group.title)
+        for number, group in enumerate(shown):
+            formatter.start_section(self.titles[topic] if topic in self.titles and not number else group.title)
             formatter.add_text(group.description)
             formatter.add_arguments(group._group_actions)
             formatter.end_section()
@@ -317,12 +322,10 @@ class _Parser(argparse.ArgumentParser):
 
     def _contents(self) -> str:
         """Return the table of topics, a line each."""
-        known = {topic: groups[0].title for topic, groups in self.topics.items()} | {"all": "every flag there is"}
-        room = _width() - 18
-        lines = [
-            f"  {topic:<16}{title if len(title) <= room else title[: room - 4].rstrip() + ' ...'}"
-            for topic, title in known.items()
-        ]
+        known = {**self.titles, "all": "every flag there is"}
+        margins: Any = {"initial_indent": "  ", "subsequent_indent": " " * 18}
+        wrapped = [textwrap.wrap(f"{topic:<16}{title}", _width() - 2, **margins) for topic, title in known.items()]
+        lines = [line for paragraph in wrapped for line in paragraph]
         return "\n".join([f"more settings, each on a page: {self.prog} --help TOPIC", *lines, ""])
 
 

@@ -25,6 +25,7 @@ from ued.methods import METHODS
 
 Config = TypeVar("Config")
 
+GAME = "a minigame's name, a .scenic program, or a Python task: file.py:name"
 TEST_ENVS = {"regista": 64, "grf": 8}  # matches that an evaluation plays at once, by engine
 
 
@@ -86,12 +87,12 @@ class EngineConfig(Checked):
 class RunConfig(Checked):
     """What a training run depends on whatever its method."""
 
-    minigame: str = positional(
-        "a minigame's name, a .scenic program, or a task of yours: file.py:name", default="1v1Restricted"
-    )
+    minigame: str = positional(GAME, default="1v1Restricted")
     method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
-    total_env_steps: int = setting(3_000_000, "steps to simulate, the antagonist's included", ">=1", most=10**12)
+    total_env_steps: int = setting(
+        3_000_000, "environment steps to simulate, the antagonist's included", ">=1", most=10**12
+    )
     num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
@@ -102,13 +103,9 @@ class RunConfig(Checked):
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0", most=10**9)
-    record_limit: int = setting(
-        2_000, "megabytes of recording; where there are more, nothing more is recorded", ">=1", most=1_000_000
-    )
-    report: tuple[Literal["tensorboard", "wandb"], ...] = setting(
-        (), "who else is told of every update: tensorboard, wandb"
-    )
-    ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics=("ppo",))
+    record_limit: int = setting(2_000, "maximum size of the recording in MB", ">=1", most=1_000_000)
+    report: tuple[Literal["tensorboard", "wandb"], ...] = setting((), "also log to tensorboard, wandb")
+    ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -150,12 +147,12 @@ class RunConfig(Checked):
 class FootballRunConfig(RunConfig):
     """What a run of football depends on besides."""
 
-    ppo: PPOConfig = group(football_ppo, "PPO: how students learn", topics=("ppo",))
+    ppo: PPOConfig = group(football_ppo, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
     program: ProgramConfig = group(ProgramConfig, "the training program")
     env: FootballConfig = group(
         FootballConfig,
-        "environment: what agents see and do, what they are paid for, what plays",
-        topics=("environment",),
+        "environment: observations, actions, rewards, engine",
+        topics={"environment": "environment: observations, actions, rewards, engine"},
     )
 
     def __post_init__(self) -> None:
@@ -196,7 +193,10 @@ class FootballRunConfig(RunConfig):
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
     """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
-    sharing = {row.name: tuple(m.name for m in METHODS.values() if m.group == row.name) for row in METHODS.values()}
+    sharing = {
+        row.name: {m.name: f"{m.title}: {m.help}" for m in METHODS.values() if m.group == row.name}
+        for row in METHODS.values()
+    }
     return [
         (
             row.name,

@@ -130,7 +130,9 @@ def test_help_names_every_flag_with_its_default(capsys):
 @dataclass(frozen=True)
 class Paged:
     out: Path | None = setting(None, "where to")
-    teacher: Teacher = group(Teacher, "the teacher", prefix="teacher.", topics=("teacher", "guide"))
+    teacher: Teacher = group(
+        Teacher, "the teacher", prefix="teacher.", topics={"teacher": "the teacher", "guide": "a guide"}
+    )
 
 
 def page(capsys, *words):
@@ -145,7 +147,7 @@ def test_a_group_with_topics_has_a_page_of_its_own(capsys):
     assert "--out PATH" in first and "--teacher" not in first
     assert first.endswith(
         "more settings, each on a page: regista play --help TOPIC\n"
-        "  teacher         the teacher\n  guide           the teacher\n  all             every flag there is\n"
+        "  teacher         the teacher\n  guide           a guide\n  all             every flag there is\n"
     )
     for topic in ("teacher", "guide"):
         text = page(capsys, topic)

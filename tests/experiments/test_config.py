@@ -52,7 +52,7 @@ def test_thesis_is_the_same_in_every_command(game, tmp_path):
     """Also where a game is best paid otherwise: the thesis pays for goals."""
     start = build.find_game(game).start("thesis")
     run = _begin({"preset": "thesis", "config.minigame": game, "out": tmp_path / "run"})
-    compared = _read([game, "--preset", "thesis"])
+    compared, _ = _read([game, "--preset", "thesis"])
     assert run.config.ppo == compared.train.ppo == start.ppo == PPOConfig.thesis()
     assert run.config.env == compared.train.env == start.env and start.env.rewards == "scoring"
     for name in ("ppo", "paired", "num_envs", "total_env_steps"):

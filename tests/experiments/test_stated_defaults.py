@@ -60,7 +60,7 @@ def test_train_states_what_it_uses(argv, effective):
 
 @pytest.mark.parametrize("argv", CASES)
 def test_compare_states_what_it_uses(argv):
-    assert flat(starting.settings_for(argv)) == flat(compare._read(argv).train)
+    assert flat(starting.settings_for(argv)) == flat(compare._read(argv)[0].train)
 
 
 @pytest.mark.parametrize("argv", CASES)
