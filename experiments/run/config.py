@@ -152,7 +152,7 @@ class FootballRunConfig(RunConfig):
     env: FootballConfig = group(
         FootballConfig,
         "environment: observations, actions, rewards, engine",
-        topics={"environment": "environment: observations, actions, rewards, engine"},
+        topics={"environment": "observations, actions, rewards, engine"},
     )
 
     def __post_init__(self) -> None:
