@@ -74,7 +74,7 @@ def test_a_level_is_played_and_filmed(run, tmp_path, capsys):
     row = rows(run)[5]
     assert main(["play", "--level", str(run), "--id", row["id"], "--video", str(tmp_path / "cave.gif")]) == 0
     shown = capsys.readouterr().out
-    assert f"seed {row['seed']}, visit {row['turn']}: depth = " in shown and "4 steps by random actions" in shown
+    assert f"seed {row['seed']}, visit {row['visit']}: depth = " in shown and "4 steps by random actions" in shown
     assert (tmp_path / "cave.gif").stat().st_size > 0
 
 
