@@ -109,10 +109,7 @@ def _play(
         listed = episode < episodes  # [N]
         returns[episode[listed]] += reward[listed]
         lengths[episode[listed]] += 1
-        if lengths[episode[listed]].max() >= LONGEST_EPISODE:
-            raise RuntimeError(
-                f"an episode did not end within {LONGEST_EPISODE} steps; evaluation needs episodes that end"
-            )
+        _check_lengths(lengths[episode[listed]])
         ends = (terminated | truncated) & listed  # [N]
         num_ends = int(ends.sum())
         if num_ends:
@@ -132,6 +129,11 @@ def _play(
     upomdp.idle[:] = False
     _announce(upomdp, playlist, episodes)
     return returns, success, lengths
+
+
+def _check_lengths(lengths: np.ndarray) -> None:
+    if lengths.max() >= LONGEST_EPISODE:
+        raise RuntimeError(f"an episode did not end within {LONGEST_EPISODE} steps; evaluation needs episodes that end")
 
 
 def _announce(upomdp: UPOMDP, playlist: np.ndarray, first: int) -> int:

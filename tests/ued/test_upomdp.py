@@ -28,7 +28,7 @@ class NoShortPoles:
     """A stand-in for a program: two columns, and poles under a third of the range are invalid."""
 
     def __init__(self):
-        self.parameters = cartpole(1).parameters
+        self.draws = cartpole(1).parameters
 
     def valid(self, theta):
         return theta[:, 0] > -1 / 3
