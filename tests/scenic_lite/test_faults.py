@@ -19,15 +19,21 @@ def sampled(text: str):
     [
         ("param y = 1 / x", 3, 10, "division by zero"),
         ("param y = 5 // x", 3, 10, "division"),
-        ("def f(a):\n    return 5 % a\nparam y = f(x)", 4, 11, "modulo"),
+        ("def f(a):\n    return 5 % a\nparam y = f(x)", 4, 11, "modulo|division by zero"),
         ("b = new Object at (5 @ 5) / x, with requireVisible False", 3, 18, "division by zero"),
         ("y = x\ny /= x\nparam z = y", 4, 0, "division by zero"),
         ("require 1 / (x - x) > 0", 3, 8, "division by zero"),
         ("y = 1 / x\nrequire x > 0\nrequire y > 0", 3, 4, "division by zero"),
         ("require[0.5] 1 / x > 0", 3, 13, "division by zero"),
+<<<<<<< HEAD
         ("import math\nparam y = math.sqrt(x - 0.5)", 4, 10, "math domain error"),
         ("import math\nparam y = math.log(x, 2)", 4, 10, "math domain error"),
         ("param y = (x - 0.5) ** 0.5", 3, 10, "not a real number"),
+=======
+        ("import math\nparam y = math.sqrt(x - 0.5)", 4, 10, "math domain error|expected a"),
+        ("import math\nparam y = math.log(x, 2)", 4, 10, "math domain error|expected a"),
+        ("param y = (x - 0.5) ** 0.5", 3, 10, "no real number"),
+>>>>>>> conv
         (BRANCHING + "require f(x) > 0", 5, 15, "division by zero"),
     ],
 )

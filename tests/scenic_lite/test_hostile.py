@@ -1,6 +1,7 @@
 """Files that are no programs, numbers that mean nothing: what a hostile or a clumsy user hands to the language."""
 
 import os
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,7 @@ def test_files_that_cannot_be_read(tmp_path):
     (tmp_path / "latin.scenic").write_bytes("ego = LeftCM\n# café\n".encode("latin-1"))
     for name, message in (
         ("loop.scenic", "there is no file"),
-        ("x" * 5000 + ".scenic", "cannot be read: File name too long"),
+        ("x" * 5000 + ".scenic", "there is no file" if sys.version_info >= (3, 14) else "File name too long"),
         ("a\0b.scenic", "there is no file"),
         ("latin.scenic", "latin.scenic is not UTF-8 text: see line 2"),
     ):

@@ -1,7 +1,7 @@
 """Tokens: agreement with Python's own tokenizer, places, and what is refused."""
 
+import heapq
 import io
-import json
 import tokenize
 
 import pytest
@@ -57,7 +57,7 @@ def test_tokens_are_those_of_python(text):
 
 
 def test_tokens_of_a_whole_module_are_those_of_python():
-    with open(json.__file__, encoding="utf-8") as file:
+    with open(heapq.__file__, encoding="utf-8") as file:
         text = file.read()
     assert ours(text) == pythons(text)
 

@@ -11,6 +11,10 @@ import pytest
 from scenic_lite import ScenicError, load
 
 FILE = Path(__file__).parent / "mistakes.txt"
+NEWER = {  # the words of Python itself, up to 3.13 and since
+    "math domain error": "expected a nonnegative input, got -1.0",
+    "integer modulo by zero": "division by zero",
+}
 HEAD, *CASES = FILE.read_text().split("\n=====\n")
 
 
@@ -26,7 +30,10 @@ def answer(program: str) -> str:
 def test_slip(case):
     program, expected = case.rstrip("\n").split("\n-----\n")
     assert expected != "no error"
-    assert answer(program) == expected
+    newer = expected
+    for before, since in NEWER.items():
+        newer = newer.replace(before, since)
+    assert answer(program) in (expected, newer)
 
 
 def record() -> None:
