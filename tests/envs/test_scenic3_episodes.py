@@ -192,7 +192,7 @@ def test_no_process_outlives_the_one_that_began_it(load, tmp_path):
     path = load(STILL).file
     code = f"""
 import sys; sys.path.insert(0, {str(ROOT)!r})
-from tests.ued.test_scenic3_episodes import Pusher, scenic3
+from tests.envs.test_scenic3_episodes import Pusher, scenic3
 upomdp = scenic3.ScenicUPOMDP(scenic3.ScenicProgram({path!r}), Pusher(), 3)
 upomdp.reset(seed=0)
 print(*(worker.pid for worker in upomdp.workers), flush=True)
