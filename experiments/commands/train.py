@@ -90,13 +90,13 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
-            run.keep_config()  # not before its tables have taken an update: one that cannot go on stays as it was
+            run.save_config()  # not before its tables have taken an update: one that cannot go on stays as it was
             if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
         if method.updates > run.saved_update:
             save(run, method, elapsed)
-    run.keep_config()
+    run.save_config()
     finish(run, method, reporters, progress, elapsed)
     return method.env_steps
 
@@ -138,7 +138,7 @@ def restore(run: RunFolder, method: Any) -> float:
             warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
         run.cut_back(0)
         return 0.0
-    version = versions.kept_version(run.config, state, str(run.checkpoint))
+    version = versions.saved_version(run.config, state, str(run.checkpoint))
     versions.check_present(version, f"{run.checkpoint} was trained on", EVALUATED_ALONE)
     try:
         method.load_state_dict(state["method"])
@@ -184,7 +184,7 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
         origin.check(source, config)
     stem = f"{game.short}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
     out = flags.out or Path("runs") / stem
-    return RunFolder.create(out, config, lambda run: origin.keep(run, source, flags.fine_tuning))
+    return RunFolder.create(out, config, lambda run: origin.save(run, source, flags.fine_tuning))
 
 
 def _known(argv: Sequence[str]) -> Any:

@@ -88,7 +88,7 @@ class Demonstrations:
     def simulator(self) -> int | None:
         """The version of the simulator that played, 0 from before there was one, None of another engine."""
         file = self.path / "demonstrations.json"
-        return versions.kept_version(self.config, configs.about(file), f"{file}: '{configs.ABOUT}'")
+        return versions.saved_version(self.config, configs.about(file), f"{file}: '{configs.ABOUT}'")
 
     @classmethod
     def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:

@@ -78,7 +78,7 @@ class RunFolder:
         with run.locked():
             run._kept = None
             prepare(run)
-            run.keep_config()
+            run.save_config()
         return run
 
     @classmethod
@@ -89,7 +89,7 @@ class RunFolder:
         run = cls.open(path)
         run.extend(config)
         with run.locked():
-            run.keep_config()
+            run.save_config()
         return run
 
     @classmethod
@@ -105,12 +105,12 @@ class RunFolder:
         """The version of the simulator that it plays on; 0 from before there was one, None if it plays no football of
         ours.
         """
-        return versions.kept_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
+        return versions.saved_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
 
     def extend(self, config: TrainConfig) -> None:
         """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ.
 
-        The folder has it from `keep_config` on: one that turns out damaged is left as it was. Raises `CommandError` for
+        The folder has it from `save_config` on: one that turns out damaged is left as it was. Raises `CommandError` for
         a run of another version of the simulator.
         """
         if self.begun():
@@ -124,7 +124,7 @@ class RunFolder:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
         self.config = config
 
-    def keep_config(self) -> None:
+    def save_config(self) -> None:
         """Write the settings, if they are others than the folder has; whoever does has the folder `locked`."""
         if self.config == self._kept:
             return
@@ -142,7 +142,7 @@ class RunFolder:
             yield
 
     @property
-    def words(self) -> list[str]:
+    def argv(self) -> list[str]:
         """What is typed behind `regista` to train it on, wherever that is."""
         engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
         typed = ["--grf-python", engine] if engine else []

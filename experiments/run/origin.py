@@ -26,7 +26,7 @@ NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "memory", "obs_std_fl
 class Origin:
     """A student, as a `state_dict`, and the settings of the run in which it was trained or cloned.
 
-    `simulator` is the version on which it was; see `versions.kept_version`.
+    `simulator` is the version on which it was; see `versions.saved_version`.
     """
 
     path: Path
@@ -48,7 +48,7 @@ def load(path: Path) -> Origin:
         student = state["method"]["learners"][0]["ppo"]["student"]
     except (KeyError, IndexError, TypeError, AttributeError) as error:
         raise CommandError(f"{file} is a checkpoint without a student to begin with") from error
-    return Origin(path, config, student, versions.kept_version(config, state, str(file)))
+    return Origin(path, config, student, versions.saved_version(config, state, str(file)))
 
 
 def of_seed(path: Path, seed: int) -> Path:
@@ -81,7 +81,7 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
             origin = load(source) if source else None
             if origin is not None:
                 check(origin, run.config)
-            keep(run, origin, settings)
+            save(run, origin, settings)
             continue
         began = checkpoint.load_entry(kept, "source") if kept.exists() else None
         if began != (str(source.absolute()) if source else None):
@@ -126,7 +126,7 @@ def _student_settings(config: TrainConfig) -> dict[str, Any]:
     return config.seen() | {f"ppo.{name}": getattr(config.ppo, name) for name in NETWORK}
 
 
-def keep(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> None:
+def save(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> None:
     """Write what a run begins with into its folder; nothing, and what an earlier try left away, if with no student."""
     from ued.core import checkpoint
 

@@ -50,7 +50,7 @@ class RayTasks:
         """Submit a run; return the reference by which it is known."""
         gpus = int(job.config.device.startswith("cuda"))  # Ray hides those that nobody has asked for
         task = self._task.options(num_cpus=job.config.threads, num_gpus=gpus)
-        return task.remote(job.words, str(job.path.resolve()))
+        return task.remote(job.argv, str(job.path.resolve()))
 
     def ended(self, active: Collection[Any]) -> Sequence[Any]:
         """Wait a moment; return the tasks that have ended."""

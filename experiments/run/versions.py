@@ -25,7 +25,7 @@ def present_version(config: Any) -> int | None:
     return None if env is None else version_on(env.engine)
 
 
-def kept_version(config: Any, kept: Mapping[str, Any], where: str) -> int | None:
+def saved_version(config: Any, kept: Mapping[str, Any], where: str) -> int | None:
     """Return the version on which what has these settings was played, by what is `kept` of it, in the file `where`.
 
     Raises `CommandError` for what is no version.

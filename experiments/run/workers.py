@@ -33,7 +33,7 @@ POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 class Job(Protocol):
     """A run that is to be trained: a `RunFolder`, or one of a probe.
 
-    `words` are what is typed behind `regista` to train it, from wherever it stands; `config` has its `threads` and
+    `argv` is what follows `regista` on the command line that trains it, in any working directory; `config` has its `threads` and
     `total_env_steps`.
     """
 
@@ -42,7 +42,7 @@ class Job(Protocol):
     @property
     def config(self) -> Any: ...
     @property
-    def words(self) -> list[str]: ...
+    def argv(self) -> list[str]: ...
     def finished(self) -> bool: ...
     def env_steps(self) -> int: ...
 
@@ -109,7 +109,7 @@ def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) 
 
 def command_line(run: Job) -> str:
     """Return the line of a shell that trains this run."""
-    words = [sys.executable, "-m", "regista", *run.words]
+    words = [sys.executable, "-m", "regista", *run.argv]
     return f"OMP_NUM_THREADS={run.config.threads} {shlex.join(words)}"
 
 
@@ -168,7 +168,7 @@ class Processes:
         threads = str(job.config.threads)
         environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
         with open(job.path / "train.log", "a") as log:
-            command = [sys.executable, "-m", "regista", *job.words]
+            command = [sys.executable, "-m", "regista", *job.argv]
             return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
 
     def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:

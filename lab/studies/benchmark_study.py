@@ -179,7 +179,7 @@ class BenchmarkStudy:
             if made is not None:
                 clones.append(RunFolder.open(made))
                 if not runs[-1].begun():
-                    origin.keep(runs[-1], origin.load(made), self.config.fine_tuning)
+                    origin.save(runs[-1], origin.load(made), self.config.fine_tuning)
         return clones, runs
 
     def make_clone(self, planned: PlannedRun, stop: StopRequest) -> Path | None:

@@ -98,7 +98,7 @@ def test_a_killed_training_from_a_clone_goes_on_to_the_same_numbers(demos, tmp_p
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("regista.experiments.run.origin.keep", kill_at_once)
+        patch.setattr("regista.experiments.run.origin.save", kill_at_once)
         assert main(["train", "--out", str(killed), *flags]) == 130
     assert main(["train", "--resume", str(killed)]) == 1  # for it has not yet what it is to begin with
     monkeypatch.setattr(DR, "update", kill)

@@ -131,8 +131,8 @@ def test_what_is_to_be_run_is_told_to_the_processes_that_train(tmp_path):
     config = dataclasses.replace(TrainConfig(), env=env)
     for _ in range(2):  # a new one, and one that is there
         run = RunFolder.create_or_extend(tmp_path / "run", config)
-        assert run.words[-2:] == ["--grf-python", "/opt/ours/python"]
-    assert RunFolder.open(tmp_path / "run").words == ["train", "--resume", str(tmp_path / "run")]
+        assert run.argv[-2:] == ["--grf-python", "/opt/ours/python"]
+    assert RunFolder.open(tmp_path / "run").argv == ["train", "--resume", str(tmp_path / "run")]
 
 
 def test_a_run_with_former_names_of_values_is_read(tmp_path):

@@ -56,7 +56,7 @@ def test_a_run_may_change_its_device_and_older_runs_have_the_host(tmp_path):
     (run.path / "metrics.csv").touch()  # it has begun
     run.extend(TrainConfig(device="cpu"))
     with run.locked():
-        run.keep_config()
+        run.save_config()
     assert RunFolder.open(run.path).config.device == "cpu"
     kept = json.loads((run.path / "config.json").read_text())
     del kept["device"]

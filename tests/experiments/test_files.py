@@ -96,7 +96,7 @@ def test_config_json_says_where_a_run_comes_from(trained):
     again = RunFolder.open(run.path)
     again.extend(again.config.__class__(**{**vars(again.config), "total_env_steps": 13_000}))
     with again.locked():
-        again.keep_config()
+        again.save_config()
     assert RunFolder.open(run.path).about == about
 
 

@@ -168,7 +168,7 @@ def test_nothing_is_imported_to_find_out(tmp_path):
 
 
 def test_whoever_trains_for_us_is_told(run):
-    words = RunFolder.open(run).words
+    words = RunFolder.open(run).argv
     assert words[-1] == "--trust"
     shutil.rmtree(os.environ["XDG_STATE_HOME"])
     assert RunFolder.open(run).words[-1] != "--trust"

@@ -112,11 +112,11 @@ def test_a_folder_that_was_never_trained_takes_the_present_version(run, tmp_path
 def test_tasks_and_the_real_engine_have_no_version():
     real = TrainConfig(env=FootballConfig(engine="grf"))
     assert versions.stamp(TaskTrainConfig()) == versions.stamp(real) == {}
-    assert versions.kept_version(real, {"simulator": 3}, "here") is None
-    assert versions.kept_version(TaskTrainConfig(), {}, "here") is None
+    assert versions.saved_version(real, {"simulator": 3}, "here") is None
+    assert versions.saved_version(TaskTrainConfig(), {}, "here") is None
 
 
 @pytest.mark.parametrize("version", [-1, True, 1.0, [1], None])
 def test_what_is_no_version_is_refused(version):
     with pytest.raises(CommandError, match="here: 'simulator' must be a whole number from 0 on, got"):
-        versions.kept_version(TrainConfig(), {"simulator": version}, "here")
+        versions.saved_version(TrainConfig(), {"simulator": version}, "here")
