@@ -158,7 +158,7 @@ def do_run(unit: Unit, options: Options, folder: Path) -> list[dict[str, Any]]:
         settings["total_env_steps"] = options.env_steps
     folder /= str(settings["total_env_steps"])  # no run continues one of another budget
     run = StudyRuns(folder, training(unit.rewards), {}).open(unit.key["game"], unit.key["seed"], settings)
-    if not run.finished() and train.main(run.words[1:]):
+    if not run.finished() and train.main(run.argv[1:]):
         raise CommandError(f"{run.path} was stopped")
     episodes = (options.episodes, options.episodes) if options.episodes else unit.episodes
     (result,), _ = play_run(run, Plan(GRF, episodes, ("sampled",)))

@@ -31,10 +31,10 @@ POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
 
 
 class Job(Protocol):
-    """A run that is to be trained: a `RunFolder`, or one of a probe.
+    """A run that is to be trained: a `RunFolder`, or a stand-in for one.
 
-    `argv` is what follows `regista` on the command line that trains it, in any working directory; `config` has its `threads` and
-    `total_env_steps`.
+    `argv` is what follows `regista` on the command line that trains it, in any working directory; `config` has its
+    `threads` and `total_env_steps`.
     """
 
     @property

@@ -171,7 +171,7 @@ def test_whoever_trains_for_us_is_told(run):
     words = RunFolder.open(run).argv
     assert words[-1] == "--trust"
     shutil.rmtree(os.environ["XDG_STATE_HOME"])
-    assert RunFolder.open(run).words[-1] != "--trust"
+    assert RunFolder.open(run).argv[-1] != "--trust"
 
 
 def test_a_program_of_ours_names_its_task(run, tmp_path):
