@@ -335,7 +335,7 @@ def test_methods_that_choose_theta_need_one(name):
     [
         (lambda: PairedConfig(students=1), "students must be at least 2, got 1"),
         (lambda: PairedConfig(students=3, roles="flexible"), "more than two students have no antagonist"),
-        (lambda: PairedConfig(antagonist="scripted", kl="one_way"), "a scripted antagonist does not learn"),
+        (lambda: PairedConfig(antagonist="scripted", kl="one_way"), "a scripted antagonist cannot be regularized"),
         (lambda: PLRConfig(score="learnability"), "learnability needs episodes_per_level of at least 2, got 1"),
         (lambda: SFLConfig(chosen=300), r"chosen must be at most candidates \(256\), got 300"),
         (lambda: SFLConfig(candidate_episodes=1), "candidate_episodes must be at least 2, got 1"),
@@ -365,7 +365,7 @@ def test_an_update_is_its_papers_box():
         assert cls.__module__ == row.module
     made = {name for name, value in vars(Method).items() if callable(value) and not name.startswith("_")}
     for row in ued.METHODS.values():  # nothing of the base class is overridden but what it leaves open
-        assert made & vars(row.load()).keys() <= {"begin", "update"}
+        assert made & vars(row.load()).keys() <= {"setup", "update"}
 
 
 @pytest.mark.slow
