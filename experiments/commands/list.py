@@ -11,16 +11,18 @@ Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, whi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import arguments, solved
-from regista.experiments.run.arguments import positional
+from regista.experiments.run import arguments
+from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.games import all_starts
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import align
+from regista.experiments.run.solved import SolvedConfig, report
 from ued.config import Checked, setting
 
 if TYPE_CHECKING:
@@ -52,14 +54,27 @@ class ListConfig(Checked):
     """What is typed after `regista list`."""
 
     words: tuple[str, ...] = positional("minigames to show: a name, or a part of names", default=())
-    solved: bool = setting(False, "train a student and report how many random levels it solves; see list --solved -h")
+    solved: bool = setting(False, "train a student on these games and report how many random levels it solves")
+    solving: SolvedConfig = group(
+        SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
+    )
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    if "--solved" in argv:
-        return solved.main([word for word in argv if word != "--solved"])
-    config = arguments.parse(ListConfig(), argv, "list", DESCRIPTION)
+    base = ListConfig()
+    trains = [replace(base.solving.train, env=start.env) for start in all_starts()]
+    others = {"for other games": [replace(base, solving=replace(base.solving, train=train)) for train in trains]}
+    typed = arguments.typed_settings(base, argv, "list", DESCRIPTION, others)
+    config = arguments.replace_paths(base, typed)
+    if config.solved:
+        prefix = "solving.train."
+        training = {path.removeprefix(prefix): value for path, value in typed.items() if path.startswith(prefix)}
+        report(config.words, config.solving, training)
+        return 0
+    if given := [path for path in typed if path.startswith("solving.")]:
+        flag = arguments.flag_name(given[0].rpartition("solving.train.")[2].removeprefix("solving."))
+        raise UsageError(f"{flag} needs --solved")
     from regista.minigames.suites import ALL
 
     chosen = [game for game in ALL.values() if _chosen(game.name, config.words)]

@@ -55,13 +55,15 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
     replays, otherwise = _replays(stage, rows, set(shown))
     columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
     played = len(sources)
+    if not played:
+        raise CommandError(f"{run.path} has no level yet on which every student finished an episode; train it longer")
     if not {*PLAIN, "score"} <= columns.keys():
         raise CommandError(f"{run.levels.path} is of an older version, or damaged: it has not all of its columns")
     with_replay = [index for index, visit in enumerate(columns["visit"].astype(int)) if str(visit) in replays]
     chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {
         "title": f"{game.short}, {config.method}, seed {config.seed}",
-        "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen)),
+        "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen, int)),
         "axes": {name: _axis(draw, name) for draw, name in _drawn(stage)},
         "sources": SOURCE_COLOURS,
         "students": dict(zip(_students(columns), STUDENT_COLOURS, strict=False)),

@@ -9,7 +9,7 @@ Read next: `regista.minigames.suites`; `commands.compare`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,16 +17,15 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.run import arguments, build, versions
-from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError
-from regista.experiments.run.games import Game, all_starts, football_game
+from regista.experiments.run.games import Game, football_game
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
-DESCRIPTION = "Report how many random levels of a game a random policy solves, and a student as it learns."
 SEED = 30_000  # of the levels and of how they are played
 ENVIRONMENTS = 64
 CHOSEN = ("minigame",)  # settings of a run that are not typed as flags of training
@@ -35,12 +34,11 @@ HEAD = ["game", "D", "who", "env_steps", "solved", "levels never", "sometimes", 
 
 @dataclass(frozen=True)
 class SolvedConfig(Checked):
-    """What is typed after `regista list --solved`."""
+    """What is typed after `regista list --solved GAMES`."""
 
-    games: tuple[str, ...] = positional("minigames, mixtures, or paths of .scenic programs", default=())
-    levels: int = setting(150, "levels drawn at random", ">=1", most=1_000_000)
-    episodes: int = setting(4, "whole episodes on each of them", ">=1", most=10_000)
-    tests: int = setting(4, "how often a student is tested, evenly over its training", ">=1", most=10_000)
+    levels: int = setting(150, "random levels", ">=1", most=1_000_000)
+    episodes: int = setting(4, "episodes on each level", ">=1", most=10_000)
+    tests: int = setting(4, "evaluations of a student, evenly spaced over its training", ">=1", most=10_000)
     csv: Path | None = setting(None, "also write the rows to this CSV file")
     train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=CHOSEN)
 
@@ -65,27 +63,23 @@ class Row:
         return [self.game, str(self.dim), self.who, count(self.env_steps), *shares]
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
-    base = SolvedConfig()
-    envs = [replace(base.train, env=start.env) for start in all_starts()]
-    others = {"for other games": [replace(base, train=train) for train in envs]}
-    typed = arguments.typed_settings(base, argv, "list --solved", DESCRIPTION, others)
-    config = arguments.replace_paths(SolvedConfig(), typed)
-    if not config.games:
-        raise UsageError("list --solved needs at least one minigame, such as 1v1Free")
+def report(names: Sequence[str], config: SolvedConfig, typed: Mapping[str, Any]) -> None:
+    """Measure games, and print a row for each evaluation; `typed` are the settings of training that were typed.
+
+    Raises `UsageError` for no game and for unknown ones.
+    """
+    if not names:
+        raise UsageError("list --solved needs at least one game, such as 1v1Free")
     build.find_method(config.train.method)
     rows = []
-    for game in map(football_game, config.games):
+    for game in [football_game(name) for name in names]:
         train = replace(SolvedConfig().train, minigame=game.name, env=game.start("fast").env)
-        settings = {path.removeprefix("train."): value for path, value in typed.items() if path.startswith("train.")}
-        for row in measure(config, game, arguments.replace_paths(train, settings)):
+        for row in measure(config, game, arguments.replace_paths(train, dict(typed))):
             rows.append(row)
             print("  ".join(row.cells()), flush=True)
     print(f"\n{align([HEAD, *(row.cells() for row in rows)])}")
     if config.csv is not None:
         save_rows([vars(row) for row in rows], list(vars(rows[0])), config.csv)
-    return 0
 
 
 def measure(config: SolvedConfig, game: Game, train: TrainConfig) -> Iterator[Row]:

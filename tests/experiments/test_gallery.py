@@ -166,3 +166,10 @@ def test_recordings_off_leaves_no_tape(run, tmp_path):
     assert main([*command, "--out", str(tmp_path / "run")]) == 0
     assert not (tmp_path / "run" / "replays.csv").exists()
     assert np.isfinite([float(row["seed"]) for row in read_rows(tmp_path / "run" / "levels.csv")]).all()
+
+
+def test_a_run_without_a_finished_level_has_no_page(run, tmp_path, capsys):
+    short = tmp_path / "short"
+    shutil.copytree(run.path, short, ignore=shutil.ignore_patterns("gallery.html", "replays.csv"))
+    (short / "levels.csv").write_text((run.path / "levels.csv").read_text().splitlines()[0] + "\n")
+    assert main(["evaluate", "--gallery", str(short)]) == 1 and "has no level yet" in capsys.readouterr().err
