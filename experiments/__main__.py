@@ -13,7 +13,7 @@ from importlib import import_module
 
 from regista.experiments.run import trust
 from regista.experiments.run.errors import UsageError, nearest, run_command
-from regista.experiments.run.signals import PARENT, end_with
+from regista.experiments.run.launch.signals import PARENT, end_with
 
 COMMANDS = {
     "train": "train students on a game or a task, with a curriculum or without",

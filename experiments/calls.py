@@ -31,7 +31,7 @@ def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | No
     Ctrl-C saves and returns. Raises `UsageError` for unknown names, `CommandError` where a run of other settings is.
     """
     from regista.experiments.commands.train import train as train_run
-    from regista.experiments.run.signals import StopRequest
+    from regista.experiments.run.launch.signals import StopRequest
 
     game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
     trust.allow(game.name)

@@ -25,9 +25,9 @@ from regista.experiments.run import build
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
-from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.table import read_columns, read_rows
-from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.core.task import TRAINING_SCENE

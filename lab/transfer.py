@@ -36,8 +36,8 @@ from regista.envs.grf.workers import GrfError
 from regista.experiments.commands import train
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.launch.workers import processes
 from regista.experiments.run.report import save_rows
-from regista.experiments.run.workers import processes
 from regista.experiments.transfer.replaying import Plan, Result, play_run
 
 BUDGETS = {  # env_steps after which returns hardly rise any more

@@ -102,6 +102,7 @@ FLOORS = {
     "experiments": (
         "run",
         "pictures",
+        "imitation",  # demonstrations and clones
         "transfer",  # policies, played in both engines
         "commands",
         "calls",  # the same from Python

@@ -20,7 +20,7 @@ import scenic_lite
 from regista.envs.football.scenic.domain import FOOTBALL
 from regista.experiments.__main__ import COMMANDS, main
 from regista.experiments.commands import train
-from regista.experiments.run import workers
+from regista.experiments.run.launch import workers
 from tests.pages import ROOT, blocks, commands, dead_links, pictures, write
 from tests.test_contributing import PAGES as CARRIED_OUT_ELSEWHERE
 

@@ -29,15 +29,15 @@ from regista.experiments.run.config import TrainConfig, football_ppo
 from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Source, football_game
+from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.progress import Progress
-from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import Table, cannot_write, spell
 from ued.config import LARGEST_SEED, Checked, CloningConfig, PPOConfig, most_threads, setting
 from ued.core.files import write_whole
 
 if TYPE_CHECKING:
-    from regista.experiments.run.cloning_data import CloningData
-    from regista.experiments.run.demonstrations import Demonstrations
+    from regista.experiments.imitation.cloning_data import CloningData
+    from regista.experiments.imitation.demonstrations import Demonstrations
     from ued.learning.cloning import Agreement, Cloner
 
 DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
@@ -67,8 +67,8 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
     if config.ppo.memory != "none":
         raise CommandError(f"cloning teaches single steps: --ppo.memory must be none, got {config.ppo.memory}")
-    from regista.experiments.run.cloning_data import CloningData
-    from regista.experiments.run.demonstrations import Demonstrations
+    from regista.experiments.imitation.cloning_data import CloningData
+    from regista.experiments.imitation.demonstrations import Demonstrations
 
     demos = Demonstrations.open(config.demonstrations)
     versions.check_present(demos.simulator, f"{demos.path} was played on", "it cannot be cloned")
@@ -124,7 +124,7 @@ def clone(
     run: RunFolder, source: Source, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
 ) -> None:
     """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
-    from regista.experiments.pictures.cloning import draw_cloning
+    from regista.experiments.imitation.picture import draw_cloning
     from ued.core.seeding import torch_generator
     from ued.learning.cloning import Cloner
 

@@ -2,9 +2,8 @@
 
     regista compare 1v1Restricted --methods dr paired --seeds 4 --total-env-steps 3_000_000 --out demo
 
-Every run is a folder beneath `--out`; a second call skips what is finished and continues what is not. Read next:
-`run.workers`, which trains; `commands.evaluate`, which tests; `run.report`, the tables; `pictures.overview`, which
-draws.
+Every run is a folder in `--out`; a second call skips finished runs and continues the others. Read next:
+`run.launch.workers`, which trains; `commands.evaluate`, which tests; `run.report`, the tables; `pictures.overview`.
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ from regista.experiments.run.errors import read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Game
+from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.report import Report
-from regista.experiments.run.signals import StopRequest
-from regista.experiments.run.workers import LaunchConfig, train_unfinished
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 from ued.core.task import TRAINING_SCENE
 

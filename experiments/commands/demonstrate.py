@@ -4,8 +4,8 @@
     regista demonstrate mine.scenic --control active --keep all --out demos
     regista demonstrate --run runs/1v1Free-dr-0 --episodes 1000 --out demos
 
-The same command goes on where it was stopped, and asked for more episodes adds them. Read next: `run.demonstrations`,
-what is in the folder.
+The same command continues where it was stopped, and adds episodes if more are requested. Read next:
+`imitation.demonstrations`, the folder.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from regista.experiments.imitation.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import positional
-from regista.experiments.run.demonstrations import Demonstrations, DemonstrationsConfig, Summary, check_installed
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Game, single_game
+from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.notes import warn
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.progress import Progress, count
-from regista.experiments.run.signals import StopRequest
 from ued.config import LARGEST_SEED, Checked, most_threads, setting
 
 if TYPE_CHECKING:
     from regista.envs.football.vector_env import FootballVectorEnv
-    from regista.experiments.run.demonstrator import Choose
+    from regista.experiments.imitation.demonstrator import Choose
 
 DESCRIPTION = "Keep episodes of a program, or of a trained student, as records and as a Minari data set."
 RUN_SAYS = {"representation", "control", "right_control"}
@@ -132,7 +132,7 @@ def _fill(
     stop: StopRequest,
 ) -> None:
     """Play parts until there are enough episodes, and tell what came of it."""
-    from regista.experiments.run.demonstrator import parts
+    from regista.experiments.imitation.demonstrator import parts
 
     config, most = demos.config, typed.max_played or 100 * typed.episodes
     tally, began, number = Tally(), time.perf_counter(), demos.num_parts()

@@ -24,10 +24,10 @@ from regista.experiments.run.arguments import group, option
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
 from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
+from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.notes import telling_warnings, warn
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.reporting import Console, Reporters
-from regista.experiments.run.signals import StopRequest
 from ued.config import FineTuningConfig, setting
 from ued.core.task import Task
 

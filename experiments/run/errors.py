@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 
-from regista.experiments.run.signals import WORDS, forget_terminal, hung_up, interruptible
+from regista.experiments.run.launch.signals import WORDS, forget_terminal, hung_up, interruptible
 
 OUT_OF_MEMORY = "there is not enough memory"
 USERS = {

@@ -12,7 +12,7 @@
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
     tensorboard/, wandb/   what `--report` tells these
     learning_curve.png
-    owner.json        who trains it, while somebody does: see `run.owner`
+    owner.json        who trains it, while somebody does: see `run.launch.owner`
 
 docs/files.md has the columns of the tables.
 The tables may be ahead of the checkpoint when a run is killed; resuming cuts them back to it, so that a killed and
@@ -32,8 +32,8 @@ from regista.experiments.run import config as configs
 from regista.experiments.run import provenance, trust, versions
 from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.owner import OWNER, owned
-from regista.experiments.run.signals import CHILD_GRACE_SECONDS
+from regista.experiments.run.launch.owner import OWNER, owned
+from regista.experiments.run.launch.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from ued.core.files import is_partial, write_whole
 from ued.methods import METHODS

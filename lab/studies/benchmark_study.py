@@ -21,8 +21,8 @@ from regista.experiments.run.config import TrainConfig, presets
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import find_minigame
-from regista.experiments.run.signals import StopRequest
-from regista.experiments.run.workers import train_unfinished
+from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import train_unfinished
 from regista.minigames.published import published
 from regista.minigames.suites import BENCHMARK
 from ued.config import FineTuningConfig, setting

@@ -27,7 +27,7 @@ from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.workers import train_unfinished
+from regista.experiments.run.launch.workers import train_unfinished
 from ued.config import LARGEST_SEED, setting
 
 TESTS = 10  # of a student during its training

@@ -1,6 +1,6 @@
 """The runs of a study: their folders and settings, how many are trained at a time, and for how long.
 
-Read next: `regista.experiments.run.workers`, which trains; `lab/studies/measuring.py`, which plays.
+Read next: `regista.experiments.run.launch.workers`, which trains; `lab/studies/measuring.py`, which plays.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.signals import StopRequest
-from regista.experiments.run.workers import LaunchConfig
+from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import LaunchConfig
 from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget

@@ -17,11 +17,12 @@ from lab.studies.benchmark_study import (
 )
 from lab.studies.measuring import measure_random
 from regista.experiments.commands.train import train
-from regista.experiments.run import build, workers
+from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.launch import workers
+from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.results import mean_return
-from regista.experiments.run.signals import StopRequest
 from regista.minigames.suites import BENCHMARK
 from tests.floors import ROOT
 

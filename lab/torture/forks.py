@@ -103,7 +103,7 @@ class Forks:
 
 
 class Forked:
-    """What `subprocess.Popen` is to `run.workers`: a command of ours, forked off in place of a new Python."""
+    """What `subprocess.Popen` is to `run.launch.workers`: a command of ours, forked off in place of a new Python."""
 
     def __init__(self, command: list[str], stdout: Any, stderr: Any, env: dict[str, str], **_: Any) -> None:
         self.returncode: int | None = None
@@ -179,7 +179,7 @@ def prepare(folder: Path) -> None:
     import importlib
 
     from regista.experiments.__main__ import COMMANDS
-    from regista.experiments.run import workers
+    from regista.experiments.run.launch import workers
 
     for name in ("h5py", "minari", "rerun"):
         importlib.import_module(name)

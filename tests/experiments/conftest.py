@@ -6,8 +6,9 @@ import pytest
 
 from regista.envs.football.task import ShootPolicy
 from regista.experiments.commands.train import train
-from regista.experiments.run import build, games, workers
+from regista.experiments.run import build, games
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.launch import workers
 from tests.envs.grf.fixtures import fake_python, real_python
 from tests.experiments.probe import ProbeMethod, ProbePainter, ProbeUPOMDP
 from tests.leftovers import nobody_left

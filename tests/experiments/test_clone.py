@@ -136,7 +136,7 @@ def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsy
 
 
 def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
-    from regista.experiments.run import cloning_data
+    from regista.experiments.imitation import cloning_data
 
     one = tmp_path / "one"
     more = ["demonstrate", str(demos / "one.scenic"), "--control", "1", "--episodes", "150", "--out", str(one)]

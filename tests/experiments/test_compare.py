@@ -20,6 +20,7 @@ from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import football_game
+from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import (
     LevelResult,
@@ -36,7 +37,6 @@ from regista.experiments.run.results import (
     mean_score,
     summarise_levels,
 )
-from regista.experiments.run.signals import StopRequest
 from regista.experiments.run.table import read_rows
 from ued.core.level_space import level_dtype
 from ued.evaluation import Evaluation

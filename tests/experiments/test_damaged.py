@@ -9,7 +9,7 @@ import torch
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.owner import owned
+from regista.experiments.run.launch.owner import owned
 from regista.experiments.run.table import Table
 from tests.attacks.files import REFUSED, Target, attack, contents, make_run, quietly
 from ued.adapters.policy import load_policy

@@ -11,8 +11,8 @@ import pytest
 
 from regista.envs.football.replay import load_record, replay
 from regista.experiments.__main__ import main
-from regista.experiments.run import demonstrations
-from regista.experiments.run.demonstrator import _Steps
+from regista.experiments.imitation import demonstrations
+from regista.experiments.imitation.demonstrator import _Steps
 from regista.experiments.run.table import read_columns
 
 pytestmark = pytest.mark.slow

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
+from regista.experiments.imitation.demonstrations import Demonstrations
 from regista.experiments.run import solved
-from regista.experiments.run.demonstrations import Demonstrations
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Entry, Report
 from regista.experiments.run.results import LevelResult

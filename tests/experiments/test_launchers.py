@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from regista.experiments.__main__ import main
-from regista.experiments.run import owner
 from regista.experiments.run.config import TaskTrainConfig
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.owner import BusyError
+from regista.experiments.run.launch import owner
+from regista.experiments.run.launch.owner import BusyError
 from regista.experiments.run.table import read_rows
 
 ROOT = Path(__file__).parents[2]

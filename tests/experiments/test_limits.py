@@ -19,7 +19,7 @@ from regista.experiments.__main__ import COMMANDS, main
 from regista.experiments.run import arguments
 from regista.experiments.run import config as configs
 from regista.experiments.run.config import ConfigError, EngineConfig, TaskTrainConfig, TrainConfig
-from regista.experiments.run.workers import LaunchConfig
+from regista.experiments.run.launch.workers import LaunchConfig
 from tests.attacks.files import TASK
 from ued.config import PPOConfig, bounds_of, most_threads
 from ued.core import room

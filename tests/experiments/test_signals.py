@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from regista.experiments.run.errors import run_command
-from regista.experiments.run.signals import StopRequest
+from regista.experiments.run.launch.signals import StopRequest
 from tests.attacks.interrupts import ROOT, attack, started
 
 
@@ -24,7 +24,7 @@ def ask(number: int = signal.SIGINT) -> None:
 
 @pytest.mark.parametrize(("number", "word"), [(2, "interrupted"), (15, "terminated"), (1, "hung up")])
 def test_a_signal_ends_a_command_with_one_line(number, word, capsys, monkeypatch):
-    monkeypatch.setattr("regista.experiments.run.signals.forget_terminal", lambda: None)
+    monkeypatch.setattr("regista.experiments.run.launch.signals.forget_terminal", lambda: None)
     before = signal.signal(number, signal.SIG_DFL)  # nohup may have started the tests
     try:
         assert run_command(lambda _: ask(number) or 0, []) == 128 + number

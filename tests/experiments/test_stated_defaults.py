@@ -111,8 +111,8 @@ def test_clone_states_what_it_uses(preset, monkeypatch, capsys):
         return SimpleNamespace(simulator=SIMULATOR_VERSION, path=path)
 
     monkeypatch.setattr(clone, "_begin", lambda config, demos, data: used.append(config.ppo) or 1 / 0)
-    monkeypatch.setattr("regista.experiments.run.demonstrations.Demonstrations.open", opened)
-    monkeypatch.setattr("regista.experiments.run.cloning_data.CloningData", lambda *settings: None)
+    monkeypatch.setattr("regista.experiments.imitation.demonstrations.Demonstrations.open", opened)
+    monkeypatch.setattr("regista.experiments.imitation.cloning_data.CloningData", lambda *settings: None)
     with pytest.raises(ZeroDivisionError):
         clone.main(["demos", "--preset", preset])
     rate = stated(capsys, "clone", "--preset", preset, "--help")["--ppo.learning-rate"].partition(";")[0]

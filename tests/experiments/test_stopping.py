@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from regista.experiments.run.signals import Watchdog
+from regista.experiments.run.launch.signals import Watchdog
 from regista.experiments.run.table import read_rows
 from tests.attacks.interrupts import children, started
 

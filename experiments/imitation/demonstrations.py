@@ -8,7 +8,7 @@
     episodes.csv            one row per episode that was played: θ, seed, return, length, and its number if it was kept
 
 A part is written beside, forced to the disk and renamed, the record first: a part with data is complete. Read next:
-`run.demonstrator`, who plays.
+`imitation.demonstrator`, who plays.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ued.core.files import is_partial, write_whole
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
 
-    from regista.experiments.run.demonstrator import Episode, Part
+    from regista.experiments.imitation.demonstrator import Episode, Part
 
 EXTRA = "pip install 'regista[demonstrations]'"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are nearly empty

@@ -1,7 +1,7 @@
 """Episodes for imitation: a program, or a trained student, plays one episode in each of N matches at a time.
 
 What the agents saw and what was done for them is kept until an episode is over; images are kept as bits until then, for
-planes have no values but 0 and 255. Read next: `run.demonstrations`, the folder in which episodes end.
+planes have no values but 0 and 255. Read next: `imitation.demonstrations`, the folder in which episodes end.
 """
 
 from __future__ import annotations

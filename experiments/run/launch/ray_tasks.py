@@ -1,6 +1,6 @@
 """Runs as tasks of a Ray cluster: each is trained inside a worker of some node, and again where that node has died.
 
-Run folders lie on storage that all nodes see, and Regista is installed on each. Read next: `run.workers`.
+Run folders lie on storage that all nodes see, and Regista is installed on each. Read next: `run.launch.workers`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.owner import SILENT_SECONDS, BusyError
+from regista.experiments.run.launch.owner import SILENT_SECONDS, BusyError
 
 POLL_SECONDS = 1.0
 RETRIES = 5  # of a run whose worker or node has died, or was asked to end

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 
 from regista.envs.football.constants import NUM_ACTIONS
-from regista.experiments.run.demonstrations import Demonstrations, Summary
+from regista.experiments.imitation.demonstrations import Demonstrations, Summary
 from regista.experiments.run.errors import CommandError
 from ued.learning.cloning import Demonstrated, discounted
 

@@ -1,8 +1,8 @@
 """Several runs at a time: each is a command line that may be called again, and a folder that tells how far it is.
 
-Who calls it, `--launcher` says: processes of this machine (`Processes`), a Ray cluster (`run.ray_tasks`), or whoever
-is given the lines (`commands`). A run needs no other channel than its folder, so all of them end with the same tables.
-Read next: `commands.compare`.
+`--launcher` selects who calls it: processes of this machine (`Processes`), a Ray cluster (`run.launch.ray_tasks`), or
+the user, who gets the lines (`commands`). A run needs no other channel than its folder, so all of them end with the
+same tables. Read next: `commands.compare`.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, TextIO
 
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
 from regista.experiments.run.progress import Progress
-from regista.experiments.run.signals import PARENT, StopRequest, end_with
 from ued.config import Checked, most_threads, setting
 
 POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
@@ -148,7 +148,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
 def _make_pool(launcher: str) -> Pool:
     if launcher == "local":
         return Processes()
-    from regista.experiments.run.ray_tasks import RayTasks
+    from regista.experiments.run.launch.ray_tasks import RayTasks
 
     return RayTasks()
 

@@ -1,0 +1,1 @@
+"""Demonstrations and behavior cloning: what `regista demonstrate` saves and `regista clone` learns from."""
