@@ -38,6 +38,7 @@ results: $(READY)
 	$(BIN)/python -m lab.studies tuning --seeds 5 --publish
 	$(BIN)/regista compare ued.probes:frontier --seeds 10 --levels 0 --no-record --out runs/frontier \
 		--methods dr minimax paired_literal paired self_regret repaired plr robust_plr accel
+	$(BIN)/python -m lab.frontier runs/frontier --publish
 
 # What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about two hours on 2 cores.
 # It goes on where it was stopped. One part, or other flags of lab.transfer: make transfer PART="policies --hours 2".

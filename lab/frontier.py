@@ -1,0 +1,104 @@
+"""Which methods learn where nearly all random levels are too hard? The table and the picture of the frontier.
+
+Reads a comparison on `ued.probes:frontier` (40 core-minutes), prints its table, or writes it into RESULTS.md with the
+picture `experiments/gallery/frontier.png`:
+
+    regista compare ued.probes:frontier --methods dr minimax paired_literal paired self_regret repaired plr robust_plr \
+        accel --seeds 10 --levels 0 --no-record --out runs/frontier
+    python -m lab.frontier runs/frontier --publish
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from regista.experiments.pictures import plots
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.table import read_columns, read_rows
+from ued.probes import LONGEST
+from ued.statistics import Interval, bootstrap, iqm, probability_of_improvement
+
+SCENE = "every length"  # one level of each length: its success rate is the share of the turns that a student knows
+PAGE, PICTURE = Path("RESULTS.md"), Path("experiments/gallery/frontier.png")
+NOTE = "95% CI: bootstrap over runs; of P(better), Newcombe's."
+
+
+def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[list[str]]:
+    """Return a row for each method from the success rates `[R]` of its runs; the first method is the reference."""
+    first, rng = next(iter(rates)), np.random.default_rng(0)
+    base = bootstrap(rates[first], rng)
+    rows = [["method", "turns known", "success", "IQM", f"minus {first}", f"P(better than {first})", "env steps"]]
+    for name, mine in rates.items():
+        found = bootstrap(mine, rng)
+        row = [name, f"{LONGEST * found.estimate:.1f} of {LONGEST}", percent(found.interval()), f"{iqm(mine):.0%}"]
+        better = ["", ""]
+        if name != first:
+            chance = probability_of_improvement(mine, rates[first])
+            better = [
+                percent((found - base).interval(), "+"),
+                f"{chance.estimate:.2f} [{chance.low:.2f}, {chance.high:.2f}]",
+            ]
+        rows.append([*row, *better, steps[name]])
+    return rows
+
+
+def percent(interval: Interval, sign: str = "") -> str:
+    """Return a share with its interval, in percent."""
+    middle, low, high = (f"{100 * value:{sign}.0f}" for value in (interval.estimate, interval.low, interval.high))
+    return f"{middle}% [{low}, {high}]" if interval.known else f"{middle}%"
+
+
+def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
+    """Draw the success rate of each method over the steps simulated: mean over runs, and their middle half."""
+    with plots.style():
+        import matplotlib.pyplot as plt
+
+        figure, axes = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
+        for name, paths in runs.items():
+            tables = [read_columns(path / "metrics.csv") for path in paths]
+            tested = [np.isfinite(columns[f"eval/{SCENE}"]) for columns in tables]
+            count = min(int(mask.sum()) for mask in tested)
+            found = [
+                np.stack([columns[key][mask][:count] for columns, mask in zip(tables, tested, strict=True)])
+                for key in (f"eval/{SCENE}", "env_steps")
+            ]
+            low, high = np.quantile(found[0], [0.25, 0.75], axis=0)
+            axes.plot(found[1].mean(0), found[0].mean(0), color=plots.colour(name), label=plots.title(name))
+            axes.fill_between(found[1].mean(0), low, high, color=plots.colour(name), alpha=0.15, linewidth=0)
+        plots.label_steps(axes)
+        axes.set_ylabel("share of the turns known")
+        axes.set_ylim(0, 1)
+        axes.legend(loc="upper left", fontsize=8)
+        plots.save(figure, path)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md, and the picture")
+    typed = parser.parse_args()
+    rows = [row for row in read_rows(typed.folder / "results.csv") if row["scene"] == SCENE and row["updates"] != "0"]
+    methods = list(dict.fromkeys(row["method"] for row in rows))
+    rates = {
+        name: np.array([int(row["goals"]) / int(row["episodes"]) for row in rows if row["method"] == name])
+        for name in methods
+    }
+    steps = {row["method"]: f"{int(row['env_steps']):_}" for row in rows}
+    text = f"{as_markdown(table(rates, steps))}\n\n{NOTE} {len(rates[methods[0]])} runs of each method."
+    if not typed.publish:
+        print(text)
+        return
+    page = re.sub("(<!-- frontier -->\n).*?(<!-- end -->)", rf"\g<1>{text}\n\g<2>", PAGE.read_text(), flags=re.DOTALL)
+    write_text(PAGE, page)
+    folders = [RunFolder.open(path.parent) for path in sorted(typed.folder.glob("*/config.json"))]
+    draw({name: [run.path for run in folders if run.config.method == name] for name in methods}, PICTURE)
+
+
+if __name__ == "__main__":
+    main()
