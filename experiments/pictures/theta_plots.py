@@ -35,8 +35,9 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
         size = (2.6 * len(names) + 0.6, 1.9 * len(runs) + 0.5)
         figure, grid = plt.subplots(len(runs), len(names), figsize=size, squeeze=False, layout="constrained")
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
+            found = {period: [read_theta(run, span) for run in paths] for period, span in PERIODS.items()}
             for column, (axes, name) in enumerate(zip(line, names, strict=True)):
-                _draw(axes, column, paths)
+                _draw(axes, column, found)
                 axes.set_title(f"{plots.title(method)}: {name}")
         grid[0][0].legend(fontsize=7)
         plots.save(figure, path)
@@ -46,9 +47,10 @@ def _names(table: Mapping[str, np.ndarray]) -> list[str]:
     return [name.removeprefix("theta/") for name in table if name.startswith("theta/")]
 
 
-def _draw(axes: Axes, column: int, paths: Sequence[Path]) -> None:
-    for shade, (period, span) in zip(np.linspace(0.75, 0.1, len(PERIODS)), PERIODS.items(), strict=True):
-        known = [theta[:, column] for theta in (read_theta(run, span) for run in paths) if len(theta)]
+def _draw(axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]]) -> None:
+    """Draw the histogram of a column in each period, of which `found` has θ `[L, D]` of each run."""
+    for shade, (period, thetas) in zip(np.linspace(0.75, 0.1, len(found)), found.items(), strict=True):
+        known = [theta[:, column] for theta in thetas if len(theta)]
         if known:
             share, edges = np.histogram(np.concatenate(known), BINS, (-1, 1))
             axes.stairs(share / share.sum(), edges, color=str(shade), label=period)

@@ -194,7 +194,7 @@ def test_the_page_of_a_study_is_found_by_either_order(capsys):
 def test_presets_are_those_of_training(tmp_path):
     thesis = starting_point(BenchmarkStudyConfig(preset="thesis"))
     assert thesis.env.representation == "smm_stacked" and thesis.total_env_steps == 5_000_000 and thesis.num_envs == 16
-    start = build.starting_point("thesis", "1v1Restricted")
+    start = build.find_game("1v1Restricted").start("thesis")
     for name in ("ppo", "paired", "num_envs", "total_env_steps"):
         assert getattr(thesis, name) == getattr(start, name)
     fast = starting_point(BenchmarkStudyConfig())
