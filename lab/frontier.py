@@ -49,8 +49,9 @@ def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[lis
 
 
 def percent(interval: Interval, sign: str = "") -> str:
-    """Return a share with its interval, in percent."""
-    middle, low, high = (f"{100 * value:{sign}.0f}" for value in (interval.estimate, interval.low, interval.high))
+    """Return a share, or with a sign a difference of shares, with its interval, in percent."""
+    ends = np.clip((interval.estimate, interval.low, interval.high), -1.0 if sign else 0.0, 1.0)
+    middle, low, high = (f"{100 * value:{sign}.0f}" for value in ends)
     return f"{middle}% [{low}, {high}]" if interval.known else f"{middle}%"
 
 
