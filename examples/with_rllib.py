@@ -1,4 +1,4 @@
-"""Domain randomisation by RLlib's PPO: each episode is on a level of its own.
+"""Domain randomization by RLlib's PPO: each episode is on a level of its own.
 
     pip install 'ray[rllib]' torch
     python examples/with_rllib.py --env-steps 100000

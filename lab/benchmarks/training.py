@@ -17,7 +17,7 @@ TEAMS = ("closest1", "2", "4", "all")
 
 
 def training_suite(minigame: str, seconds: float) -> list[Measurement]:
-    """Measure every method on one thread, domain randomisation on all cores, too, and teams.
+    """Measure every method on one thread, domain randomization on all cores, too, and teams.
 
     What a curriculum costs beside simulation and networks is `levels`, choosing them and keeping book, and `teaching`:
     scoring them and letting the teacher learn. Speeds are of the clock on the wall, shares of all time that was taken.

@@ -1,4 +1,4 @@
-"""A randomised differential test: drawn scenes under the same keys in our simulator and in the real engine.
+"""A randomized differential test: drawn scenes under the same keys in our simulator and in the real engine.
 
 Both play each scene with several seeds of its own. How far apart an episode of ours and one of the engine's are is told
 beside how far apart two of the engine's own are; a simulator that always does the middle thing can come below that, so

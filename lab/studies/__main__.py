@@ -102,7 +102,7 @@ STUDIES = {
         "what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula, games_of_study
     ),
     "tuning": Study(
-        "PPO under domain randomisation, one setting at a time", CurriculaStudyConfig, run_curricula, games_of_study
+        "PPO under domain randomization, one setting at a time", CurriculaStudyConfig, run_curricula, games_of_study
     ),
 }
 

@@ -40,7 +40,7 @@ class Comparison(NamedTuple):
 
 
 # Few environments, long rollouts: 8,192 steps an update, as by default. The entropy bonus is three times the preset's:
-# of ten changes of PPO that were tried under domain randomisation it gained most (RESULTS.md).
+# of ten changes of PPO that were tried under domain randomization it gained most (RESULTS.md).
 LONG = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
 GAMES: dict[str, Settings] = {
     "1v1Restricted": {"total_env_steps": 500_000, **LONG},
@@ -81,7 +81,7 @@ ABLATIONS = {  # one cause at a time, and one pair of them
     "repaired": Variant("repaired"),  # likewise
     "more entropy": Variant("paired", MORE_ENTROPY),  # against collapse
     "scripted antagonist": Variant("paired", {"paired.antagonist": "scripted"}),  # no steps for an antagonist
-    "behaviour cloning": Variant("paired", {"paired.kl": "both_ways"}),
+    "behavior cloning": Variant("paired", {"paired.kl": "both_ways"}),
     "strong cloning": Variant("paired", STRONG_CLONING),  # against a protagonist that is left behind
     "strong cloning, more entropy": Variant("paired", STRONG_CLONING | MORE_ENTROPY),
     "fixed roles": Variant("paired", {"paired.roles": "dennis2020"}),
@@ -89,7 +89,7 @@ ABLATIONS = {  # one cause at a time, and one pair of them
     "literal": Variant("paired_literal"),
     "twice the steps": Variant("paired", times=2),
 }
-TUNING = {  # of PPO under domain randomisation, one change at a time
+TUNING = {  # of PPO under domain randomization, one change at a time
     "dr": Variant("dr"),
     "learning rate 0.0002": Variant("dr", {"ppo.learning_rate": 2e-4}),
     "learning rate 0.001": Variant("dr", {"ppo.learning_rate": 1e-3}),
@@ -103,7 +103,7 @@ TUNING = {  # of PPO under domain randomisation, one change at a time
     "short rollouts": Variant("dr", {"num_envs": 128, "ppo.num_steps": 64}),
 }
 
-# One random level in fifty asks for what the others do not; students are played on both. Domain randomisation has the
+# One random level in fifty asks for what the others do not; students are played on both. Domain randomization has the
 # best of ten changes of PPO by one run of each on each game, which is not always its best over ten: so other rates are
 # here, too. Of nine changes of PAIRED on 1v1Rare more entropy was best (RESULTS.md).
 RARE_GAMES: dict[str, Settings] = {name: {"total_env_steps": 4_000_000, **LONG} for name in ("1v1Rare", "1v1RareLine")}

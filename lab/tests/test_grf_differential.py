@@ -1,4 +1,4 @@
-"""The randomised differential test: drawn scenes, distances between engines, what is printed and written."""
+"""The randomized differential test: drawn scenes, distances between engines, what is printed and written."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Behaviour cloning: it learns what was done, of one agent and of several, and goes on as if it had never stopped."""
+"""Behavior cloning: it learns what was done, of one agent and of several, and goes on as if it had never stopped."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Domain randomisation: where levels come from, and when they change."""
+"""Domain randomization: where levels come from, and when they change."""
 
 import numpy as np
 import pytest
@@ -52,6 +52,6 @@ def test_no_finished_episode_is_no_return():
     assert metrics["episodes/student"] == 0 and np.isnan(metrics["return/student"])
 
 
-def test_another_kind_of_domain_randomisation_is_refused():
+def test_another_kind_of_domain_randomization_is_refused():
     with pytest.raises(ValueError, match="resample_level_every must be episode or rollout, got 'step'"):
         DRConfig(resample_level_every="step")

@@ -12,8 +12,8 @@ def rollout(rng, steps, envs, rate):
     numbers = [torch.as_tensor(rng.normal(size=(steps, envs)), dtype=torch.float32) for _ in range(2)]
     terminated, truncated = (torch.as_tensor(rng.random((steps, envs)) < rate) for _ in range(2))
     empty, end = torch.zeros(steps, envs), (torch.zeros(envs), torch.zeros(envs, 0))
-    learnt = torch.ones(steps, envs, dtype=torch.bool)
-    return Rollout(empty, empty, empty, numbers[0], empty, terminated, truncated, empty, learnt, *end), numbers[1]
+    learned = torch.ones(steps, envs, dtype=torch.bool)
+    return Rollout(empty, empty, empty, numbers[0], empty, terminated, truncated, empty, learned, *end), numbers[1]
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.02, 0.2, 0.9])

@@ -21,7 +21,7 @@ def random_rollout(steps=40, envs=6, seed=0):
     final = torch.randn(steps, envs, generator=stream)
     last = torch.randn(envs, generator=stream)
     empty = torch.zeros(steps, envs)
-    learnt = torch.ones_like(terminated)
+    learned = torch.ones_like(terminated)
     return Rollout(
         empty,
         empty,
@@ -31,7 +31,7 @@ def random_rollout(steps=40, envs=6, seed=0):
         terminated,
         truncated,
         final,
-        learnt,
+        learned,
         last,
         torch.zeros(envs, 0),
     )

@@ -1,4 +1,4 @@
-"""Behaviour cloning (Pomerleau 1991): a student learns to do what was done in demonstrations.
+"""Behavior cloning (Pomerleau 1991): a student learns to do what was done in demonstrations.
 
     repeat until the loss on held-out episodes has not fallen for a while
         for each minibatch of shuffled steps

@@ -1,4 +1,4 @@
-"""Prioritised level replay (Jiang et al. 2021b), and its robust form (Jiang et al. 2021a, Algorithm 1).
+"""Prioritized level replay (Jiang et al. 2021b), and its robust form (Jiang et al. 2021a, Algorithm 1).
 
     repeat
         with probability 1 - p, or while the buffer is not filled:
