@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from lab.benchmarks.timing import random_steps
 from regista.envs.football.version import SIMULATOR_VERSION
-from regista.experiments.commands.benchmark import random_steps
 from regista.experiments.run import build
 from regista.experiments.run.config import EngineConfig, TrainConfig
 from regista.experiments.run.games import find_minigame

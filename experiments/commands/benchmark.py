@@ -8,28 +8,23 @@ Read next: `regista.envs.football.batch`, the loop that is measured.
 
 from __future__ import annotations
 
+import itertools
 import json
-import platform
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from regista.experiments.run import arguments, build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError
-from regista.experiments.run.games import find_minigame
-from regista.experiments.run.programs import load_program
 from regista.experiments.run.provenance import hardware, versions
 from regista.experiments.run.results import align
 from ued.config import Checked, most_threads, setting
 
 DESCRIPTION = "Measure environment steps per second of the simulator and of PAIRED with default settings."
-GAMES = {"1v1Free": "1v1, 3 players", "academy/counterattack_easy": "eleven a side, 22 players"}
-STRETCHES = 3  # of each measurement; the best counts, since other programs may use the machine meanwhile
-WARM_UPDATES = 10  # of a method before it is measured
+GAMES = {"1v1Free": "simulator, 1v1", "academy/counterattack_easy": "simulator, 22 players"}
+WARM_UP = 8  # calls before a measurement
 
 
 @dataclass(frozen=True)
@@ -38,16 +33,8 @@ class BenchmarkConfig(Checked):
 
     threads: int = setting(1, "threads of the simulator and of the networks", ">=1", most=most_threads)
     num_envs: int = setting(256, "environments of the simulator's batch", ">=1", most=100_000)
-    seconds: float = setting(1.0, "duration of each measurement in seconds, about", ">0", most=86_400)
+    seconds: float = setting(2.0, "duration of each measurement in seconds, about", ">0", most=86_400)
     json: bool = setting(False, "print JSON instead of a table")
-
-
-class Measurement(NamedTuple):
-    """One line of a table: steps of a single environment per second."""
-
-    what: str
-    steps_per_second: float
-    note: str = ""
 
 
 def main(argv: Sequence[str]) -> int:
@@ -55,101 +42,40 @@ def main(argv: Sequence[str]) -> int:
     if any(word.partition("=")[0] == "--suite" for word in argv):
         raise UsageError("benchmark --suite has moved: python -m lab.benchmarks --suite, in a checkout")
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
-    rows = [*simulator_rows(config), training_row("PAIRED, 1v1", "1v1Free", "paired", config.threads, config.seconds)]
+    speeds = {label: simulator_speed(game, config) for game, label in GAMES.items()}
+    speeds["training, PAIRED, 1v1"] = training_speed(replace(TrainConfig(), threads=config.threads), config.seconds)
+    about = {**hardware(), **versions(("numpy", "numba", "torch")), "threads": config.threads}
     if config.json:
-        print(json.dumps({"machine": machine(), "results": [row._asdict() for row in rows]}, indent=2))
+        print(json.dumps({"machine": about, "env_steps_per_second": speeds}, indent=2))
     else:
-        cells = [[row.what, f"{row.steps_per_second:,.0f}".rjust(11), row.note] for row in rows]
-        print(f"{machine_line()}\n\n{align([[f'threads: {config.threads}', 'env steps/s', ''], *cells])}")
+        print(", ".join(f"{name} {value}" for name, value in about.items()), end="\n\n")
+        print(align([["what", "env steps/s"], *([label, f"{speed:,.0f}"] for label, speed in speeds.items())]))
     return 0
 
 
-def simulator_rows(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure the vector environment with its observations under random actions; episodes restart as they end."""
-    rows = []
-    for game, label in GAMES.items():
-        program = load_program(find_minigame(game).program, None)
-        env = build.make_matches(program, config.num_envs, TrainConfig().env, 0, config.threads)
-        speed = config.num_envs * rate(random_steps(env), config.seconds)
-        rows.append(Measurement(f"simulator, {label}", speed, f"{config.num_envs} matches"))
-    return rows
+def simulator_speed(game: str, config: BenchmarkConfig) -> float:
+    """Return the steps per second of a batch of matches under random actions; episodes restart as they end."""
+    run = replace(TrainConfig(), threads=config.threads)
+    env = build.make_upomdp(build.find_game(game).task(run).make, config.num_envs, 0)
+    env.action_space.seed(0)
+    actions = itertools.cycle([env.action_space.sample() for _ in range(64)])
+    return config.num_envs * calls_per_second(lambda: env.step(next(actions)), config.seconds)
 
 
-def training_row(label: str, game: str, method: str, threads: int, seconds: float) -> Measurement:
-    """Measure a method with default settings on a minigame."""
-    config = replace(TrainConfig(), minigame=game, method=method, threads=threads)
-    return measure_training(label, make_method(config), seconds)
+def training_speed(config: Any, seconds: float) -> float:
+    """Return the simulated steps per second of updates with default settings."""
+    task = build.find_game(config.minigame).task(config)
+    method = build.make_method(config, build.make_upomdp(task.make, config.num_envs, config.seed))
+    updates = calls_per_second(method.update, seconds)
+    return updates * method.env_steps / method.updates
 
 
-def make_method(config: TrainConfig) -> Any:
-    """Make a method that has begun: replay is under way, and the buffer is in use."""
-    program = load_program(find_minigame(config.minigame).program, None)
-    method = build.make_method(config, build.make_matches(program, config.num_envs, config.env, 0, config.threads))
-    for _ in range(WARM_UPDATES):
-        method.update()
-    return method
-
-
-def measure_training(label: str, method: Any, seconds: float) -> Measurement:
-    """Measure a method's steps per second of wall-clock time; the note gives the shares of that time.
-
-    `levels` is choosing levels and bookkeeping, `teaching` scoring them and updating the teacher.
-    """
-    words = {
-        "sim": "simulation",
-        "forward": "network forward",
-        "learn": "network update",
-        "levels": "levels",
-        "curriculum": "teaching",
-    }
-    steps, began, shares = method.env_steps, time.perf_counter(), dict.fromkeys(words, 0.0)
-    while time.perf_counter() - began < seconds * STRETCHES:
-        metrics = method.update()
-        for name in shares:
-            shares[name] += metrics.get(f"time/{name}", 0.0)
-    elapsed = time.perf_counter() - began
-    parts = [f"{words[name]} {share / elapsed:.0%}" for name, share in shares.items()]
-    parts.append(f"rest {1 - sum(shares.values()) / elapsed:.0%}")
-    return Measurement(label, (method.env_steps - steps) / elapsed, ", ".join(parts))
-
-
-# ---------------------------------------------------------------- timing
-
-
-def random_steps(env: Any) -> Callable[[int], None]:
-    """Return what steps an environment so many times with random actions, drawn beforehand; it has stepped 8 times."""
-    actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, env.num_envs))
-
-    def step(count: int) -> None:
-        for t in range(count):
-            env.step(actions[t % 64])
-
-    step(8)
-    return step
-
-
-def rate(
-    run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
-) -> float:
-    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
-    began = clock()
-    run(warm_up)
-    count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))
-    best = 0.0
-    for _ in range(STRETCHES):
-        began = clock()
-        run(count)
-        best = max(best, count / max(clock() - began, 1e-9))
-    return best
-
-
-def machine() -> dict[str, Any]:
-    """Return the hardware and the versions that were measured."""
-    return {**hardware(), "python": platform.python_version(), **versions(("numpy", "numba", "torch"))}
-
-
-def machine_line() -> str:
-    """Return `machine` as one line."""
-    facts = machine()
-    named = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch") if name in facts)
-    return f"{facts['processor']}, {facts['cores']} cores; {named}"
+def calls_per_second(call: Callable[[], object], seconds: float) -> float:
+    """Return the calls per second after a warm-up."""
+    for _ in range(WARM_UP):
+        call()
+    began, count = time.perf_counter(), 0
+    while time.perf_counter() - began < seconds:
+        call()
+        count += 1
+    return count / (time.perf_counter() - began)

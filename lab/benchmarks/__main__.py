@@ -27,10 +27,10 @@ import numpy as np
 from lab.benchmarks.behaviors import ORIGINAL, behaviors_suite
 from lab.benchmarks.language import language_suite, render_language
 from lab.benchmarks.observations import observation_rows
+from lab.benchmarks.timing import Measurement, machine, machine_line, random_steps, rate
 from lab.benchmarks.training import training_suite
 from lab.grf.measure import MEASURES, MeasureConfig
 from lab.grf.report import FAMILIES, compare, draw, render_family
-from regista.experiments.commands.benchmark import Measurement, machine, machine_line, random_steps, rate
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-from regista.experiments.commands.benchmark import Measurement, random_steps, rate
+from lab.benchmarks.timing import Measurement, random_steps, rate
 from regista.experiments.run.config import TrainConfig
 
 PROGRAMS = Path(__file__).parent / "programs"

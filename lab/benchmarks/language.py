@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from regista.experiments.commands.benchmark import STRETCHES, rate
+from lab.benchmarks.timing import STRETCHES, rate
 from regista.experiments.run.results import align
 
 if TYPE_CHECKING:

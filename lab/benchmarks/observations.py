@@ -1,6 +1,6 @@
 """How fast matches are played and observed: by number of players, representation and threads, side by side.
 
-Read next: `regista.experiments.commands.benchmark`, which prints the rows.
+Read next: `lab.benchmarks.timing`, which prints the rows.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.experiments.commands.benchmark import Measurement, random_steps, rate
+from lab.benchmarks.timing import Measurement, random_steps, rate
 from regista.experiments.run import build
 from regista.experiments.run.programs import load_program
 

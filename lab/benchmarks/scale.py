@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lab.benchmarks.timing import rate
 from lab.benchmarks.training import ELEVEN, TEAMS
-from regista.experiments.commands.benchmark import rate
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.games import find_minigame

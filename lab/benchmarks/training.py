@@ -1,6 +1,6 @@
 """How fast students learn: every method, and teams of several sizes, each with its default settings.
 
-Read next: `regista.experiments.commands.benchmark`.
+Read next: `lab.benchmarks.timing`.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
-from regista.experiments.commands.benchmark import Measurement, make_method, measure_training, training_row
+from lab.benchmarks.timing import Measurement, make_method, measure_training, training_row
 from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 

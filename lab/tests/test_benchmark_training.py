@@ -11,7 +11,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_methods_and_teams_are_measured(monkeypatch, capsys):
-    monkeypatch.setattr("regista.experiments.commands.benchmark.WARM_UPDATES", 1)
+    monkeypatch.setattr("lab.benchmarks.timing.WARM_UPDATES", 1)
     monkeypatch.setattr("lab.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})
     assert main(["--suite", "train", "--seconds", "0.001", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]["training"]
