@@ -1,4 +1,4 @@
-"""`regista clone`: behaviour cloning of demonstrations to a checkpoint that `train --from` and `evaluate` take.
+"""`regista clone`: behavior cloning of demonstrations to a checkpoint that `train --from` and `evaluate` take.
 
     regista clone demos/1v1Free --out runs/clone
     regista evaluate runs/clone

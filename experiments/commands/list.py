@@ -35,14 +35,14 @@ AGENTS = {
     "ppo": "PPO, 5M steps",
     "random": "random policy",
     "expert": "semi-expert program",
-    "cloned": "behaviour cloning of it",
+    "cloned": "behavior cloning of it",
     "pretrained": "cloning, then PPO",
     "ppo_before": "PPO without, as compared with these",
     "team_ppo": "team, PPO, 5M steps",
     "team_expert": "team, semi-expert program",
-    "team_cloned": "team, behaviour cloning",
+    "team_cloned": "team, behavior cloning",
     "team_pretrained": "team, cloning, then PPO",
-    "light_cnn": "light CNN, domain randomisation",
+    "light_cnn": "light CNN, domain randomization",
     "impala_cnn": "Impala CNN of the original",
 }
 

@@ -1,4 +1,4 @@
-"""The picture of behaviour cloning: losses over epochs, and how often each action is done as it was.
+"""The picture of behavior cloning: losses over epochs, and how often each action is done as it was.
 
 Read next: `commands.clone`; `pictures.plots`, the look.
 """

@@ -1,4 +1,4 @@
-"""One picture of a comparison: how the methods learnt, how they do on the tests, where the levels went.
+"""One picture of a comparison: how the methods learned, how they do on the tests, where the levels went.
 
 Read next: `commands.compare`.
 """
@@ -82,9 +82,9 @@ def overview(comparison: Comparison, path: Path) -> None:
 def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
     """Return rows of panels (heading, runs, share of the training): for each curriculum, what is its yardstick first.
 
-    Domain randomisation is the same at all times, so one panel shows it whole.
+    Domain randomization is the same at all times, so one panel shows it whole.
     """
-    uniform = [("Levels: domain randomisation", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
+    uniform = [("Levels: domain randomization", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
     others = [method for method in runs if method != "dr"] or list(runs)
     rows = []
     for method in others:

@@ -202,7 +202,7 @@ def test_without_free_parameters_there_is_nothing_to_choose():
         Adversary(0, AdversaryConfig(), torch_generator(0))
     assert str(error.value) == (
         "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 columns); "
-        "use domain randomisation, or give the program a random value"
+        "use domain randomization, or give the program a random value"
     )
 
 

@@ -1,4 +1,4 @@
-"""Domain randomisation: where levels come from, and when they change."""
+"""Domain randomization: where levels come from, and when they change."""
 
 import numpy as np
 import pytest

@@ -66,7 +66,7 @@ class Adversary(Resumable):
         if not columns:
             raise ValueError(
                 "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
-                "columns); use domain randomisation, or give the program a random value"
+                "columns); use domain randomization, or give the program a random value"
             )
         self.dim, self.config, self.generator = len(columns), config, generator
         size, hidden = context_size or config.context_size, config.hidden_size

@@ -54,7 +54,7 @@ class MethodRow:
 # fmt: off
 METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
     MethodRow(
-        "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomisation", "#4a6fa5", "Tobin et al. 2017",
+        "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomization", "#4a6fa5", "Tobin et al. 2017",
         "a random level for every episode", "1",
     ),
     MethodRow(

@@ -1,4 +1,4 @@
-"""Domain randomisation (Tobin et al. 2017): the student trains on levels drawn uniformly at random.
+"""Domain randomization (Tobin et al. 2017): the student trains on levels drawn uniformly at random.
 
     repeat
         draw levels uniformly
