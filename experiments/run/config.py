@@ -16,6 +16,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar
 
+import numpy as np
+
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, nearest
@@ -255,6 +257,35 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
     return _read(kind, data, where, path="")
 
 
+def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
+    """Return `config` with the values at these dotted paths replaced; each must have the type of its field.
+
+    Raises `ConfigError` for an unknown path and for a value of the wrong type; `where` names the source.
+    """
+    data = to_dict(config)
+    for path, value in values.items():
+        section: Any = data
+        *parts, last = str(path).split(".")
+        for part in parts:
+            section = section.get(part) if isinstance(section, dict) else None
+        if not isinstance(section, dict) or last not in section:
+            raise ConfigError(f"{where}: there is no setting '{path}'{nearest(str(path), _paths(data))}")
+        if isinstance(section[last], dict) and not is_dataclass(value):
+            first = next(iter(section[last]))
+            raise ConfigError(f"{where}: '{path}' is a group of settings; give one, such as '{path}.{first}'")
+        section[last] = value.item() if isinstance(value, np.generic) else _plain(value)
+    return from_dict(type(config), data, where)
+
+
+def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """Return the dotted paths of all settings."""
+    nested = [
+        _paths(value, f"{prefix}{key}.") if isinstance(value, dict) else [prefix + key]
+        for key, value in section.items()
+    ]
+    return [path for paths in nested for path in paths]
+
+
 def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
     """Write a configuration as JSON, and beside it what `provenance.about` tells of a run."""
     told = {ABOUT: about} if about else {}
@@ -373,7 +404,7 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
     if type(value) is hint:
         return value
     expected = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
-    raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value)}")
+    raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value, default=repr)}")
 
 
 # ---------------------------------------------------------------- presets
