@@ -20,7 +20,7 @@ import numpy as np
 
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
-from regista.experiments.run.errors import CommandError, nearest
+from regista.experiments.run.errors import CommandError, UsageError, nearest
 from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
 from ued.core.files import write_whole
 from ued.methods import METHODS
@@ -129,7 +129,8 @@ class RunConfig(Checked):
         return ()
 
     def on_engine(self, playing: EngineConfig) -> Any:
-        """Return these settings, on another engine if one is named."""
+        """Return these settings. Raises `UsageError` for an engine of football."""
+        _check_no_engine(playing)
         return self
 
     def scored(self) -> Any:
@@ -137,12 +138,21 @@ class RunConfig(Checked):
         return self
 
     def watched(self, playing: EngineConfig) -> Any:
-        """Return settings of environments that show a whole episode; None where there is one kind alone."""
+        """Return settings of environments that show a whole episode; None where there is one kind alone.
+
+        Raises `UsageError` for an engine of football.
+        """
+        _check_no_engine(playing)
         return None
 
     def seen(self) -> dict[str, Any]:
         """Return what decides what a student observes and controls, by the path of the setting."""
         return {}
+
+
+def _check_no_engine(playing: EngineConfig) -> None:
+    if playing.engine == "grf":
+        raise UsageError("--engine grf plays football; this task brings its own environments")
 
 
 @dataclass(frozen=True)

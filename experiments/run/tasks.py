@@ -160,12 +160,14 @@ def name_of(task: Any) -> str:
     """
     from ued.core.task import Task
 
-    make = task.make if isinstance(task, Task) else task
-    module = inspect.getmodule(make)
-    known = [key for key, value in vars(module).items() if value is task] if module else []
-    if module is None or not known or getattr(module, "__file__", None) is None:
-        raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
-    return canonical(f"{module.__file__}:{known[0]}")
+    if not isinstance(task, Task) and not callable(task):
+        raise UsageError(f"a task must be a ued.Task, a function make(num_envs) or a name, got {task!r}")
+    own = inspect.getmodule(task.make if isinstance(task, Task) else task)  # None of what is no plain function
+    for module in filter(None, [own, *sys.modules.values()]):
+        known = [key for key, value in [*vars(module).items()] if value is task]
+        if known and getattr(module, "__file__", None):
+            return canonical(f"{module.__file__}:{known[0]}")
+    raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
 
 
 def load_task(name: str) -> tuple[Task, str]:

@@ -15,7 +15,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
 from regista.experiments.run import trust
 from regista.experiments.run.build import find_game
-from regista.experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from ued.core import checkpoint
 
@@ -273,8 +273,12 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
         (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
         (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
+        (["inspect", "{}/push_task.py:push", "--rrd", "{}/x.rrd"], "--rrd and --show are for Scenic programs"),
+        (["inspect", "{}/push_task.py:push", "--show", "code"], "--rrd and --show are for Scenic programs"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
+        (["train", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
+        (["compare", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
     ],
 )
@@ -404,3 +408,25 @@ def test_a_painter_that_fails_is_a_sentence(task):
 def test_a_task_without_held_out_scenes_says_so(task, tmp_path, capsys):
     assert main(["compare", task, "--held-out", *SHORT, "--out", str(tmp_path / "out")]) == 2
     assert "push_task-push has no held-out scenes" in capsys.readouterr().err
+
+
+def test_whatever_is_no_task_is_refused_from_python(task, tmp_path):
+    with pytest.raises(UsageError, match=r"a task must be a ued\.Task, a function make\(num_envs\) or a name, got 3"):
+        regista.train(3)
+    with pytest.raises(UsageError, match="a name at the top of a file"):
+        regista.train(lambda num_envs: None)
+
+
+@pytest.mark.slow
+def test_runs_of_several_tasks_are_not_evaluated_together(task, tmp_path):
+    out, other = tmp_path / "run", tmp_path / "other"
+    for name, path in (("push", out), ("part", other)):
+        assert train(task.replace(":push", f":{name}"), path, "--method", "dr", "--total-env-steps", "64") == 0
+    with pytest.raises(CommandError, match="these runs are of different minigames"):
+        regista.evaluate([out, other], episodes=2)
+    with pytest.raises(UsageError, match="needs at least one run folder"):
+        regista.evaluate([])
+    with pytest.raises(ValueError, match="levels must be 0 or at least 10"):
+        regista.evaluate(out, levels=5)
+    with pytest.raises(ValueError, match="episodes must be at least 1, got 0"):
+        regista.evaluate(out, episodes=0)
