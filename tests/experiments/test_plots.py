@@ -100,7 +100,7 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
 
     path = tmp_path / "levels.png"
     level_plots.levels(runs, Dots(), path)
-    assert 0.1 < ink(path) and not has_colour(path, "#1f77d0")
+    assert ink(path) > 0.1 and not has_colour(path, "#1f77d0")
     figure = plt.figure()
     level_plots.point_legend(figure, Dots())
     assert [text.get_text() for text in figure.legends[0].texts] == ["me", "goal"]
