@@ -12,7 +12,7 @@ from typing import Any
 
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.errors import UsageError, nearest
-from regista.experiments.run.evaluator import EvalScenes, Evaluator
+from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
 
@@ -58,10 +58,18 @@ def evaluate(
 
     `levels` drawn at random, `level_episodes` on each, tell how they do on the worst tenth. Raises `CommandError` for
     runs of several tasks, or without a checkpoint, and for a task that nobody but the run folder has named, unless its
-    file is `trusted`: it is run.
+    file is `trusted`: it is run. Raises `UsageError` for no run, and ValueError for numbers that are too small.
     """
+    from regista.experiments.commands.evaluate import check_levels
+
+    if episodes < 1:
+        raise ValueError(f"episodes must be at least 1, got {episodes}")
+    check_levels(levels, level_episodes)
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = [RunFolder.open(Path(path)) for path in paths]
+    if not folders:
+        raise UsageError("evaluate needs at least one run folder")
+    check_one_game(folders)
     config = folders[0].config
     if trusted:
         trust.allow(config.minigame)

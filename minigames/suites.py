@@ -66,8 +66,6 @@ class Minigame(NamedTuple):
 
         Raises `ScenicError` for a program that cannot be loaded.
         """
-        from dataclasses import replace
-
         from regista.envs.football.config import FootballConfig
         from regista.envs.football.scenic.domain import FOOTBALL
         from regista.envs.football.task import football_task
@@ -76,8 +74,7 @@ class Minigame(NamedTuple):
 
         config = config or FootballConfig(control=self.control, rewards=self.rewards)
         program = program or load(self.program, FOOTBALL, config.dialect)
-        made = football_task(program, dict(self.tests), dict(self.held_out), config, make or FootballVectorEnv)
-        return replace(made, defaults=self.defaults)
+        return football_task(program, dict(self.tests), dict(self.held_out), config, make or FootballVectorEnv)
 
     def test_games(self) -> list[Minigame]:
         """Return each test scene as a game of its own, without tests."""

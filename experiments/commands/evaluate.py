@@ -20,7 +20,7 @@ from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError, UsageError, read_from
-from regista.experiments.run.evaluator import EvalScenes, Evaluator
+from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, write_text
 from ued.config import Checked, most_threads, setting
@@ -29,6 +29,8 @@ EPISODES, LEVELS = 500, 200  # where nothing is said and our simulator plays
 GRF_MINUTES = 5.0  # where nothing is said and the real engine plays
 ROUND = 8  # episodes on each scene, of which rounds are made
 MOST_PLAYED = 100_000_000  # episodes on random levels
+GALLERY_ALONE = {"gallery_levels", "gallery_replays"}
+OF_GALLERY = {"runs", "gallery", *GALLERY_ALONE}
 DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
 
 
@@ -93,21 +95,20 @@ def check_levels(levels: int, episodes: int) -> None:
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    config = arguments.parse(EvaluateConfig(), argv, "evaluate", DESCRIPTION)
+    typed = arguments.typed_settings(EvaluateConfig(), argv, "evaluate", DESCRIPTION)
+    config = arguments.replace_paths(EvaluateConfig(), typed)
     if not config.runs:
         raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
     runs = [RunFolder.open(path) for path in config.runs]
+    for path in sorted(typed.keys() - OF_GALLERY if config.gallery else typed.keys() & GALLERY_ALONE):
+        flag = arguments.flag_name(path.removeprefix("playing."))
+        raise UsageError(f"{flag} and --gallery exclude each other" if config.gallery else f"{flag} needs --gallery")
     if config.gallery:
         for run in runs:
             write_gallery(run, config)
         return 0
-    games = {run.config.minigame for run in runs}
-    if len(games) > 1:
-        raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
-    first = replace(runs[0].config, threads=config.threads)
-    if any(run.config.reading() != first.reading() for run in runs):
-        raise CommandError("these runs read their program with different settings; evaluate them apart")
-    first = first.on_engine(config.playing)
+    check_one_game(runs)
+    first = replace(runs[0].config, threads=config.threads).on_engine(config.playing)
     report = evaluator(first, config).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
     if config.csv is not None:

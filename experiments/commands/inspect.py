@@ -75,8 +75,6 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError("inspect needs a program: a minigame's name or the path of a .scenic file")
     game = build.find_game(config.program)
     if isinstance(game, PythonTask):
-        if config.engine == "scenic3":
-            raise UsageError("--engine says what reads a program; a task is Python")
         return inspect_task(game, config)
     if config.dialect not in (None, 2, 3):
         raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
@@ -129,6 +127,10 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
 
 def inspect_task(game: PythonTask, config: InspectConfig) -> int:
     """Show a Python task: its parameters, levels drawn from it or the typed one, and their first frames."""
+    if config.engine == "scenic3":
+        raise UsageError("--engine says what reads a program; a task is Python")
+    if config.rrd is not None or config.show != "theta":
+        raise UsageError("--rrd and --show are for Scenic programs; of a Python task, inspect draws levels with --png")
     from regista.experiments.pictures.task_view import describe_task, draw_task
     from ued.core.level_space import check_theta
 

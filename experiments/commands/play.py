@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from regista.experiments.run.level_stage import LevelStage
 
 DESCRIPTION = "Play one match of a program, a level of a run, or a recorded match, and write a film or a record of it."
+WITH_REPLAY = {"replay", "match", "video", "speed"}
 
 
 @dataclass(frozen=True)
@@ -66,14 +67,21 @@ class PlayConfig(Checked):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and give its exit code."""
-    config = arguments.parse(PlayConfig(), argv, "play", DESCRIPTION)
+    typed = arguments.typed_settings(PlayConfig(), argv, "play", DESCRIPTION)
+    config = arguments.replace_paths(PlayConfig(), typed)
     if not config.program and config.level is None and config.replay is None:
         raise UsageError(
             "play needs a program: a minigame's name or the path of a .scenic file; or --level RUN --id N, or --replay "
             "RECORD"
         )
     if config.replay is not None:
+        if typed.keys() - WITH_REPLAY:
+            raise UsageError("--replay plays a record as it was recorded: it takes --match, --video and --speed alone")
         return _replay(config)
+    if "match" in typed:
+        raise UsageError("--match is one of the matches of a record; it needs --replay RECORD")
+    if config.visit is not None and config.level is None:
+        raise UsageError("--visit is one of a level of a run; it needs --level RUN --id N")
     if (config.id is None) != (config.level is None) or (config.program and config.level):
         raise UsageError("a level of a run is named by --level RUN --id N, without a program")
     check_film_of(config.video)
@@ -109,8 +117,6 @@ def _replay(config: PlayConfig) -> int:
     from regista.envs.football.replay import RecordError, load_record, replay
 
     assert config.replay is not None
-    if config.program or config.level or config.record:
-        raise UsageError("--replay plays a record alone: without a program, --level and --record")
     check_film_of(config.video)
     try:
         record = load_record(config.replay)

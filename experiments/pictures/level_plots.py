@@ -1,4 +1,4 @@
-"""Where a method put its levels: the starting places of both teams, early and late in training.
+"""Where a method put its levels, early and late in training: starting places of both teams, or a painter's points.
 
 Read next: `pictures.overview`.
 """
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.envs.football.view.render import BALL, LEFT_KEEPER, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
+from regista.envs.football.view.render import BALL, LEFT_KEEPER, MARKERS, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
 from regista.experiments.pictures import plots
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
@@ -22,7 +22,8 @@ from ued.recorder.shades import smooth
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-CELL = 1.0  # m
+CELL = 1.0  # m, on a pitch
+CELLS = 100  # along the longer side of other painters' bounds
 MOST_CHOICES = 2  # columns of bars beside the pitches
 
 
@@ -36,7 +37,7 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
-    """Draw methods x periods: the density of where the players of both teams began.
+    """Draw methods x periods: the density of where the players of both teams began, or of a painter's points.
 
     Behind them, of an adversary's first choices among `draws`: how often it proposed each option, and the program's
     weights.
@@ -58,7 +59,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
             for axes, (period, span) in zip(line, PERIODS.items(), strict=False):
                 draw_levels(axes, painter, [read_theta(run, span) for run in paths])
                 axes.set_title(f"{plots.title(method)}: {period}")
-        team_legend(figure)
+        point_legend(figure, painter)
         figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))
         plots.save(figure, path)
 
@@ -102,41 +103,69 @@ def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
 
 
 def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
-    """Draw one pitch with the density of both teams' starting places in these levels; the own keeper is left out."""
-    draw_pitch(axes, painter.bounds)
+    """Draw the ground with the density of the painter's points in these levels, a color for each of `_kinds`."""
+    _draw_ground(axes, painter)
     known = [theta for theta in thetas if len(theta)]
     if not known:
         middle = np.mean(painter.bounds[:2]), np.mean(painter.bounds[2:])
         axes.text(*middle, "no level was finished", ha="center", va="center", color=plots.FAINT)
         return
     places = painter.positions(np.concatenate(known))  # [L, K, 2]
-    left = places[:, painter.classes < LEFT_KEEPER].reshape(-1, 2)
-    right = places[:, (painter.classes >= RIGHT_PLAYER) & (painter.classes < BALL)].reshape(-1, 2)
-    for points, shade in ((left, PAPER_COLOURS[0]), (right, PAPER_COLOURS[RIGHT_PLAYER])):
-        _draw_density(axes, painter.bounds, points, shade)
+    x_low, x_high, y_low, y_high = painter.bounds
+    cell = CELL if _is_football(painter) else max(x_high - x_low, y_high - y_low) / CELLS
+    for _, points, shade in _kinds(painter):
+        _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell)
 
 
-def team_legend(figure: Any) -> None:
-    """Write beneath a figure which colour is which team."""
+def point_legend(figure: Any, painter: Any) -> None:
+    """Write beneath a figure which color is which kind of points."""
     from matplotlib.patches import Patch
 
-    patches = [
-        Patch(color=PAPER_COLOURS[0], alpha=0.75, label="starting places of the learner's team"),
-        Patch(color=PAPER_COLOURS[RIGHT_PLAYER], alpha=0.75, label="of its opponents"),
+    patches = [Patch(color=shade, alpha=0.75, label=label) for label, _, shade in _kinds(painter)]
+    figure.legend(handles=patches, loc="lower center", ncols=len(patches), bbox_to_anchor=(0.5, 0.0))
+
+
+def _is_football(painter: Any) -> bool:
+    return tuple(painter.markers) == MARKERS
+
+
+def _kinds(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
+    """Return name, points (bool `[K]`) and color of what is told apart: teams without the own keeper, or markers."""
+    classes = np.asarray(painter.classes)
+    if _is_football(painter):
+        opponents = (classes >= RIGHT_PLAYER) & (classes < BALL)
+        return [
+            ("starting places of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
+            ("of its opponents", opponents, PAPER_COLOURS[RIGHT_PLAYER]),
+        ]
+    return [
+        (name, classes == kind, tuple(np.array(shade) / 255)) for kind, (name, shade, _) in enumerate(painter.markers)
     ]
-    figure.legend(handles=patches, loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.0))
 
 
-def _draw_density(axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: str) -> None:
+def _draw_ground(axes: Axes, painter: Any) -> None:
+    """Draw the pitch, or the lines of another painter, without axes."""
+    if _is_football(painter):
+        return draw_pitch(axes, painter.bounds)
+    for strip in painter.lines():
+        axes.plot(strip[:, 0], strip[:, 1], color=plots.FAINT, linewidth=1.0, zorder=1)
+    axes.set(xlim=painter.bounds[:2], ylim=painter.bounds[2:], aspect="equal", xticks=[], yticks=[])
+
+
+def _draw_density(
+    axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float
+) -> None:
     """Draw the density of `points` `[n, 2]` as a veil of one colour, opaque where it is highest."""
     from matplotlib.colors import to_rgb
 
     if not len(points):
         return
     x_low, x_high, y_low, y_high = bounds
-    bins = (int((y_high - y_low) / CELL), int((x_high - x_low) / CELL))
+    bins = (max(int((y_high - y_low) / cell), 1), max(int((x_high - x_low) / cell), 1))
     counts, _, _ = np.histogram2d(points[:, 1], points[:, 0], bins, ((y_low, y_high), (x_low, x_high)))
-    density = smooth(counts, width=5.0 / CELL * len(points) ** (-1 / 6))  # Scott's rule for a spread of 5 m
+    density = smooth(
+        counts, width=5.0 * len(points) ** (-1 / 6)
+    )  # Scott's rule for a spread of 5 cells, 5 m on a pitch
     veil = np.zeros((*density.shape, 4))
     veil[..., :3] = to_rgb(shade)
     veil[..., 3] = 0.88 * (density / max(density.max(), 1e-9)) ** 0.6

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import draw_levels, read_theta, team_legend
+from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_theta
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
 from ued.core.task import TRAINING_SCENE
@@ -73,7 +73,7 @@ def overview(comparison: Comparison, path: Path) -> None:
             for axes, (title, paths, span) in zip(line, panels, strict=True):
                 draw_levels(axes, comparison.painter, [read_theta(run, span) for run in paths])
                 axes.set_title(title)
-        team_legend(below)
+        point_legend(below, comparison.painter)
         top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
         below.subplots_adjust(left=0.01, right=0.99, top=top, bottom=bottom, wspace=0.05, hspace=0.16)
         plots.save(figure, path)

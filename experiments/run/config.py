@@ -16,9 +16,11 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, TypeVar
 
+import numpy as np
+
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
-from regista.experiments.run.errors import CommandError, nearest
+from regista.experiments.run.errors import CommandError, UsageError, nearest
 from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
 from ued.core.files import write_whole
 from ued.methods import METHODS
@@ -127,7 +129,8 @@ class RunConfig(Checked):
         return ()
 
     def on_engine(self, playing: EngineConfig) -> Any:
-        """Return these settings, on another engine if one is named."""
+        """Return these settings. Raises `UsageError` for an engine of football."""
+        _check_no_engine(playing)
         return self
 
     def scored(self) -> Any:
@@ -135,12 +138,21 @@ class RunConfig(Checked):
         return self
 
     def watched(self, playing: EngineConfig) -> Any:
-        """Return settings of environments that show a whole episode; None where there is one kind alone."""
+        """Return settings of environments that show a whole episode; None where there is one kind alone.
+
+        Raises `UsageError` for an engine of football.
+        """
+        _check_no_engine(playing)
         return None
 
     def seen(self) -> dict[str, Any]:
         """Return what decides what a student observes and controls, by the path of the setting."""
         return {}
+
+
+def _check_no_engine(playing: EngineConfig) -> None:
+    if playing.engine == "grf":
+        raise UsageError("--engine grf plays football; this task brings its own environments")
 
 
 @dataclass(frozen=True)
@@ -253,6 +265,35 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
     return _read(kind, data, where, path="")
+
+
+def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
+    """Return `config` with the values at these dotted paths replaced; each must have the type of its field.
+
+    Raises `ConfigError` for an unknown path and for a value of the wrong type; `where` names the source.
+    """
+    data = to_dict(config)
+    for path, value in values.items():
+        section: Any = data
+        *parts, last = str(path).split(".")
+        for part in parts:
+            section = section.get(part) if isinstance(section, dict) else None
+        if not isinstance(section, dict) or last not in section:
+            raise ConfigError(f"{where}: there is no setting '{path}'{nearest(str(path), _paths(data))}")
+        if isinstance(section[last], dict) and not is_dataclass(value):
+            first = next(iter(section[last]))
+            raise ConfigError(f"{where}: '{path}' is a group of settings; give one, such as '{path}.{first}'")
+        section[last] = value.item() if isinstance(value, np.generic) else _plain(value)
+    return from_dict(type(config), data, where)
+
+
+def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """Return the dotted paths of all settings."""
+    nested = [
+        _paths(value, f"{prefix}{key}.") if isinstance(value, dict) else [prefix + key]
+        for key, value in section.items()
+    ]
+    return [path for paths in nested for path in paths]
 
 
 def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
@@ -373,7 +414,7 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
     if type(value) is hint:
         return value
     expected = " or ".join(map(repr, parts)) if origin is typing.Literal else getattr(hint, "__name__", str(hint))
-    raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value)}")
+    raise ConfigError(f"{where}: '{path}' must be {expected}, got {json.dumps(value, default=repr)}")
 
 
 # ---------------------------------------------------------------- presets

@@ -38,6 +38,10 @@ class UsageError(CommandError):
     exit_code = 2
 
 
+class TaskError(CommandError):
+    """The code of a task in Python failed, or returned something of another kind."""
+
+
 # What an installation may leave out, and the extra that brings it
 EXTRAS = {
     "matplotlib": "all",

@@ -213,6 +213,15 @@ class Evaluator:
         return summarise_levels(played, one.method, one.seed)
 
 
+def check_one_game(runs: Sequence[RunFolder]) -> None:
+    """Raise `CommandError` for runs of several games or tasks, or that read their program with different settings."""
+    games = {run.config.minigame for run in runs}
+    if len(games) > 1:
+        raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
+    if any(run.config.reading() != runs[0].config.reading() for run in runs):
+        raise CommandError("these runs read their program with different settings; evaluate them apart")
+
+
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
 

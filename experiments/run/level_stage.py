@@ -73,8 +73,8 @@ class LevelStage:
 
     @property
     def is_match(self) -> bool:
-        """Whether the environment is a football match."""
-        return hasattr(self.env, "matches")
+        """Whether the environment is a football match that a player of raw observations can play."""
+        return hasattr(self.env, "matches") and self.env.config.representation == "raw"
 
     def describe(self) -> str:
         """Return the level in words: its seed, its visit, and what θ stands for."""

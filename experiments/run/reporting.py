@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from regista.experiments.run import build
-from regista.experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError, TaskError
 from regista.experiments.run.events import Event, Watch
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import Progress, headline
@@ -105,11 +105,12 @@ class Reporters:
     def _excused(self, name: str) -> Iterator[None]:
         try:
             yield
-        except CommandError:
-            raise
         except Exception as error:
+            if isinstance(error, CommandError) and not isinstance(error, TaskError):
+                raise
             self.others.pop(name, None)
-            print(f"regista: nothing more is {name}: {type(error).__name__}: {error}", file=sys.stderr)
+            what = str(error) if isinstance(error, TaskError) else f"{type(error).__name__}: {error}"
+            print(f"regista: nothing more is {name}: {what}", file=sys.stderr)
 
 
 def _rows(columns: Mapping[str, np.ndarray]) -> list[dict[str, float]]:

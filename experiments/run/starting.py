@@ -13,6 +13,11 @@ from regista.experiments.run.build import find_game
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.games import all_starts
 
+TAKING_TEXT = (  # flags of train and compare whose value may look like a game
+    *("--out", "--from", "--resume", "--rrd", "--connect", "--scenario", "--model", "-m", "--param", "-p"),
+    *("--method", "--grf-python"),
+)
+
 
 def settings_for(argv: Sequence[str]) -> Any:
     """Return the settings that a command line begins with."""
@@ -45,8 +50,9 @@ def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
 
 
 def _named(argv: Sequence[str]) -> str | None:
-    """Return the game or the task that is typed, if there is one."""
-    return next((word for word in argv if _is_game(word)), None)
+    """Return the game or the task that is typed, if there is one; the value of a flag may have the name of another."""
+    pairs = itertools.pairwise(["", *argv])
+    return next((word for flag, word in pairs if flag not in TAKING_TEXT and _is_game(word)), None)
 
 
 def _is_game(word: str) -> bool:

@@ -22,7 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import trust
-from regista.experiments.run.errors import EXTRAS, CommandError, UsageError, exit_code, nearest
+from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
 
 if TYPE_CHECKING:
@@ -50,22 +50,24 @@ class PythonTask:
     def start(self, preset: str) -> Any:
         """Return the settings of a preset for tasks, with the task's own defaults.
 
-        Raises `CommandError` where the task names a setting that does not exist.
+        Raises `CommandError` where the task names a setting that does not exist, or gives it a value of another type.
         """
-        from regista.experiments.run import arguments
-        from regista.experiments.run.config import task_presets
+        from regista.experiments.run.config import changed, task_presets
 
-        config, defaults = task_presets()[preset], self._loaded[0].defaults
-        try:
-            return arguments.replace_paths(config, dict(defaults))
-        except (AttributeError, TypeError, UsageError) as error:
-            raise CommandError(f"{self.name}: its defaults are no settings of a run: {error}") from error
+        where, defaults = f"{self.name}: its defaults are no settings of a run", self._loaded[0].defaults
+        if "minigame" in defaults:
+            raise CommandError(f"{where}: 'minigame' is the task itself")
+        return changed(task_presets()[preset], defaults, where)
 
     def task(self, config: Any, env: Any = None) -> Task:
         """Return the task; errors of its functions name their line."""
         task = self._loaded[0]
         tests, held_out = ({key: _checked(test) for key, test in part.items()} for part in (task.tests, task.held_out))
-        return replace(task, make=_checked(task.make), tests=tests, held_out=held_out)
+        baselines = {key: partial(_policy, key, make) for key, make in task.baselines.items()}
+        painter = partial(CheckedPainter, task.painter) if task.painter else None
+        return replace(
+            task, make=_checked(task.make), tests=tests, held_out=held_out, baselines=baselines, painter=painter
+        )
 
     def source(self, config: Any) -> Source:
         """Return the text of the file, which is code and may change while a run goes on."""
@@ -87,8 +89,56 @@ def _make(make: Make, num_envs: int) -> UPOMDP:
     with user_code(f"make({num_envs}) failed"):
         upomdp = make(num_envs)
     if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
-        raise CommandError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
+        raise TaskError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
     return upomdp
+
+
+def _policy(name: str, make: Any, upomdp: UPOMDP) -> Any:
+    """Make a baseline. Raises `TaskError` where that fails, or what is made has not the methods of a policy."""
+    with user_code(f"the baseline '{name}' failed"):
+        policy = make(upomdp)
+    for method in ("play", "empty_memory"):
+        if not callable(getattr(policy, method, None)):
+            raise TaskError(f"the baseline '{name}' must be a policy with a method {method}, got {policy!r}")
+    return policy
+
+
+class CheckedPainter:
+    """A task's painter, whose failures are sentences; it is a `ued.core.painter.ScenePainter`.
+
+    Raises `TaskError` where the painter fails, lacks an attribute, or returns points of another shape.
+    """
+
+    def __init__(self, make: Any, upomdp: UPOMDP) -> None:
+        with user_code("the painter failed"):
+            self._painter = make(upomdp)
+        for name in ("bounds", "reach", "background", "line_colour", "markers", "classes", "focus"):
+            if not hasattr(self._painter, name):
+                raise TaskError(f"the painter must have the attribute {name}, see ued.core.painter")
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._painter, name)
+
+    def lines(self) -> Any:
+        """Return the strips of the ground, each `[n, 2]`."""
+        with user_code("the painter's lines() failed"):
+            return self._painter.lines()
+
+    def positions(self, theta: np.ndarray) -> Any:
+        """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
+        return self._points("positions", theta, (len(theta), len(self.classes), 2))
+
+    def frame(self, env: Any) -> Any:
+        """Return the points of the first environment of `env` as it stands: `[K, 2]`."""
+        return self._points("frame", env, (len(self.classes), 2))
+
+    def _points(self, method: str, given: Any, shape: tuple[int, ...]) -> Any:
+        with user_code(f"the painter's {method}() failed"):
+            points = getattr(self._painter, method)(given)
+        if getattr(points, "shape", None) != shape:
+            got = getattr(points, "shape", points)
+            raise TaskError(f"the painter's {method}() must return an array of shape {shape}, got {got}")
+        return points
 
 
 def canonical(name: str) -> str:
@@ -110,12 +160,14 @@ def name_of(task: Any) -> str:
     """
     from ued.core.task import Task
 
-    make = task.make if isinstance(task, Task) else task
-    module = inspect.getmodule(make)
-    known = [key for key, value in vars(module).items() if value is task] if module else []
-    if module is None or not known or getattr(module, "__file__", None) is None:
-        raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
-    return canonical(f"{module.__file__}:{known[0]}")
+    if not isinstance(task, Task) and not callable(task):
+        raise UsageError(f"a task must be a ued.Task, a function make(num_envs) or a name, got {task!r}")
+    own = inspect.getmodule(task.make if isinstance(task, Task) else task)  # None of what is no plain function
+    for module in filter(None, [own, *sys.modules.values()]):
+        known = [key for key, value in [*vars(module).items()] if value is task]
+        if known and getattr(module, "__file__", None):
+            return canonical(f"{module.__file__}:{known[0]}")
+    raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
 
 
 def load_task(name: str) -> tuple[Task, str]:
@@ -142,13 +194,13 @@ def load_task(name: str) -> tuple[Task, str]:
 
 @contextmanager
 def user_code(what: str) -> Iterator[None]:
-    """Raise what goes wrong in the user's code as a `CommandError` that tells its line."""
+    """Raise what goes wrong in the user's code as a `TaskError` that tells its line."""
     try:
         yield
     except Exception as error:
         if exit_code(error) or (isinstance(error, ModuleNotFoundError) and error.name in EXTRAS):
             raise
-        raise CommandError(f"{what}: {type(error).__name__}: {error}{_line_of(error)}; see --debug") from error
+        raise TaskError(f"{what}: {type(error).__name__}: {error}{_line_of(error)}; see --debug") from error
 
 
 def _line_of(error: Exception) -> str:

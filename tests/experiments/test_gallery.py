@@ -155,6 +155,19 @@ def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
     assert not (old / "gallery.html").exists()
 
 
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (["--gallery", "--csv", "x.csv"], "--csv and --gallery exclude each other"),
+        (["--gallery", "--engine", "grf"], "--engine and --gallery exclude each other"),
+        (["--gallery-levels", "10"], "--gallery-levels needs --gallery"),
+    ],
+)
+def test_a_page_is_not_an_evaluation(run, flags, message, capsys):
+    assert main(["evaluate", str(run.path), *flags]) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_no_run_no_page(tmp_path, capsys):
     assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
     assert main(["gallery"]) == 2 and "regista evaluate RUN --gallery" in capsys.readouterr().err

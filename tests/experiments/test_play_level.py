@@ -91,3 +91,33 @@ def test_what_is_no_level_is_said(run, capsys):
 def test_a_task_is_no_start_for_football(run, tmp_path, capsys):
     assert main(["train", "1v1Free", "--from", str(run), "--out", str(tmp_path / "out"), *SMALL]) != 0
     assert "which has other observations" in capsys.readouterr().err
+
+
+def test_a_minigame_in_a_python_file_is_played_by_random_actions(tmp_path, capsys):
+    file = tmp_path / "football_task.py"
+    file.write_text("from regista.minigames import MINIGAMES\n\ngame = MINIGAMES['1v1Restricted'].task()\n")
+    out = str(tmp_path / "run")
+    assert main(["train", f"{file}:game", "--method", "dr", *SMALL, "--out", out]) == 0
+    capsys.readouterr()
+    assert main(["play", "--level", out, "--id", "1"]) == 0
+    assert "by random actions" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        (["--replay", "x.npz", "--id", "3"], "it takes --match, --video and --speed alone"),
+        (["--replay", "x.npz", "1v1Free"], "it takes --match, --video and --speed alone"),
+        (["1v1Free", "--match", "0"], "it needs --replay RECORD"),
+        (["1v1Free", "--visit", "3"], "it needs --level RUN --id N"),
+    ],
+)
+def test_flags_of_other_plays_are_refused(flags, message, capsys):
+    assert main(["play", *flags]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_task_has_no_engine(run, capsys):
+    assert main(["play", "--level", str(run), "--id", "1", "--engine", "grf"]) == 2
+    assert main(["evaluate", str(run), "--engine", "grf"]) == 2
+    assert capsys.readouterr().err.count("--engine grf plays football") == 2

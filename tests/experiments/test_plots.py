@@ -80,6 +80,33 @@ def test_levels(runs, painter, tmp_path):
     assert ink(path) > 0.3
 
 
+class Dots:
+    """Draws the first four columns of θ as two points on a stage of half a meter."""
+
+    bounds = reach = (-0.25, 0.25, -0.25, 0.25)
+    background, line_colour, focus = (20, 20, 20), (250, 250, 250), 0
+    markers = (("me", (200, 40, 200), 0.1), ("goal", (0, 150, 0), 0.1))
+    classes = np.array([0, 1])
+
+    def lines(self):
+        return [np.array([[-0.25, -0.25], [0.25, 0.25]])]
+
+    def positions(self, theta):
+        return theta[:, :4].reshape(-1, 2, 2) / 4
+
+
+def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(runs, tmp_path):
+    import matplotlib.pyplot as plt
+
+    path = tmp_path / "levels.png"
+    level_plots.levels(runs, Dots(), path)
+    assert ink(path) > 0.1 and not has_colour(path, "#1f77d0")
+    figure = plt.figure()
+    level_plots.point_legend(figure, Dots())
+    assert [text.get_text() for text in figure.legends[0].texts] == ["me", "goal"]
+    plt.close(figure)
+
+
 @pytest.mark.slow
 def test_overview(runs, painter, tmp_path):
     results = [

@@ -13,6 +13,9 @@ import pytest
 import regista
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
+from regista.experiments.run import trust
+from regista.experiments.run.build import find_game
+from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from ued.core import checkpoint
 
@@ -84,7 +87,37 @@ whole = ued.Task(
     defaults={"total_env_steps": 192, "ppo.gamma": 0.5, "plr.replay_prob": 0.25},
     success_word="pushes",
 )
-unknown = ued.Task(make, defaults={"ppo.gama": 0.5})
+DEFAULTS = {
+    "unknown": {"ppo.gama": 0.5}, "text": {"num_envs": "many"}, "half": {"num_envs": 4.5}, "group": {"ppo": {}},
+    "deep": {"ppo.gamma.x": 1}, "range": {"ppo.gamma": 7.0}, "number": {3: 4}, "itself": {"minigame": "1v1Free"},
+}
+globals().update({name: ued.Task(make, defaults=values) for name, values in DEFAULTS.items()})
+part = ued.Task(make, defaults={"ppo": ued.PPOConfig(gamma=0.25), "num_envs": np.int64(2)})
+raising = ued.Task(make, baselines={"mine": lambda upomdp: 1 / 0})
+none = ued.Task(make, baselines={"mine": lambda upomdp: 3})
+
+
+class Painter:
+    bounds = reach = (-1.0, 1.0, -1.0, 1.0)
+    background, line_colour, markers = (20, 20, 20), (250, 250, 250), [("me", (255, 0, 0), 0.1)]
+    classes, focus = np.zeros(1, int), 0
+
+    def __init__(self, upomdp):
+        self.lines = lambda: [np.array([[-1.0, -1.0], [1.0, 1.0]])]
+        self.positions = lambda theta: theta[:, None]
+        self.frame = lambda env: env.levels["theta"][:1]
+
+
+class Wrong(Painter):
+    def __init__(self, upomdp):
+        super().__init__(upomdp)
+        self.positions = lambda theta: np.zeros((1, 7))
+
+
+painted = ued.Task(make, painter=Painter)
+fails = ued.Task(make, painter=lambda upomdp: {}["nothing"])
+lacks = ued.Task(make, painter=lambda upomdp: 3)
+wrong = ued.Task(make, painter=Wrong)
 '''
 
 
@@ -92,6 +125,12 @@ unknown = ued.Task(make, defaults={"ppo.gama": 0.5})
 def task(tmp_path):
     (tmp_path / "push_task.py").write_text(TASK)
     return f"{tmp_path / 'push_task.py'}:push"
+
+
+def named(task, name):
+    """Return the game of another task of the file, as if this user had typed its name."""
+    trust.allow(task.replace(":push", f":{name}"))
+    return find_game(task.replace(":push", f":{name}"))
 
 
 def rows(path):
@@ -234,8 +273,12 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
         (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
         (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
+        (["inspect", "{}/push_task.py:push", "--rrd", "{}/x.rrd"], "--rrd and --show are for Scenic programs"),
+        (["inspect", "{}/push_task.py:push", "--show", "code"], "--rrd and --show are for Scenic programs"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
+        (["train", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
+        (["compare", "--out", "1v1Free", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
     ],
 )
@@ -302,12 +345,88 @@ def test_a_task_brings_defaults_baselines_held_out_scenes_and_its_word(task, tra
     assert RunFolder.open(tmp_path / "run").config.ppo.gamma == 0.9
 
 
-def test_defaults_that_are_no_settings_are_refused(task, tmp_path, capsys):
-    assert train(task.replace(":push", ":unknown"), tmp_path / "run") == 1
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("unknown", "there is no setting 'ppo.gama' (did you mean 'ppo.gamma'?)"),
+        ("text", "'num_envs' must be int, got \"many\""),
+        ("half", "'num_envs' must be int, got 4.5"),
+        ("group", "'ppo' is a group of settings; give one, such as 'ppo."),
+        ("deep", "there is no setting 'ppo.gamma.x'"),
+        ("range", "gamma must be between 0 and 1, got 7.0"),
+        ("number", "there is no setting '3'"),
+        ("itself", "'minigame' is the task itself"),
+    ],
+)
+def test_defaults_that_are_no_settings_are_refused(name, message, task, tmp_path, capsys):
+    assert train(task.replace(":push", f":{name}"), tmp_path / "run") == 1
     said = capsys.readouterr().err
-    assert "its defaults are no settings of a run" in said and "gama" in said
+    assert "its defaults are no settings of a run" in said and message in said
+
+
+def test_defaults_may_be_a_group_and_numbers_of_numpy(task):
+    config = named(task, "part").start("fast")
+    assert (config.ppo.gamma, config.num_envs, type(config.num_envs)) == (0.25, 2, int)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("raising", "the baseline 'mine' failed: ZeroDivisionError"),
+        ("none", "must be a policy with a method play, got 3"),
+    ],
+)
+def test_a_baseline_that_is_no_policy_is_a_sentence(name, message, task):
+    loaded = named(task, name).task(None)
+    upomdp = loaded.make(1)
+    with pytest.raises(CommandError, match=message):
+        loaded.make_baselines(upomdp)
+    upomdp.close()
+
+
+def test_a_painter_that_fails_ends_the_recording_and_not_the_training(task, tmp_path, capsys):
+    assert train(task.replace(":push", ":wrong"), tmp_path / "run", "--method", "dr", "--total-env-steps", "128") == 0
+    said = capsys.readouterr().err
+    assert "nothing more is recorded: the painter's positions() must return an array of shape (" in said
+
+
+def test_a_painter_that_fails_is_a_sentence(task):
+    tasks = {name: named(task, name).task(None) for name in ("painted", "fails", "lacks", "wrong")}
+    upomdp = tasks["painted"].make(1)
+    painter = tasks["painted"].painter(upomdp)
+    assert painter.focus == 0 and len(painter.lines()) == 1
+    assert painter.positions(np.zeros((3, 2))).shape == (3, 1, 2)
+    with pytest.raises(CommandError, match=r"painter failed: KeyError: 'nothing' \(.*push_task.py, line"):
+        tasks["fails"].painter(upomdp)
+    with pytest.raises(CommandError, match="the painter must have the attribute bounds"):
+        tasks["lacks"].painter(upomdp)
+    with pytest.raises(CommandError, match=r"must return an array of shape \(3, 1, 2\), got \(1, 7\)"):
+        tasks["wrong"].painter(upomdp).positions(np.zeros((3, 2)))
+    upomdp.close()
 
 
 def test_a_task_without_held_out_scenes_says_so(task, tmp_path, capsys):
     assert main(["compare", task, "--held-out", *SHORT, "--out", str(tmp_path / "out")]) == 2
     assert "push_task-push has no held-out scenes" in capsys.readouterr().err
+
+
+def test_whatever_is_no_task_is_refused_from_python(task, tmp_path):
+    with pytest.raises(UsageError, match=r"a task must be a ued\.Task, a function make\(num_envs\) or a name, got 3"):
+        regista.train(3)
+    with pytest.raises(UsageError, match="a name at the top of a file"):
+        regista.train(lambda num_envs: None)
+
+
+@pytest.mark.slow
+def test_runs_of_several_tasks_are_not_evaluated_together(task, tmp_path):
+    out, other = tmp_path / "run", tmp_path / "other"
+    for name, path in (("push", out), ("part", other)):
+        assert train(task.replace(":push", f":{name}"), path, "--method", "dr", "--total-env-steps", "64") == 0
+    with pytest.raises(CommandError, match="these runs are of different minigames"):
+        regista.evaluate([out, other], episodes=2)
+    with pytest.raises(UsageError, match="needs at least one run folder"):
+        regista.evaluate([])
+    with pytest.raises(ValueError, match="levels must be 0 or at least 10"):
+        regista.evaluate(out, levels=5)
+    with pytest.raises(ValueError, match="episodes must be at least 1, got 0"):
+        regista.evaluate(out, episodes=0)

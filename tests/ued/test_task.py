@@ -49,6 +49,33 @@ def test_whatever_has_names_is_a_mapping(name):
         Task(make, **{name: [1]})
 
 
+@pytest.mark.parametrize("name", [3, "", " ", "two\nlines"])
+@pytest.mark.parametrize("part", ["tests", "held_out", "baselines"])
+def test_names_in_tables_are_lines_of_text(part, name):
+    with pytest.raises(ValueError, match="the name of a test or a baseline must be a line of text"):
+        Task(make, **{part: {name: make}})
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        ({"baselines": {"mine": None}}, "mine must be a function of environments, got None"),
+        ({"painter": 3}, "painter must be a function of environments, got 3"),
+        ({"success_word": None}, "success_word must be a line of text, got None"),
+    ],
+)
+def test_parts_of_other_types_are_refused(part, message):
+    with pytest.raises(ValueError, match=message):
+        Task(make, **part)
+
+
+def test_levels_by_name_need_environments_that_read_them():
+    with pytest.raises(ValueError, match="Frontier has no theta_of"):
+        theta_of_scene({"length": 1.0}, make(1))
+    with pytest.raises(ValueError, match="got None"):
+        theta_of_scene(None, make(1))
+
+
 def test_no_test_has_the_name_of_the_training_distribution():
     with pytest.raises(ValueError, match="the name of the levels that train"):
         Task(make, {TRAINING_SCENE: np.zeros(3)})

@@ -41,7 +41,8 @@ class Task:
         defaults: settings of a run that differ from the preset's, by dotted path: `{"ppo.gamma": 0.9}`.
         success_word: what tables call successful episodes.
 
-    Raises ValueError for tests that are no mapping or that are called like the training distribution.
+    Raises ValueError for parts of other types, and for names of scenes or baselines that are no single line of text or
+    that are the training distribution's.
     """
 
     make: Make
@@ -56,6 +57,14 @@ class Task:
         for name in ("tests", "held_out", "baselines", "defaults"):
             if not isinstance(getattr(self, name), Mapping):
                 raise ValueError(f"{name} must be a mapping by name, got {getattr(self, name)!r}")
+        for key in (*self.tests, *self.held_out, *self.baselines):
+            if not isinstance(key, str) or not key.isprintable() or not key.strip():
+                raise ValueError(f"the name of a test or a baseline must be a line of text, got {key!r}")
+        for key, make in (("painter", self.painter), *self.baselines.items()):
+            if not callable(make) and (key, make) != ("painter", None):
+                raise ValueError(f"{key} must be a function of environments, got {make!r}")
+        if not isinstance(self.success_word, str) or not self.success_word.isprintable():
+            raise ValueError(f"success_word must be a line of text, got {self.success_word!r}")
         if TRAINING_SCENE in self.tests or TRAINING_SCENE in self.held_out:
             raise ValueError(f"a test cannot be called '{TRAINING_SCENE}', the name of the levels that train")
 
@@ -82,8 +91,12 @@ def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
         return None
     try:
         rows = [scene] if isinstance(scene, Mapping) else scene
+        if not hasattr(rows, "__len__"):
+            raise TypeError(f"got {scene!r}")
         if len(rows) and (isinstance(rows[0], Mapping) or upomdp.level_family is not None):
-            rows = [upomdp.theta_of(values) for values in rows]  # type: ignore[attr-defined]
+            if not hasattr(upomdp, "theta_of"):
+                raise TypeError(f"{type(upomdp).__name__} has no theta_of, so that its levels must be theta")
+            rows = [upomdp.theta_of(values) for values in rows]
         return check_theta(rows, upomdp.theta_dim)
     except (ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"expected theta [L, {upomdp.theta_dim}] or values by name: {error}") from error
