@@ -62,7 +62,10 @@ class PythonTask:
     def task(self, config: Any, env: Any = None) -> Task:
         """Return the task; errors of its functions name their line."""
         task = self._loaded[0]
-        tests, held_out = ({key: _checked(test) for key, test in part.items()} for part in (task.tests, task.held_out))
+        tests, held_out = (
+            {key: _checked(test, f"the test '{key}': ") for key, test in part.items()}
+            for part in (task.tests, task.held_out)
+        )
         baselines = {key: partial(_policy, key, make) for key, make in task.baselines.items()}
         painter = partial(CheckedPainter, task.painter) if task.painter else None
         return replace(
@@ -78,18 +81,18 @@ class PythonTask:
         return self, level
 
 
-def _checked(make: Any) -> Any:
+def _checked(make: Any, where: str = "") -> Any:
     """Return a function that makes environments as one whose failures are sentences; levels stay levels."""
-    return partial(_make, make) if callable(make) else make
+    return partial(_make, make, where) if callable(make) else make
 
 
-def _make(make: Make, num_envs: int) -> UPOMDP:
+def _make(make: Make, where: str, num_envs: int) -> UPOMDP:
     from ued.core.upomdp import UPOMDP
 
-    with user_code(f"make({num_envs}) failed"):
+    with user_code(f"{where}make({num_envs}) failed"):
         upomdp = make(num_envs)
     if not isinstance(upomdp, UPOMDP) or upomdp.num_envs != num_envs:
-        raise TaskError(f"make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
+        raise TaskError(f"{where}make({num_envs}) must return a UPOMDP of {num_envs} environments, got {upomdp!r}")
     return upomdp
 
 
