@@ -90,13 +90,13 @@ def test_on_the_host_it_is_written():
     assert (place == 1).all()
 
 
-def test_all_students_look_before_the_first_one_acts():
+def test_all_students_observe_before_the_first_one_acts():
     said = []
 
     def worker(name):
         return SimpleNamespace(
             begin=lambda: said.append(f"{name} begins"),
-            look=lambda t: said.append(f"{name} looks {t}"),
+            observe=lambda t: said.append(f"{name} looks {t}"),
             step=lambda t: said.append(f"{name} acts {t}"),
             finish=lambda: said.append(f"{name} ends"),
             rollout=SimpleNamespace(reward=np.zeros(2)),
