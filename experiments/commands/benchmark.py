@@ -1,9 +1,9 @@
-"""`regista benchmark`: environment steps per second of the simulator and of training, on this machine.
+"""`regista benchmark`: measure environment steps per second of the simulator and of training on this machine.
 
     regista benchmark
     regista benchmark --threads 2 --json > speed.json
 
-Read next: `regista.envs.football.batch`, the loop that is measured.
+Read next: `regista.envs.football.batch`, the measured loop.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from ued.config import Checked, most_threads, setting
 
 DESCRIPTION = "Measure environment steps per second of the simulator and of PAIRED with default settings."
 GAMES = {"1v1Free": "1v1, 3 players", "academy/counterattack_easy": "eleven a side, 22 players"}
-STRETCHES = 3  # of each measurement; the best counts, since other programs may use the machine meanwhile
-WARM_UPDATES = 10  # of a method before it is measured
+STRETCHES = 3  # repetitions of a measurement; the best one counts, since other programs may slow the others down
+WARM_UPDATES = 10  # updates before a method is measured
 
 
 @dataclass(frozen=True)
 class BenchmarkConfig(Checked):
-    """What is typed after `regista benchmark`."""
+    """Arguments of `regista benchmark`."""
 
-    threads: int = setting(1, "threads of the simulator and of the networks", ">=1", most=most_threads)
-    num_envs: int = setting(256, "environments of the simulator's batch", ">=1", most=100_000)
-    seconds: float = setting(1.0, "duration of each measurement in seconds, about", ">0", most=86_400)
+    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
+    num_envs: int = setting(256, "parallel environments of the simulator", ">=1", most=100_000)
+    seconds: float = setting(1.0, "approximate duration of each measurement in seconds", ">0", most=86_400)
     json: bool = setting(False, "print JSON instead of a table")
 
 
 class Measurement(NamedTuple):
-    """One line of a table: steps of a single environment per second."""
+    """One row of the table: environment steps per second, summed over parallel environments."""
 
     what: str
     steps_per_second: float
@@ -51,7 +51,7 @@ class Measurement(NamedTuple):
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     if any(word.partition("=")[0] == "--suite" for word in argv):
         raise UsageError("benchmark --suite has moved: python -m lab.benchmarks --suite, in a checkout")
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)
@@ -65,7 +65,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def simulator_rows(config: BenchmarkConfig) -> list[Measurement]:
-    """Measure the vector environment with its observations under random actions; episodes restart as they end."""
+    """Measure the vector environment, observations included, under random actions with automatic resets."""
     rows = []
     for game, label in GAMES.items():
         program = load_program(find_minigame(game).program, None)
@@ -76,13 +76,13 @@ def simulator_rows(config: BenchmarkConfig) -> list[Measurement]:
 
 
 def training_row(label: str, game: str, method: str, threads: int, seconds: float) -> Measurement:
-    """Measure a method with default settings on a minigame."""
+    """Measure a method with its default settings on a minigame."""
     config = replace(TrainConfig(), minigame=game, method=method, threads=threads)
     return measure_training(label, make_method(config), seconds)
 
 
 def make_method(config: TrainConfig) -> Any:
-    """Make a method that has begun: replay is under way, and the buffer is in use."""
+    """Make a method and warm it up, so that its level buffer is filled and levels are replayed."""
     program = load_program(find_minigame(config.minigame).program, None)
     method = build.make_method(config, build.make_matches(program, config.num_envs, config.env, 0, config.threads))
     for _ in range(WARM_UPDATES):
@@ -91,9 +91,9 @@ def make_method(config: TrainConfig) -> Any:
 
 
 def measure_training(label: str, method: Any, seconds: float) -> Measurement:
-    """Measure a method's steps per second of wall-clock time; the note gives the shares of that time.
+    """Measure a method's environment steps per second of wall-clock time; the note splits that time into parts.
 
-    `levels` is choosing levels and bookkeeping, `teaching` scoring them and updating the teacher.
+    `levels` covers choosing levels and bookkeeping, `teaching` scoring levels and updating the teacher.
     """
     words = {
         "sim": "simulation",
@@ -117,7 +117,7 @@ def measure_training(label: str, method: Any, seconds: float) -> Measurement:
 
 
 def random_steps(env: Any) -> Callable[[int], None]:
-    """Return what steps an environment so many times with random actions, drawn beforehand; it has stepped 8 times."""
+    """Return a function `step(count)` that takes random actions, sampled in advance; the first 8 steps are done."""
     actions = np.random.default_rng(0).integers(0, env.single_action_space.n, (64, env.num_envs))
 
     def step(count: int) -> None:
@@ -131,7 +131,7 @@ def random_steps(env: Any) -> Callable[[int], None]:
 def rate(
     run: Callable[[int], None], seconds: float, warm_up: int = 4, clock: Callable[[], float] = time.perf_counter
 ) -> float:
-    """Return calls per second of `run(count)`: the best of several stretches that take `seconds` together."""
+    """Return calls per second of `run(count)`: the best of `STRETCHES` repetitions that take `seconds` in total."""
     began = clock()
     run(warm_up)
     count = max(1, int(warm_up * seconds / STRETCHES / max(clock() - began, 1e-6)))
@@ -144,12 +144,12 @@ def rate(
 
 
 def machine() -> dict[str, Any]:
-    """Return the hardware and the versions that were measured."""
+    """Return the hardware and the package versions."""
     return {**hardware(), "python": platform.python_version(), **versions(("numpy", "numba", "torch"))}
 
 
 def machine_line() -> str:
-    """Return `machine` as one line."""
+    """Return `machine()` as one line."""
     facts = machine()
     named = ", ".join(f"{name} {facts[name]}" for name in ("python", "numpy", "numba", "torch") if name in facts)
     return f"{facts['processor']}, {facts['cores']} cores; {named}"

@@ -156,7 +156,7 @@ def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
 
 
 def test_no_run_no_page(tmp_path, capsys):
-    assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
+    assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "not a run folder" in capsys.readouterr().err
     assert main(["gallery"]) == 2 and "regista evaluate RUN --gallery" in capsys.readouterr().err
 
 

@@ -176,7 +176,7 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     recorder.flush()
     recorder.flush()
     assert ended == [True] and recorder.recorder is None
-    assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"
+    assert capsys.readouterr().err == "regista: the recording has reached 1 MB and ends; see --record-limit\n"
 
 
 @pytest.mark.parametrize("hangs", [False, True])

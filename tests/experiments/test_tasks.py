@@ -160,9 +160,9 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert {row["method"] for row in rows(out / "results.csv")} == {"dr", "sfl", "random"}
     capsys.readouterr()
     assert main([*command, "--hidden-size", "12"]) == 1
-    assert "cannot go on as if with a new student" in capsys.readouterr().err
+    assert "cannot continue with a new student" in capsys.readouterr().err
     assert main([*command, "--from", str(out)]) == 1
-    assert "holds 2 runs of seed 0: give --from a run, or a comparison of one method" in capsys.readouterr().err
+    assert "holds 2 runs of seed 0: --from takes a run, or a comparison of one method" in capsys.readouterr().err
     assert main([*command, "--kl-to-clone", "1"]) == 2
 
 
@@ -233,7 +233,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
         (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
-        (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
+        (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine applies to programs"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
         (["train", "{}/push_task.py:push", "--control", "all"], "unknown flag --control"),
         (["train", "{}/push_task.py:broken", "--out", "{}/b"], "a level needs a value for each of force, ground"),
@@ -305,7 +305,7 @@ def test_a_task_brings_defaults_baselines_held_out_scenes_and_its_word(task, tra
 def test_defaults_that_are_no_settings_are_refused(task, tmp_path, capsys):
     assert train(task.replace(":push", ":unknown"), tmp_path / "run") == 1
     said = capsys.readouterr().err
-    assert "its defaults are no settings of a run" in said and "gama" in said
+    assert "invalid defaults" in said and "gama" in said
 
 
 def test_a_task_without_held_out_scenes_says_so(task, tmp_path, capsys):

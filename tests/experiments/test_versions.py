@@ -81,7 +81,7 @@ def test_no_run_begins_with_a_student_of_another_version(run, tmp_path, capsys):
     old = of_version(run, tmp_path / "old", None)
     command = ["train", GAME, "--method", "dr", "--from", str(old), "--out", str(tmp_path / "new"), *SHORT]
     assert main(command) == 1
-    assert f"{old} was trained on {UNNUMBERED}; on version 1 no run can begin with it" in capsys.readouterr().err
+    assert f"{old} was trained on {UNNUMBERED}; on version 1 no run can start from it" in capsys.readouterr().err
     assert not (tmp_path / "new" / "config.json").exists()
 
 
