@@ -1,4 +1,4 @@
-"""Where a method put its levels: the starting places of both teams, early and late in training.
+"""Levels of a method: the starting positions of both teams, early and late in training.
 
 Read next: `pictures.overview`.
 """
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 CELL = 1.0  # m
-MOST_CHOICES = 2  # columns of bars beside the pitches
+MOST_CHOICES = 2  # bar charts next to the pitches
 
 
 def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
-    """Return θ `[L, D]` of the levels trained on within this share of the run's updates."""
+    """Return θ `[L, D]` of the training levels in a share of the run's updates."""
     table = read_columns(run / "levels.csv")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
@@ -36,10 +36,10 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
-    """Draw methods x periods: the density of where the players of both teams began.
+    """Draw methods x periods: the density of the starting positions of both teams.
 
-    Behind them, of an adversary's first choices among `draws`: how often it proposed each option, and the program's
-    weights.
+    To their right, for the first choices among `draws`, bars show how often an adversary proposed each option, and the
+    program's weights.
     """
     import matplotlib.pyplot as plt
 
@@ -64,7 +64,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
 
 
 def choices_of(paths: Sequence[Path], draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
-    """Return the first choices among the columns of θ, with shares averaged over runs; none without an adversary."""
+    """Return the first choices among the columns of θ, with shares averaged over runs; empty without an adversary."""
     try:
         runs = [read_proposals(path, draws) for path in paths] if draws else []
     except CommandError:
@@ -77,7 +77,7 @@ def choices_of(paths: Sequence[Path], draws: Sequence[Parameter]) -> list[Column
 
 
 def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
-    """Draw bars: the share of each value among proposals of each period, and a line at its share in random levels."""
+    """Draw the share of each value in the proposals of each period, and a line at its share in random levels."""
     places, width = np.arange(len(column.names)), 0.8 / len(PERIODS)
     for k, (period, share) in enumerate(zip(PERIODS, column.proposed, strict=True)):
         axes.bar(places + (k - 1) * width, share, width, color=str(0.8 - 0.3 * k), label=period)
@@ -102,7 +102,7 @@ def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
 
 
 def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
-    """Draw one pitch with the density of both teams' starting places in these levels; the own keeper is left out."""
+    """Draw one pitch with the density of both teams' starting positions in these levels, without the own keeper."""
     draw_pitch(axes, painter.bounds)
     known = [theta for theta in thetas if len(theta)]
     if not known:
@@ -117,18 +117,18 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
 
 
 def team_legend(figure: Any) -> None:
-    """Write beneath a figure which colour is which team."""
+    """Add a legend of the team colors below a figure."""
     from matplotlib.patches import Patch
 
     patches = [
-        Patch(color=PAPER_COLOURS[0], alpha=0.75, label="starting places of the learner's team"),
-        Patch(color=PAPER_COLOURS[RIGHT_PLAYER], alpha=0.75, label="of its opponents"),
+        Patch(color=PAPER_COLOURS[0], alpha=0.75, label="starting positions of the learner's team"),
+        Patch(color=PAPER_COLOURS[RIGHT_PLAYER], alpha=0.75, label="starting positions of opponents"),
     ]
     figure.legend(handles=patches, loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.0))
 
 
 def _draw_density(axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: str) -> None:
-    """Draw the density of `points` `[n, 2]` as a veil of one colour, opaque where it is highest."""
+    """Draw the density of `points` `[n, 2]` in one color, with opacity proportional to density."""
     from matplotlib.colors import to_rgb
 
     if not len(points):

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; for a single run or a baseline, over its episodes only, "
-    "Wilson's for rates and Student's t for returns and CVaR10; none for fewer than 5 runs, or 5 episodes"
+    "Wilson's for rates and Student's t for returns and CVaR10; none below 5 runs, or 5 episodes"
 )
 OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow as each run plays all scenes"
 OF_PAIRS = "P(better): probability that a run's mean exceeds that of a run of {first}"

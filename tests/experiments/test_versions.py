@@ -97,7 +97,7 @@ def test_an_old_policy_is_evaluated_with_a_warning(run, tmp_path, capsys):
     said = capsys.readouterr()
     assert "warning" not in said.err and json.loads(said.out)["simulator"] == 1
     assert main(["evaluate", str(run), str(old), *flags]) == 1
-    told = f"different simulators: {run} on simulator version 1, {old} on {UNNUMBERED}; evaluate them apart"
+    told = f"different simulators: {run} on simulator version 1, {old} on {UNNUMBERED}; evaluate them separately"
     assert told in capsys.readouterr().err
 
 
