@@ -194,7 +194,7 @@ def test_a_stream_that_its_disk_has_failed_is_left_to_itself(monkeypatch, hangs)
     monkeypatch.setattr(rerun, "unregister_shutdown", lambda: left.append(True))
     monkeypatch.setattr("ued.recorder.writer.PATIENCE", 0.5 if hangs else 60.0)
     writer = Writer(Stream())
-    with pytest.raises(RuntimeError, match="has not answered for" if hangs else "Flush timed out"):
+    with pytest.raises(RuntimeError, match="did not respond within" if hangs else "Flush timed out"):
         writer.finish()
     del writer
     gc.collect()
