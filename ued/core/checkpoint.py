@@ -20,7 +20,7 @@ from ued.core.files import write_whole
 from ued.core.renamed import present_fields, present_keys
 
 FORMAT = "regista checkpoint"
-VERSION = 3  # 1: before methods held learners; 2: before normalisers had a floor
+VERSION = 3  # 1: methods without learners; 2: normalizers without a floor
 ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__array__", "__integer__", "__tuple__")
 
 

@@ -103,10 +103,10 @@ def fit(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> li
     share, dim = _clusters(data, counts, rng), data.shape[1]  # [K, n]
     owner = np.repeat(np.arange(len(counts)), counts)  # [K] the mixture of each Gaussian
     fitted, before = dict[int, GaussianMixture](), np.full(len(counts), -math.inf)
-    mixtures = _maximise(products, share, dim)
+    mixtures = _maximize(products, share, dim)
     for step in range(1, MOST_STEPS + 1):
         share, likelihood = _share(mixtures.log_densities(products), owner)
-        mixtures = _maximise(products, share, dim)
+        mixtures = _maximize(products, share, dim)
         left = np.unique(owner)
         good = abs(likelihood - before[left]) < TOLERANCE
         before[left] = likelihood
@@ -139,7 +139,7 @@ def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return share, (largest + np.log(total)).mean(1)
 
 
-def _maximise(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
+def _maximize(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
     """Return the maximum-likelihood mixtures for these responsibilities `[K, n]` and products of rows with D = `dim`
     columns.
     """

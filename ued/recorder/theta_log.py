@@ -53,7 +53,7 @@ class ThetaLog:
         """Write the styles of the curves, and the uniform distribution for comparison."""
         for name in self.names:
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
-            quantiles = rerun.SeriesLines(colors=shades, names=["10 %", name, "90 %"], widths=[1, 2.5, 1])
+            quantiles = rerun.SeriesLines(colors=shades, names=["10%", name, "90%"], widths=[1, 2.5, 1])
             self.stream.log(["theta", name, "quantiles"], quantiles, static=True)
             known = self._cells[self.names.index(name)]
             weights = np.full(BINS, 1 / BINS) if known is None else known.shares
