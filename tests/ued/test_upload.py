@@ -96,7 +96,7 @@ def test_all_students_look_before_the_first_one_acts():
     def worker(name):
         return SimpleNamespace(
             begin=lambda: said.append(f"{name} begins"),
-            look=lambda t: said.append(f"{name} looks {t}"),
+            observe=lambda t: said.append(f"{name} looks {t}"),
             step=lambda t: said.append(f"{name} acts {t}"),
             finish=lambda: said.append(f"{name} ends"),
             rollout=SimpleNamespace(reward=np.zeros(2)),
