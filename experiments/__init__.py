@@ -1,6 +1,6 @@
-"""Running it: the command line, the run folder, comparisons, pictures and benchmarks.
+"""The application: the command line, run folders, comparisons, pictures and benchmarks.
 
-The only package that imports all the others. Imported as `regista.experiments`; `regista/experiments` is a link to this
+This package may import all others. It is imported as `regista.experiments`; `regista/experiments` is a link to this
 folder. Read next: `__main__`, then `commands.train`, then `run.build`.
 """
 

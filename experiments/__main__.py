@@ -1,7 +1,7 @@
 """`regista COMMAND ...`, also as `python -m regista COMMAND ...`.
 
-Each command is a module with a frozen configuration and a `main(argv) -> int`; it is imported when it is called, so
-that `--help` does not wait for torch. Read next: `commands.train`.
+Each command is a module with a frozen configuration and a `main(argv) -> int`. It is imported on use, so that `--help`
+does not wait for torch. Read next: `commands.train`.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from regista.experiments.run.errors import UsageError, nearest, run_command
 from regista.experiments.run.launch.signals import PARENT, end_with
 
 COMMANDS = {
-    "train": "train students on a game or a task, with a curriculum or without",
-    "evaluate": "play trained runs on test scenes, with intervals; --gallery: a page of a run's levels",
-    "compare": "train several methods over seeds, evaluate, tabulate and draw",
-    "inspect": "show a program or a task: its free parameters, levels drawn from it, its text",
+    "train": "train students on a game or a task, with or without a curriculum",
+    "evaluate": "evaluate trained runs on test scenes, with intervals; --gallery: a page of a run's levels",
+    "compare": "train several methods over seeds, evaluate them, write tables and pictures",
+    "inspect": "show a program or a task: its free parameters, random levels, its syntax",
     "list": "show the minigames, published results, test scenes; --solved: how hard they are",
-    "play": "play a match or a level of a run, and write a film or a record; --replay: a record",
+    "play": "play a match or a level of a run, and write a video or a record; --replay: replay a record",
     "demonstrate": "save episodes of a program or of a student as demonstrations",
     "clone": "train a student on demonstrations (behavior cloning)",
-    "transfer": "play trained runs in Google Research Football, too, and compare the engines",
+    "transfer": "compare trained runs in our simulator and in Google Research Football",
     "benchmark": "measure the speed of the simulator and of training",
 }
-MOVED = {  # commands of older versions, and what to type instead
+MOVED = {  # removed commands and their replacements
     "characterise": "regista list --solved GAME",
     "gallery": "regista evaluate RUN --gallery",
     "replay": "regista play --replay RECORD",
@@ -50,7 +50,7 @@ Begin with: regista compare 1v1Restricted --out demo
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and give its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
+    """Run one command and return its exit code: 0, 1 for an error, 2 for wrong usage, 128 + n for signal n."""
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # before torch starts threads; see `regista.kernels.jit`
     parent = os.environ.pop(PARENT, None)
     if parent is not None:

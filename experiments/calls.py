@@ -1,6 +1,6 @@
-"""What the command line does, as functions: one call trains, another tests. `import regista` offers both.
+"""Python functions for training and evaluation, exported by `import regista`.
 
-Read next: `commands.train`, which does the same from a terminal.
+Read next: `commands.train`, the same on the command line.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from regista.experiments.run.report import Report
 
 
 def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
-    """Train on a task and return its run folder; a run that is there already is continued to its budget.
+    """Train on a task and return its run folder; an existing run is continued to its budget.
 
     Args:
         task: a `ued.Task`, a function `make(num_envs)`, or the name of a minigame or a task.
         method: a name of `ued.METHODS`.
-        seed: of every random stream.
+        seed: seed of every random stream.
         out: the run folder, by default runs/TASK-METHOD-SEED.
-        settings: what `regista train --help all` lists: `total_env_steps`, `num_envs`, `ppo=PPOConfig(...)`, or a
-            method's own, `accel=ACCELConfig(...)`.
+        settings: any setting listed by `regista train --help all`, such as `total_env_steps`, `num_envs`,
+            `ppo=PPOConfig(...)`, or those of a method, `accel=ACCELConfig(...)`.
 
-    Ctrl-C saves and returns. Raises `UsageError` for unknown names, `CommandError` where a run of other settings is.
+    Ctrl-C saves and returns. Raises `UsageError` for unknown names, and
+    `CommandError` if the folder holds a run with other settings.
     """
     from regista.experiments.commands.train import train as train_run
     from regista.experiments.run.launch.signals import StopRequest
@@ -38,7 +39,7 @@ def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | No
     config = game.start("fast")
     unknown = [key for key in settings if key not in vars(config)]
     if unknown:
-        raise UsageError(f"there is no setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
+        raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
     config = replace(config, minigame=game.name, method=build.find_method(method), seed=seed, **settings)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
@@ -54,7 +55,7 @@ def evaluate(
     level_episodes: int = 10,
     trusted: bool = False,
 ) -> Report:
-    """Play the students of runs of one task on its tests, and a random policy; return tables of what came of it.
+    """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
     `levels` drawn at random, `level_episodes` on each, tell how they do on the worst tenth. Raises `CommandError` for
     runs of several tasks, or without a checkpoint, and for a task that nobody but the run folder has named, unless its

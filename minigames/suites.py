@@ -1,6 +1,6 @@
-"""The minigames, as literal tuples: a training program and the scenes on which its students are tested.
+"""The minigames, as literal tuples: a training program and its test scenes.
 
-Read next: the `.scenic` files, each a page at most; `published`, what others have measured on them.
+Read next: the `.scenic` files, each at most a page; `published`, published results on these games.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ class Minigame(NamedTuple):
     """A named training program with its test scenes; `task()` makes it a `ued.Task`.
 
     `name`, with a `_` for each `/`, is also the Gymnasium id `regista/<name>-v1`; `tests` are (label, program) pairs,
-    from easy to hard, each a game of its own, too.
+    from easy to hard; each is also a game of its own.
 
     Attributes:
-        control: whom one agent moves unless told otherwise.
-        rewards: what he is best paid for, a name of `FootballConfig.rewards`.
-        team_control: whom several agents move, each of these ways.
-        difficulty: what makes it hard, in a line.
-        expert: a semi-expert program that plays it with one agent: the same players in the same order, with behaviors.
+        control: default player of a single agent, see `FootballConfig.control`.
+        rewards: recommended reward for one agent, a value of `FootballConfig.rewards`.
+        team_control: values of `control` for teams of agents.
+        difficulty: the reason why the game is hard, in one line.
+        expert: a semi-expert program for one agent: the same players in the same order, with behaviors.
         team_expert: the same for a team.
-        held_out: (label, program) pairs made by a rule, for final tables alone: nothing is tuned on them.
+        held_out: (label, program) pairs made by a rule, for final results only; no tuning on them.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Minigame(NamedTuple):
 
     @property
     def defaults(self) -> dict[str, Any]:
-        """The settings of a run that this game changes, by dotted path."""
+        """The run settings that this game overrides, by dotted path."""
         return {"env.control": self.control, "env.rewards": self.rewards}
 
     def task(
@@ -60,9 +60,9 @@ class Minigame(NamedTuple):
         """Return the game as a task, for `ued`'s methods or for `regista.train`.
 
         Args:
-            config: what agents observe, control and are rewarded for; None: as the game's row has it.
-            program: the compiled training program; None: it is loaded.
-            make: makes environments of a program, `make(program, num_envs, config=config)`; None: `FootballVectorEnv`.
+            config: observations, control and rewards; None: the defaults of this game.
+            program: the compiled training program; None: load it.
+            make: function that makes environments, `make(program, num_envs, config=config)`; None: `FootballVectorEnv`.
 
         Raises `ScenicError` for a program that cannot be loaded.
         """
@@ -78,20 +78,20 @@ class Minigame(NamedTuple):
 
     def test_games(self) -> list[Minigame]:
         """Return each test scene as a game of its own, without tests."""
-        told = (self.control, self.rewards, self.team_control)
+        shared = (self.control, self.rewards, self.team_control)
         return [
-            Minigame(f"{self.name}/{slug(label)}", path, (), f"{self.description}: {label}", *told)
+            Minigame(f"{self.name}/{slug(label)}", path, (), f"{self.description}: {label}", *shared)
             for label, path in self.tests
         ]
 
 
 def slug(label: str) -> str:
-    """Return what a test is called behind its game's name: `top_blocked` of "top blocked", `A` of "A: chases"."""
+    """Return the suffix of a test's name: `top_blocked` for "top blocked", `A` for "A: chases"."""
     return label.partition(":")[0].replace(" ", "_")
 
 
 def _scenes(stem: str, *names: str) -> tuple[tuple[str, Path], ...]:
-    """Return the pages `<stem>_<name>` by name, with a `_` for each space."""
+    """Return the programs `<stem>_<name>` by name, with a `_` for each space."""
     return tuple((name, HERE / f"{stem}_{slug(name)}.scenic") for name in names)
 
 
@@ -104,7 +104,7 @@ MINIGAMES: dict[str, Minigame] = {
             "1v1Restricted",
             HERE / "one_v_one" / "restricted.scenic",
             ONE_V_ONE_TESTS,
-            "a striker in front of goal, a keeper between him and it",
+            "a striker in front of the goal, with the keeper in between",
             held_out=_scenes("one_v_one/held_out_restricted", "in", "near", "clear"),
         ),
         Minigame(
@@ -121,7 +121,7 @@ MINIGAMES: dict[str, Minigame] = {
                 ("top blocked", HERE / "choose_passing" / "test_top.scenic"),
                 ("bottom blocked", HERE / "choose_passing" / "test_bottom.scenic"),
             ),
-            "the way to goal is closed, one of two mates is free",
+            "the path to the goal is blocked, one of two teammates is open",
         ),
         Minigame(
             "3v2FourBehaviors",
@@ -138,8 +138,8 @@ MINIGAMES: dict[str, Minigame] = {
 }
 
 
-# Games that ask for a curriculum, paid for goals alone: they hardly ever come on a random level at first, or what is
-# hard is rare.
+# Games designed for curricula, with goals as the only reward: goals are rare on random levels at first, or the hard
+# levels are rare.
 SPARSE_REWARD: dict[str, Minigame] = {
     game.name: game
     for game in (
@@ -147,23 +147,23 @@ SPARSE_REWARD: dict[str, Minigame] = {
             "Gauntlet",
             HERE / "gauntlet" / "train.scenic",
             _scenes("gauntlet/test", "near", "middle", "far", "awake"),
-            "three guards on the way to the goal, each with a reach of his own",
-            difficulty="all guards and the keeper must be passed: a goal in three hundred random levels at first",
+            "three guards on the path to the goal, each with its own range",
+            difficulty="the agent must pass all guards and the keeper; at first it scores on 1 of 300 random levels",
             held_out=_scenes("gauntlet/held_out", "near", "middle", "far"),
         ),
         Minigame(
             "ThreeLines",
             HERE / "gauntlet" / "lines.scenic",
             _scenes("gauntlet/test_lines", "near", "middle", "far"),
-            "a guard in each of three lines across the pitch, the striker behind any of them or before",
-            difficulty="one random level in six begins beyond the last line; the others want a guard passed",
+            "a guard in each of three lines across the pitch; the striker starts before or behind any of them",
+            difficulty="1 of 6 random levels starts beyond the last line; in the others the agent must pass a guard",
         ),
         Minigame(
             "Pursuit",
             HERE / "gauntlet" / "pursuit.scenic",
             _scenes("gauntlet/test_pursuit", "near", "middle", "far"),
-            "three defenders on the way to the goal who run at the ball, each at a pace of his own",
-            difficulty="from posts to runners in small steps: a goal in a hundred random levels at first",
+            "three defenders on the path to the goal run at the ball, each at its own speed",
+            difficulty="defenders range from static to fast; at first the agent scores on 1 of 100 random levels",
             held_out=_scenes("gauntlet/held_out_pursuit", "near", "middle", "far"),
         ),
         Minigame(
@@ -177,24 +177,24 @@ SPARSE_REWARD: dict[str, Minigame] = {
             "Crowd",
             HERE / "gauntlet" / "crowd.scenic",
             _scenes("gauntlet/test_crowd", "wall", "bends", "trap"),
-            "six guards anywhere between the striker and an empty goal, each with a reach",
-            difficulty="most random levels leave a way; what leaves none hardly ever comes by chance",
+            "six guards anywhere between the striker and an empty goal, each with its own range",
+            difficulty="most random levels leave a free path; levels without one are very rare",
             held_out=_scenes("gauntlet/held_out_crowd", "wall", "bends", "trap"),
         ),
         Minigame(
             "1v1Rare",
             HERE / "one_v_one" / "rare.scenic",
             ONE_V_ONE_TESTS,
-            "a striker, and a keeper aside of his way; a rare event, one level in fifty: he stands in it",
-            difficulty="what wins nearly all levels is soon learned; the rare ones ask for another way to play",
+            "a striker and a keeper off the striker's path; in 1 of 50 levels the keeper blocks the path",
+            difficulty="a strategy for the common levels is learned quickly; the rare levels require another one",
             held_out=_scenes("one_v_one/held_out_restricted", "in", "clear"),
         ),
         Minigame(
             "1v1RareLine",
             HERE / "one_v_one" / "rare_line.scenic",
             _scenes("one_v_one/test_rare", "out", "line", "line wide"),
-            "a striker, and a keeper who has come out aside of his way; one level in fifty: he is on his line",
-            difficulty="as 1v1Rare: what wins where he is out is soon learned, and fails where he is not",
+            "a striker and a keeper off the line and the path; in 1 of 50 levels the keeper is on the line",
+            difficulty="as 1v1Rare: a strategy for the common levels is learned quickly, and fails on the rare ones",
             held_out=(
                 *_scenes("one_v_one/held_out_rare", "line"),
                 ("out", HERE / "one_v_one" / "held_out_restricted_clear.scenic"),
@@ -205,7 +205,7 @@ SPARSE_REWARD: dict[str, Minigame] = {
             HERE / "buildup" / "train.scenic",
             _scenes("buildup/test", "two", "three", "four"),
             "three attackers anywhere against up to four defenders and a keeper",
-            difficulty="far from the goal there is nothing to learn from until what is near it is known",
+            difficulty="far from the goal there is no learning signal until the agent has learned to score near it",
             held_out=(("middle", HERE / "buildup" / "held_out.scenic"),),
         ),
         Minigame(
@@ -216,14 +216,14 @@ SPARSE_REWARD: dict[str, Minigame] = {
                 ("other wing", HERE / "offense" / "hard_crossing_test.scenic"),
             ),
             "the hard crossing from either wing, from any distance",
-            difficulty="mates and backs anywhere: the cross must find a gap",
+            difficulty="teammates and defenders anywhere: the cross must find a gap",
         ),
     )
 }
 
 
 def _page(name: str, description: str, difficulty: str, tested: bool = True, **others: Any) -> Minigame:
-    """Return the game of a page of this name, and of `<name>_test` beside it."""
+    """Return the game of program `<name>`, with test `<name>_test`."""
     tests = (("test", HERE / f"{name}_test.scenic"),) if tested else ()
     return Minigame(name, HERE / f"{name}.scenic", tests, description, difficulty=difficulty, **others)
 
@@ -232,34 +232,34 @@ EXPERTS = HERE / "experts"
 ATTACK: dict[str, Any] = {"team_control": ("allNonGK",)}
 DEFENCE: dict[str, Any] = {"team_control": ("all",)}
 
-# The benchmark of Scenic4RL, places and behaviors as there, one agent moving the player closest to the ball. 22 games.
+# The 22 games of Scenic4RL, with its positions and behaviors; one agent moves the player closest to the ball.
 BENCHMARK: dict[str, Minigame] = {
     game.name: game
     for game in (
         _page(
             "offense/avoid_pass_shoot",
-            "a back between the carrier and the goal, a mate behind him",
-            "soon learned by rote; what is learned fails wherever else players stand",
+            "a defender between the ball carrier and the goal, a teammate behind the defender",
+            "quickly memorized; the policy fails for other starting positions",
             expert=EXPERTS / "avoid_pass_shoot.scenic",
             team_expert=EXPERTS / "team_avoid_pass_shoot.scenic",
             **ATTACK,
         ),
         _page(
             "offense/easy_crossing",
-            "the ball wide in the box, a mate on the other side, a back between",
-            "soon learned from where the ball lies; little of it carries over to the other side",
+            "the ball wide in the box, a teammate on the other side, a defender in between",
+            "quickly learned from the ball's position; poor generalization to the other side",
             **ATTACK,
         ),
         _page(
             "offense/hard_crossing",
-            "a winger by the line, two mates among three backs",
-            "the cross has to find a mate between three backs",
+            "a winger at the sideline, two teammates among three defenders",
+            "the cross must reach a teammate between three defenders",
             **ATTACK,
         ),
         _page(
             "offense/11_vs_gk",
             "eleven against a keeper, from the kick-off spot",
-            "ninety metres without a goal to learn from: scoring alone teaches one run in ten",
+            "ninety meters without a learning signal: with goals as the only reward, 1 run in 10 learns",
             rewards=CHECKPOINTS,
             team_control=("2", "3"),
             expert=EXPERTS / "11_vs_gk.scenic",
@@ -267,99 +267,99 @@ BENCHMARK: dict[str, Minigame] = {
         ),
         _page(
             "offense/vision",
-            "a long pass to one of two forwards, whom one far back keeps onside or does not",
-            "what decides is far from the ball; 44 parameters",
+            "a long pass to one of two forwards; a distant defender decides who is onside",
+            "the decisive player is far from the ball; 44 parameters",
             rewards=CHECKPOINTS,
             **ATTACK,
         ),
         _page(
             "defense/gk_vs_opponent",
             "a keeper alone against an attacker",
-            "the easiest defence",
+            "the easiest defense",
             **DEFENCE,
         ),
         _page(
             "defense/2vs2",
-            "two backs against two attackers, the goal empty",
-            "the ball must be won before the shot; tests begin much nearer to it",
+            "two defenders against two attackers, empty goal",
+            "the agent must win the ball before the shot; tests start much closer to the ball",
             **DEFENCE,
         ),
         _page(
             "defense/2vs2_counterattack",
-            "a counterattack by two over the wing, the goal empty",
-            "a mate waits between the learner and his goal",
+            "a counterattack of two attackers over the wing, empty goal",
+            "a teammate waits between the agent and its goal",
             **DEFENCE,
         ),
         _page(
             "defense/2vs2_high_pass",
-            "a high pass from the wing to an attacker before the box",
-            "whom the learner moves changes while the ball is in the air",
+            "a high pass from the wing to an attacker in front of the box",
+            "the controlled player changes while the ball is in the air",
             **DEFENCE,
         ),
         _page(
             "defense/3vs2_counterattack",
-            "a counterattack by two against one back, two mates running home",
-            "two against one until the mates are back",
+            "a counterattack of two attackers against one defender, with two teammates running back",
+            "two against one until the teammates are back",
             **DEFENCE,
         ),
         _page(
             "defense/3vs3_cross_from_side",
-            "a cross to one of two who wait before the goal",
-            "winning the ball is not the end: only a goal or the line is",
+            "a cross to one of two attackers in front of the goal",
+            "winning the ball does not end the episode; only a goal or the ball out of play does",
             **DEFENCE,
         ),
         _page(
             "defense/3vs3_side_buildup",
-            "three against three from the side, the goal empty",
-            "nobody is behind the three: any shot counts",
+            "three against three from the side, empty goal",
+            "no player is behind the three defenders: every shot scores",
             **DEFENCE,
         ),
         _page(
             "defense/hesitant_dribble",
-            "a back alone against the built-in attacker, the goal empty",
-            "one duel before an empty goal; the hardest defence of the published",
+            "a single defender against the built-in attacker, empty goal",
+            "one duel in front of an empty goal; the hardest of the published defenses",
             **DEFENCE,
         ),
         _page(
             "defense/zigzag_dribble",
-            "a back and a keeper who stands still, against an attacker who goes round",
-            "he reacts from afar; in the tests he starts a few metres from the back and reacts late",
+            "a defender and a static keeper against an attacker who dribbles around them",
+            "the attacker reacts early; in the tests it starts a few meters from the defender and reacts late",
             **DEFENCE,
         ),
-        _page("grf/empty_goal", "the ball in the middle, nobody in the way", "fifty metres of running", **ATTACK),
-        _page("grf/empty_goal_close", "the ball in the box, nobody in the way", "turn and shoot", **ATTACK),
+        _page("grf/empty_goal", "the ball in midfield, no opponents", "fifty meters of running", **ATTACK),
+        _page("grf/empty_goal_close", "the ball in the box, no opponents", "turn and shoot", **ATTACK),
         _page(
             "grf/run_to_score",
             "an empty goal ahead, five chasers behind",
-            "sprint straight on; elsewhere the way is not straight",
+            "sprint straight ahead; in the test the path is not straight",
             rewards=CHECKPOINTS,
             **ATTACK,
         ),
         _page(
             "grf/run_to_score_with_keeper",
             "the keeper ahead, five chasers behind",
-            "nothing is learned from goals alone, as published: the keeper must be passed",
+            "the agent must beat the keeper; published agents learn nothing from goals only",
             rewards=CHECKPOINTS,
             expert=EXPERTS / "run_to_score.scenic",
             **ATTACK,
         ),
         _page(
             "grf/pass_and_shoot_with_keeper",
-            "the ball wide and marked, a mate free before the goal",
-            "the pass at once; the test is its mirror image",
+            "the ball carrier wide and marked, a teammate open in front of the goal",
+            "pass at once; the test is mirrored",
             expert=EXPERTS / "pass_and_shoot.scenic",
             team_expert=EXPERTS / "team_pass_and_shoot.scenic",
             **ATTACK,
         ),
         _page(
             "grf/run_pass_and_shoot_with_keeper",
-            "the ball wide and free, a back on the way to the mate",
-            "carry it in, or pass behind the back",
+            "the ball carrier wide and open, a defender on the passing lane",
+            "dribble to the goal, or pass behind the defender",
             **ATTACK,
         ),
         _page(
             "grf/3_vs_1_with_keeper",
-            "three attackers before the box against a back and the keeper",
+            "three attackers in front of the box against a defender and the keeper",
             "shoot, or pass to either side",
             tested=False,
             **ATTACK,
@@ -367,7 +367,7 @@ BENCHMARK: dict[str, Minigame] = {
         _page(
             "grf/counterattack_easy",
             "eleven a side, five attackers ahead of most opponents",
-            "eleven to watch, and nothing learned from goals alone, as published",
+            "eleven opponents; published agents learn nothing from goals only",
             tested=False,
             rewards=CHECKPOINTS,
             team_control=("3",),
@@ -377,22 +377,22 @@ BENCHMARK: dict[str, Minigame] = {
     )
 }
 
-# Google Research Football's own academy, everybody where its scenario files have him, played as there.
+# The academy of Google Research Football, with the starting positions and rules of its scenario files.
 ACADEMY: dict[str, Minigame] = {
     f"academy/{name}": Minigame(f"academy/{name}", HERE / "academy" / f"{name}.scenic", (), description, "active")
     for name, description in (
-        ("empty_goal_close", "the ball in the box, nobody in the way"),
-        ("empty_goal", "the ball in the middle, nobody in the way"),
+        ("empty_goal_close", "the ball in the box, no opponents"),
+        ("empty_goal", "the ball in midfield, no opponents"),
         ("run_to_score", "five chasers behind, an empty goal ahead"),
         ("run_to_score_with_keeper", "five chasers behind, the keeper ahead"),
-        ("pass_and_shoot_with_keeper", "the ball wide and marked, a mate free in the middle"),
-        ("run_pass_and_shoot_with_keeper", "the ball wide and free, a mate marked in the middle"),
+        ("pass_and_shoot_with_keeper", "the ball carrier wide and marked, a teammate open in the middle"),
+        ("run_pass_and_shoot_with_keeper", "the ball carrier wide and open, a teammate marked in the middle"),
         ("3_vs_1_with_keeper", "three attackers at the edge of the box against one defender and the keeper"),
         ("counterattack_easy", "eleven a side, five attackers ahead of most opponents"),
     )
 }
 
-# Programs of which one run trains on all, from easy to hard; any others are written as names joined by +.
+# Named mixtures, from easy to hard, on which one run trains; write other mixtures as names joined by +.
 MIXTURES: dict[str, tuple[str, ...]] = {
     "AcademyLadder": (
         "grf/empty_goal_close",
@@ -405,5 +405,5 @@ MIXTURES: dict[str, tuple[str, ...]] = {
 }
 
 ALL = MINIGAMES | SPARSE_REWARD | BENCHMARK | ACADEMY
-# Whatever can stand where a program is asked for: games, and each of their test scenes as `<game>/<test>`.
+# All names accepted as a program: games, and their test scenes as `<game>/<test>`.
 NAMED = ALL | {test.name: test for game in ALL.values() for test in game.test_games()}

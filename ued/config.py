@@ -82,7 +82,7 @@ def spelled(number: float) -> str:
 
 @functools.cache
 def hints_of(kind: Any) -> dict[str, Any]:
-    """Return the types of a class's fields, which are text otherwise and evaluated anew each time."""
+    """Return the types of a class's fields, evaluated from their annotations and cached."""
     return typing.get_type_hints(kind)
 
 

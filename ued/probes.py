@@ -47,7 +47,7 @@ class Frontier(UPOMDP):
         turns: seed of the hidden turns.
     """
 
-    seed_is_luck = True  # of which there is none
+    seed_is_luck = True  # the environment is deterministic
 
     def __init__(
         self, num_envs: int = 32, longest: int = 20, dim: int = 4, blocked_above: float = 0.8, turns: int = 0

@@ -79,7 +79,7 @@ def bootstrap(
 
     Few runs vary less among themselves than runs do: the bootstrap's 95 % interval of two covers the truth half of the
     time. So its deviations are widened as Student's t widens the normal's, by the root of R / chi-squared(R - 1).
-    `errors` `[R, ...]` are the standard errors of a run's own values, whose luck is drawn anew: without them, runs that
+    `errors` `[R, ...]` are the standard errors of a run's own values, whose noise is resampled: without them, runs that
     agree by chance would look certain. Fewer than `LEAST` runs say too little of the next; see `wilson` and `student_t`
     for what the episodes of a single run say. Raises `ValueError` for no run.
     """

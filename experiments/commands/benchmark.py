@@ -1,9 +1,9 @@
-"""`regista benchmark`: environment steps per second of the simulator and of training, on this machine.
+"""`regista benchmark`: measure environment steps per second of the simulator and of training on this machine.
 
     regista benchmark
     regista benchmark --threads 2 --json > speed.json
 
-Read next: `regista.envs.football.batch`, the loop that is measured.
+Read next: `regista.envs.football.batch`, the measured loop.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ WARM_UP = 8  # calls before a measurement
 
 @dataclass(frozen=True)
 class BenchmarkConfig(Checked):
-    """What is typed after `regista benchmark`."""
+    """Arguments of `regista benchmark`."""
 
     threads: int = setting(1, "threads of the simulator and of the networks", ">=1", most=most_threads)
     num_envs: int = setting(256, "environments of the simulator's batch", ">=1", most=100_000)
@@ -38,7 +38,7 @@ class BenchmarkConfig(Checked):
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     if any(word.partition("=")[0] == "--suite" for word in argv):
         raise UsageError("benchmark --suite has moved: python -m lab.benchmarks --suite, in a checkout")
     config = arguments.parse(BenchmarkConfig(), argv, "benchmark", DESCRIPTION)

@@ -1,4 +1,4 @@
-"""`regista clone`: behavior cloning of demonstrations to a checkpoint that `train --from` and `evaluate` take.
+"""`regista clone`: behavior cloning of demonstrations; `train --from` and `evaluate` accept the result.
 
     regista clone demos/1v1Free --out runs/clone
     regista evaluate runs/clone
@@ -6,9 +6,9 @@
 
     clone.json       the `CloneConfig`
     cloning.csv      one row per epoch: losses and accuracies; cloning.png draws them
-    accuracy.csv     one row per action, of held-out episodes
-    cloning.pt       everything that is needed to go on; the same command does, after a kill, to the same tables
-    config.json, checkpoint.pt    a run that was never trained
+    accuracy.csv     one row per action, on held-out episodes
+    cloning.pt       the full training state; after a kill, the same command continues and gives the same tables
+    config.json, checkpoint.pt    a run folder with zero training steps
 
 Read next: `ued.learning.cloning`.
 """
@@ -40,25 +40,25 @@ if TYPE_CHECKING:
     from regista.experiments.imitation.demonstrations import Demonstrations
     from ued.learning.cloning import Agreement, Cloner
 
-DESCRIPTION = "Let a student learn to do what was done in demonstrations; the result is a run that can be trained on."
+DESCRIPTION = "Train a student on demonstrations by behavior cloning; regista train --from continues from the result."
 
 
 @dataclass(frozen=True)
 class CloneConfig(Checked):
-    """What is typed after `regista clone`."""
+    """Arguments of `regista clone`."""
 
-    demonstrations: Path | None = positional("a folder of regista demonstrate", default=None)
+    demonstrations: Path | None = positional("folder written by regista demonstrate", default=None)
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-clone-SEED)")
-    minigame: str | None = setting(None, "the minigame that the clone is to play; without, the demonstrations' own")
-    preset: Literal["fast", "thesis"] = setting("fast", "starting point of the student's settings: fast, or thesis")
-    seed: int = setting(0, "seed of weights, of shuffling and of which episodes are held out", ">=0", most=LARGEST_SEED)
+    minigame: str | None = setting(None, "minigame of the clone (default: that of the demonstrations)")
+    preset: Literal["fast", "thesis"] = setting("fast", "preset of the student's settings: fast or thesis")
+    seed: int = setting(0, "seed of the weights, the shuffling and the held-out split", ">=0", most=LARGEST_SEED)
     threads: int = setting(1, "threads for the networks", ">=1", most=most_threads)
     cloning: CloningConfig = group(CloningConfig, "cloning")
-    ppo: PPOConfig = group(football_ppo, "the student, and PPO if it is trained on", prefix="ppo.")
+    ppo: PPOConfig = group(football_ppo, "network of the student, and PPO for later training", prefix="ppo.")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     bases = {name: CloneConfig(ppo=preset.ppo) for name, preset in configs.presets().items()}
     base = bases.pop(starting.preset_of(argv))
     others = {f"with --preset {name}": [other] for name, other in bases.items()}
@@ -66,7 +66,7 @@ def main(argv: Sequence[str]) -> int:
     if config.demonstrations is None:
         raise UsageError("clone needs a folder of demonstrations, such as demos/1v1Free")
     if config.ppo.memory != "none":
-        raise CommandError(f"cloning teaches single steps: --ppo.memory must be none, got {config.ppo.memory}")
+        raise CommandError(f"cloning supports no memory: --ppo.memory must be none, got {config.ppo.memory}")
     from regista.experiments.imitation.cloning_data import CloningData
     from regista.experiments.imitation.demonstrations import Demonstrations
 
@@ -77,12 +77,15 @@ def main(argv: Sequence[str]) -> int:
     with StopRequest() as stop:
         clone(run, source, config, data, method, stop)
     if stop:
-        print("stopped; the same command goes on")
+        print("stopped; run the same command to continue")
     return stop.exit_code
 
 
 def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tuple[Any, RunFolder, Source]:
-    """Return the method that holds the student, folder and program. Raises `CommandError` where they do not fit."""
+    """Return the method with the student, the run folder and the program.
+
+    Raises `CommandError` if the demonstrations do not match the game.
+    """
     game = football_game(config.minigame or demos.config.minigame)
     minigame, base = game.name, game.start(config.preset)
     env = replace(demos.config.env, rewards=base.env.rewards)
@@ -94,8 +97,8 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     seen, space = data.observation_shape, upomdp.single_observation_space
     if seen != space.shape or data.action_shape != upomdp.single_action_space.shape:
         raise CommandError(
-            f"{demos.path} shows observations {list(seen)} of {demos.config.minigame}; {minigame} gives "
-            f"{list(space.shape or ())}: the demonstrations are of another game"
+            f"{demos.path} holds observations {list(seen)} of {demos.config.minigame}; {minigame} has "
+            f"{list(space.shape or ())}: the demonstrations belong to another game"
         )
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
@@ -104,13 +107,13 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
 
 
 def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder:
-    """Make the run folder, or go on with one that was begun with the same settings."""
+    """Create the run folder, or continue one that has the same settings."""
     file, text = path / "clone.json", json.dumps(asked, indent=2) + "\n"
     if file.exists():
         if file.read_text(errors="replace") != text:
-            raise CommandError(f"{path} holds a clone of other settings, those of {file}; choose another --out")
+            raise CommandError(f"{path} holds a clone with other settings, see {file}; choose another --out")
         run = RunFolder.open(path)
-        versions.check_present(run.simulator, f"{path} was begun on", "it cannot be gone on with")
+        versions.check_present(run.simulator, f"{path} was begun on", "it cannot be continued")
         return run
     run = RunFolder.create(path, training)
     try:
@@ -123,14 +126,14 @@ def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder
 def clone(
     run: RunFolder, source: Source, config: CloneConfig, data: CloningData, method: Any, stop: StopRequest
 ) -> None:
-    """Learn until the held-out loss no longer falls; leave tables, a picture and the checkpoint of the best epoch."""
+    """Train until the held-out loss stops falling; write tables, a picture and the checkpoint of the best epoch."""
     from regista.experiments.imitation.picture import draw_cloning
     from ued.core.seeding import torch_generator
     from ued.learning.cloning import Cloner
 
     cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
     table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
-    lines = table.until(cloner.epoch)  # all is read before anything is written
+    lines = table.until(cloner.epoch)  # read everything before writing anything
     run.save_source(source)
     table.replace(lines)
     if goes_on:
@@ -152,17 +155,17 @@ def clone(
     write_accuracies(run.path / "accuracy.csv", agreement)
     with read_from(f"{table.path} is"):
         draw_cloning(table.path, agreement, run.path / "cloning.png")
-    kept = {"update": 0, "env_steps": 0, "elapsed": 0.0, **versions.stamp(run.config)}
-    run.save({**kept, "method": method.state_dict()})
+    saved = {"update": 0, "env_steps": 0, "elapsed": 0.0, **versions.stamp(run.config)}
+    run.save({**saved, "method": method.state_dict()})
     progress.finish(
-        f"{run.path}: {cloner.epoch} epochs, the best was {cloner.best_epoch}; of held-out steps "
-        f"{agreement.accuracy:.2f} as done, over actions {agreement.balanced_accuracy:.2f}; "
+        f"{run.path}: {cloner.epoch} epochs, best epoch {cloner.best_epoch}; held-out accuracy "
+        f"{agreement.accuracy:.2f}, balanced accuracy {agreement.balanced_accuracy:.2f}; "
         f"{data.episodes} episodes, {elapsed:.0f} s"
     )
 
 
 def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict[str, float]:
-    """Return the row of an epoch; its number stands under `update`, as in every table that is cut back."""
+    """Return the table row of an epoch; its number is in column `update`, as tables are cut back by that column."""
     return {
         "update": cloner.epoch,
         "loss": losses["loss"],
@@ -175,7 +178,7 @@ def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict
 
 
 def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
-    """Go on from the last epoch, if there was one; return whether there is more to do, and the seconds spent."""
+    """Restore the last saved epoch, if any; return whether training continues, and the seconds spent so far."""
     from ued.core import checkpoint
 
     path = run.path / "cloning.pt"
@@ -194,7 +197,7 @@ def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None
 
 
 def write_accuracies(path: Path, agreement: Agreement) -> None:
-    """Write how often each action was done in held-out episodes, and how often the student agrees."""
+    """Write for each action its count in held-out episodes, and the recall and precision of the student."""
     from regista.envs.football.constants import ACTION_NAMES
 
     done, meant = agreement.counts.sum(1), agreement.counts.sum(0)

@@ -1,9 +1,9 @@
-"""`regista compare`: train methods on a minigame over seeds, test them all, tabulate and draw.
+"""`regista compare`: train several methods over several seeds, evaluate them, write tables and pictures.
 
     regista compare 1v1Restricted --methods dr paired --seeds 4 --total-env-steps 3_000_000 --out demo
 
-Every run is a folder in `--out`; a second call skips finished runs and continues the others. Read next:
-`run.launch.workers`, which trains; `commands.evaluate`, which tests; `run.report`, the tables; `pictures.overview`.
+Every run has a folder in `--out`; a second call skips finished runs and continues the others. Read next:
+`run.launch.workers`, training; `commands.evaluate`, evaluation; `run.report`, the tables; `pictures.overview`.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from ued.core.task import TRAINING_SCENE
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
-    "write a table and pictures. Can be stopped at any time; called again, it continues."
+    "write tables and pictures. You can stop it at any time; the same command continues."
 )
-CHOSEN = ("minigame", "method", "seed")  # settings of a run that the comparison chooses
+CHOSEN = ("minigame", "method", "seed")  # settings that the comparison sets for each run
 
 
 @dataclass(frozen=True)
 class CompareConfig(Checked):
-    """What is typed after `regista compare`."""
+    """Arguments of `regista compare`."""
 
     minigame: str = positional(GAME, default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; differences are relative to the first")
@@ -55,13 +55,11 @@ class CompareConfig(Checked):
         200, "random levels for CVaR10, the success rate on the worst tenth; 0: none", most=1_000_000, least=0
     )
     level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
-    from_: Path | None = setting(
-        None, "begin with the student of this run; of a comparison with one method, each with that of its seed"
-    )
-    out: Path | None = setting(None, "folder (default runs/compare-MINIGAME)")
-    rrd: Path | None = setting(None, "also write the curves of all runs to this recording")
-    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (images: a day)")
-    launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
+    from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
+    out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
+    rrd: Path | None = setting(None, "also record the curves of all runs to this Rerun file")
+    preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
+    launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
@@ -69,28 +67,28 @@ class CompareConfig(Checked):
         super().__post_init__()
         check_levels(self.levels, self.level_episodes)
         if not self.methods or len(set(self.methods)) < len(self.methods):
-            raise ValueError(f"methods must be one or more, each named once, got {' '.join(self.methods) or 'none'}")
+            raise ValueError(f"methods must be one or more, without repetition, got {' '.join(self.methods) or 'none'}")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     config, game = _read(argv)
     folder = config.out or Path("runs") / f"compare-{game.short}"
     runs = prepare(config, game, folder)
-    # Before there are several processes: this compiles the kernels
+    # This compiles the kernels, which must happen before several processes start.
     scenes = EvalScenes(runs[0].config, game, config.episodes, config.held_out)
     with StopRequest() as stop:
         trained = train_unfinished(runs, config.launch, stop)
     if not trained:
         return stop.exit_code
-    print(f"testing {len(runs)} runs and the baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
+    print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
     show(report, runs, scenes, folder, config.rrd)
     return 0
 
 
 def prepare(config: CompareConfig, game: Game, folder: Path) -> list[RunFolder]:
-    """Create the run folders that are not there yet, and open the others; they must agree with the settings."""
+    """Create missing run folders and open existing ones, whose settings must match."""
     runs = []
     for seed in range(config.first_seed, config.first_seed + config.seeds):
         for method in config.methods:
@@ -101,7 +99,7 @@ def prepare(config: CompareConfig, game: Game, folder: Path) -> list[RunFolder]:
 
 
 def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: Path, rrd: Path | None = None) -> None:
-    """Print the tables; write them, all numbers and pictures, and the curves of all runs to a recording at `rrd`."""
+    """Print and write tables and pictures; record the curves of all runs at `rrd`."""
     upomdp, task = scenes.scenes[TRAINING_SCENE], scenes.task
     painter = task.painter(upomdp) if task.painter else None
     by_method: dict[str, list[Path]] = {}
@@ -111,7 +109,7 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
         draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters), folder)
     report.save(folder)
     print(f"\n{report.text()}\n")
-    print(f"tables: {folder}/table.md, table.csv; of each run: results.csv, levels.csv")
+    print(f"tables: {folder}/table.md, table.csv; by run: results.csv, levels.csv")
     print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
     if runs[-1].recordings():
         print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
@@ -123,7 +121,7 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
 
 
 def draw(comparison: Comparison, folder: Path) -> None:
-    """Draw the pictures of a comparison: three, or two where nothing is known of how levels look."""
+    """Draw the pictures of a comparison: three, or two for a task without a painter."""
     plots.learning_curves(comparison.runs, folder / "learning_curves.png")
     if comparison.painter is None:
         return theta_plots.levels(comparison.runs, folder / "levels.png")
@@ -132,7 +130,7 @@ def draw(comparison: Comparison, folder: Path) -> None:
 
 
 def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
-    """Return what is typed, and the game that is named."""
+    """Return the parsed arguments and the game."""
     known = CompareConfig(train=starting.settings_for(argv))
     others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)

@@ -1,10 +1,10 @@
-"""`regista demonstrate`: episodes of a semi-expert program, or of a trained student, for others to learn from.
+"""`regista demonstrate`: save episodes of a semi-expert program or of a trained student as demonstrations.
 
     regista demonstrate academy/run_to_score_with_keeper --episodes 1000 --out demos
     regista demonstrate mine.scenic --control active --keep all --out demos
     regista demonstrate --run runs/1v1Free-dr-0 --episodes 1000 --out demos
 
-The same command continues where it was stopped, and adds episodes if more are requested. Read next:
+The same command continues after a stop, and adds episodes if more are requested. Read next:
 `imitation.demonstrations`, the folder.
 """
 
@@ -32,50 +32,51 @@ if TYPE_CHECKING:
     from regista.envs.football.vector_env import FootballVectorEnv
     from regista.experiments.imitation.demonstrator import Choose
 
-DESCRIPTION = "Keep episodes of a program, or of a trained student, as records and as a Minari data set."
+DESCRIPTION = "Save episodes of a program or of a trained student as records and as a Minari dataset."
 RUN_SAYS = {"representation", "control", "right_control"}
-SIDE_BY_SIDE = {"smm": 64, "smm_stacked": 64}  # episodes of a part, by representation; 256 of small observations
+SIDE_BY_SIDE = {"smm": 64, "smm_stacked": 64}  # parallel episodes, by representation; 256 for small observations
 
 
 @dataclass(frozen=True)
 class DemonstrateConfig(Checked):
-    """What is typed after `regista demonstrate`."""
+    """Arguments of `regista demonstrate`."""
 
-    minigame: str = positional("a minigame's name, or the path of a .scenic program", default="")
-    episodes: int = setting(1000, "episodes to keep", ">=1", most=10_000_000)
-    out: Path | None = setting(None, "folder (default demos/MINIGAME)")
-    run: Path | None = setting(None, "the student of this run plays, not the program")
-    keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
+    minigame: str = positional("minigame or path of a .scenic program", default="")
+    episodes: int = setting(1000, "number of episodes to save", ">=1", most=10_000_000)
+    out: Path | None = setting(None, "output folder (default demos/MINIGAME)")
+    run: Path | None = setting(None, "let the student of this run act instead of the program")
+    keep: Literal["successful", "all"] = setting("successful", "episodes to save: successful or all")
     success_above: float | None = setting(
-        None, "an episode is successful if its return is above this; else by its game", most=1e9, least=-1e9
+        None, "success threshold on the return (default: the game's own success criterion)", most=1e9, least=-1e9
     )
     max_played: int = setting(
-        0, "give up after so many episodes; 0: after 100 for each that is to be kept", ">=0", most=10**9
+        0, "give up after playing this many episodes; 0: 100 per requested episode", ">=0", most=10**9
     )
-    greedy: bool = setting(False, "the student takes its most likely actions")
-    seed: int = setting(0, "seed of levels and of chance", ">=0", most=LARGEST_SEED)
-    representation: Literal["features", "simple115", "smm", "smm_stacked"] = setting("features", "what is seen")
-    control: str | None = setting(None, "whom agents move; without, as the minigame has it")
-    right_control: str = setting("none", "right players that agents move: the same words")
+    greedy: bool = setting(False, "the student takes its most likely action")
+    seed: int = setting(0, "seed of levels and episodes", ">=0", most=LARGEST_SEED)
+    representation: Literal["features", "simple115", "smm", "smm_stacked"] = setting("features", "observation")
+    control: str | None = setting(None, "left players controlled by agents (default: that of the minigame)")
+    right_control: str = setting("none", "right players controlled by agents, as for --control")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     said = arguments.typed_settings(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
     typed = arguments.replace_paths(DemonstrateConfig(), said)
     if not typed.minigame and typed.run is None:
         raise UsageError("demonstrate needs a minigame's name, a .scenic file, or --run RUN")
     for name in sorted(RUN_SAYS & said.keys()) if typed.run else ():
-        raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run plays as it was trained")
+        raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run acts as it was trained")
     check_installed()
     config, program, student = _who_plays(typed)
-    env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)  # refuses before it is begun
+    # Made before the folder, so that an error leaves no folder
+    env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
     demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
     if student is None:
         if not env.behaviors.is_live:
-            warn(f"note: {program.file} has no behaviors; the built-in AI plays for its agents")
+            warn(f"note: {program.file} has no behaviors; the built-in AI acts for its agents")
         env = env.with_scripted_policy()
     with StopRequest() as stop:
         _fill(demos, env, student, typed, stop)
@@ -83,7 +84,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
-    """Return the settings of the folder, the program, and if it is a student, what chooses its actions by seed."""
+    """Return the settings of the folder, the program, and for a student a function that makes its policy by seed."""
     from regista.envs.football.config import FootballConfig
 
     chosen = {name: getattr(typed, name) for name in ("keep", "success_above", "greedy", "seed")}
@@ -103,7 +104,7 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
         program = load_program((game.expert if alone else game.team_expert) or game.program, None)
         return DemonstrationsConfig(minigame=found.name, part=part, env=env, **chosen), program, None
     if typed.minigame:
-        raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
+        raise UsageError(f"{typed.minigame} and --run exclude each other: a run acts in its own minigame")
     run = RunFolder.open(typed.run)
     played = single_game(run.config.minigame)
     env = run.config.scored().env
@@ -131,7 +132,7 @@ def _fill(
     typed: DemonstrateConfig,
     stop: StopRequest,
 ) -> None:
-    """Play parts until there are enough episodes, and tell what came of it."""
+    """Play parts until enough episodes are saved, and print a summary."""
     from regista.experiments.imitation.demonstrator import parts
 
     config, most = demos.config, typed.max_played or 100 * typed.episodes
@@ -152,21 +153,21 @@ def _fill(
     progress.finish(f"{demos.path}: {min(tally.kept, typed.episodes)} episodes, {tally}{pace}")
     if tally.kept < typed.episodes and not stop:
         raise CommandError(
-            f"only {tally.kept} of {tally.played} episodes were successful, {typed.episodes} were asked for; they are "
-            f"kept in {demos.path}: go on with a greater --max-played, or --keep all"
+            f"only {tally.kept} of {tally.played} episodes were successful, {typed.episodes} were requested; they are "
+            f"saved in {demos.path}: continue with a larger --max-played, or use --keep all"
         )
     if stop:
-        print("stopped; the same command goes on")
+        print("stopped; run the same command to continue")
 
 
 class Tally:
-    """What was played so far."""
+    """Counts over the episodes played so far."""
 
     def __init__(self) -> None:
         self.played = self.kept = self.successes = self.steps = 0
 
     def add(self, part: Summary) -> None:
-        """Count a part."""
+        """Add the counts of a part."""
         self.played += len(part.kept)
         self.kept += int(part.kept.sum())
         self.successes += int(part.success.sum())
@@ -181,7 +182,7 @@ class Tally:
 
 
 def _gym_settings(env: FootballVectorEnv) -> dict[str, Any]:
-    """Return what `FootballEnv` is made with to be the environment that was played in, agents and all."""
+    """Return the arguments with which `FootballEnv` recreates this environment."""
     folder, config = env.program.mode.state.root, env.config
     place = None if folder is None else folder / env.program.file
     return {

@@ -1,11 +1,11 @@
-"""`regista evaluate`: play trained runs, and baselines, on the test scenes of their minigame.
+"""`regista evaluate`: evaluate trained runs and baselines on the test scenes of their minigame.
 
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
-    regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in the real engine
+    regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in GRF
     regista evaluate runs/1v1Restricted-paired-0 --engine grf --episodes 100
-    regista evaluate runs/1v1Restricted-paired-0 --gallery                     # its levels as gallery.html
+    regista evaluate runs/1v1Restricted-paired-0 --gallery                     # write its levels as gallery.html
 
-Read next: `run.evaluator`, which plays; `run.results`, which counts; `run.report`, the tables.
+Read next: `run.evaluator`, the episodes; `run.results`, the statistics; `run.report`, the tables.
 """
 
 from __future__ import annotations
@@ -36,45 +36,45 @@ DESCRIPTION = "Play runs on the test scenes of their minigame and on its trainin
 
 @dataclass(frozen=True)
 class EvaluateConfig(Checked):
-    """What is typed after `regista evaluate`."""
+    """Arguments of `regista evaluate`."""
 
-    runs: tuple[Path, ...] = positional("run folders, all of one minigame", default=())
+    runs: tuple[Path, ...] = positional("run folders of one minigame", default=())
     episodes: int | None = setting(
         None,
-        f"whole episodes on each scene (default {EPISODES}; in the real engine as many as --minutes allow)",
+        f"episodes on each scene (default {EPISODES}; with --engine grf as many as --minutes allow)",
         ">=1",
         most=1_000_000,
     )
     minutes: float | None = setting(
         None,
-        "instead of --episodes: play rounds of episodes, as many as fit into this time "
-        f"(default with the real engine {GRF_MINUTES:g})",
+        "instead of --episodes: play as many rounds of episodes as fit into this time "
+        f"(default with --engine grf: {GRF_MINUTES:g})",
         ">0",
         most=100_000,
     )
     levels: int | None = setting(
         None,
-        "levels drawn at random for CVaR10, the goal rate on the worst tenth; 0: none "
-        f"(default {LEVELS}; 0 in the real engine)",
+        "random levels for CVaR10, the success rate on the worst tenth; 0: none "
+        f"(default {LEVELS}; 0 with --engine grf)",
         most=1_000_000,
         least=0,
     )
-    level_episodes: int = setting(10, "whole episodes on each of them, an even number", most=10_000, least=2)
-    held_out: bool = setting(False, "test on the held-out scenes of the minigame, once, when all is chosen")
-    baselines: bool = setting(True, "evaluate 'shoot' and 'random' beside the runs")
+    level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
+    held_out: bool = setting(False, "evaluate on the held-out scenes, for final results only")
+    baselines: bool = setting(True, "also evaluate the baselines 'shoot' and 'random'")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")
     json: bool = setting(False, "print JSON instead of a table")
-    gallery: bool = setting(False, "instead of playing: write the levels of each run as a page for a browser")
+    gallery: bool = setting(False, "instead of evaluating: write the levels of each run as an HTML page")
     gallery_levels: int = setting(
         3_000,
-        "levels on the map of the page, spread over updates; those with replays come on top",
+        "levels on the map of the page, evenly spaced over updates; levels with replays are added",
         ">=1",
         most=100_000,
     )
     gallery_replays: int = setting(150, "levels with replays on the page, spread over updates", ">=0", most=10_000)
-    playing: EngineConfig = group(EngineConfig, "engine; without, the one that the runs were trained on")
+    playing: EngineConfig = group(EngineConfig, "engine (default: the one of training)")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -84,11 +84,11 @@ class EvaluateConfig(Checked):
 
 
 def check_levels(levels: int, episodes: int) -> None:
-    """Raise `ValueError` for numbers that no CVaR10 can be had of."""
+    """Raise `ValueError` for numbers of levels and episodes from which CVaR10 cannot be estimated."""
     if levels < 0 or 0 < levels < 10:
-        raise ValueError(f"levels must be 0 or at least 10, of which one is the worst tenth, got {levels}")
+        raise ValueError(f"levels must be 0 or at least 10, so that the worst tenth has a level, got {levels}")
     if episodes < 2 or episodes % 2:
-        raise ValueError(f"level_episodes must be even, one half finds the worst levels; got {episodes}")
+        raise ValueError(f"level_episodes must be even, as one half selects the worst levels; got {episodes}")
     if levels * episodes > MOST_PLAYED:
         raise ValueError(f"levels x level_episodes must be at most {MOST_PLAYED:_} episodes, got {levels * episodes:_}")
 
@@ -129,11 +129,11 @@ def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
         made = make_page(run, game, path, config.gallery_levels, config.gallery_replays)
     print(f"{path}: {made.levels} of {made.played} levels, {made.replays} with replays")
     if made.otherwise:
-        print(f"{made.otherwise} replays ended differently than they were recorded: the environment has changed")
+        print(f"{made.otherwise} replays differ from the recorded episodes: the environment has changed")
 
 
 def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:
-    """Return what plays, on the scenes of these settings of a run; the real engine plays less by default."""
+    """Return the evaluator for the scenes of a run's settings; by default GRF plays fewer episodes."""
     real = first.engine == "grf"
     minutes = GRF_MINUTES if real and config.episodes is None and config.minutes is None else config.minutes
     episodes = (config.episodes or EPISODES) if minutes is None else ROUND
@@ -143,7 +143,7 @@ def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:
 
 
 def as_json(report: Report) -> dict[str, Any]:
-    """Return rows by run, the simulator's version, and all numbers of the tables; null where there is none."""
+    """Return rows by run, the simulator version, and all numbers of the tables; null means not available."""
     entries = [entry._asdict() for entry in report.entries]
     return {
         "results": [asdict(row) for row in report.results],

@@ -1,13 +1,13 @@
-"""`regista inspect`: look into a program: its free parameters, rules and scenes, its text as tokens, nodes or code.
+"""`regista inspect`: show a program: its free parameters, requirements, scenes, tokens, syntax tree or code.
 
     regista inspect 1v1Free
     regista inspect mine.scenic --show nodes
     regista inspect 1v1Free --png scenes.png --n 12 --seed 3
-    regista inspect mine.scenic --engine scenic3            # as Scenic itself reads it
+    regista inspect mine.scenic --engine scenic3            # as Scenic 3 reads it
     regista inspect mine.scenic --rrd scenes.rrd
-    regista inspect --adversary runs/paired                 # what a run's adversary proposed, column by column
+    regista inspect --adversary runs/paired                 # proposals of a run's adversary, by parameter
 
-Read next: `scenic_lite.scene.program`, which is what is shown; `pictures.scene_view`, how scenes are drawn.
+Read next: `scenic_lite.scene.program`, the program; `pictures.scene_view`, how scenes are drawn.
 """
 
 from __future__ import annotations
@@ -35,39 +35,37 @@ from ued.config import LARGEST_SEED, Checked, setting
 if TYPE_CHECKING:
     from scenic_lite import Program
 
-DESCRIPTION = "Show what a program describes: its free parameters θ, its objects, how many draws are valid, scenes."
-DRAWS = 4096  # for the report of acceptance
+DESCRIPTION = "Show a program: its free parameters θ, its objects, its acceptance rate and scenes."
+DRAWS = 4096  # samples for the acceptance rate
 INDENT = "  "
 
 
 @dataclass(frozen=True)
 class InspectConfig(Checked):
-    """What is typed after `regista inspect`."""
+    """Arguments of `regista inspect`."""
 
-    program: str = positional("a minigame's name, a .scenic program, or a task of yours: file.py:name", default="")
+    program: str = positional("minigame, .scenic program, or Python task file.py:name", default="")
     show: Literal["theta", "scenes", "tokens", "nodes", "code"] = setting(
         "theta",
-        "theta: parameters, objects, acceptance; scenes: places drawn from it; tokens, nodes: its text; "
-        "code: what its behaviors are compiled to",
+        "theta: parameters, objects, acceptance; scenes: positions in sampled scenes; tokens, nodes: syntax; "
+        "code: compiled behaviors",
     )
-    png: Path | None = setting(None, "draw --n scenes to this picture")
-    rrd: Path | None = setting(None, "record --n scenes for the Rerun viewer in this file")
-    n: int = setting(6, "scenes to draw, to record or to print", ">=1", most=10_000)
+    png: Path | None = setting(None, "draw --n scenes to this PNG file")
+    rrd: Path | None = setting(None, "record --n scenes to this Rerun file")
+    n: int = setting(6, "number of scenes to draw, record or print", ">=1", most=10_000)
     seed: int = setting(0, "seed of the scenes", most=LARGEST_SEED, least=0)
-    theta: tuple[float, ...] = setting((), "this θ in [-1, 1]^D instead of random ones", most=1, least=-1)
-    dialect: int | None = setting(
-        None, "version of Scenic that the program is written in, 2 or 3; else found out", most=3, least=2
-    )
-    engine: Literal["regista", "scenic3"] = setting("regista", "what reads it: regista, or scenic3, Scenic 3 itself")
-    mode_2d: bool = setting(False, "of scenic3: in its 2D compatibility mode, as the driving domain wants it")
+    theta: tuple[float, ...] = setting((), "use this θ in [-1, 1]^D instead of random ones", most=1, least=-1)
+    dialect: int | None = setting(None, "Scenic version of the program, 2 or 3 (default: detected)", most=3, least=2)
+    engine: Literal["regista", "scenic3"] = setting("regista", "interpreter: regista, or scenic3 for Scenic 3 itself")
+    mode_2d: bool = setting(False, "with scenic3: use its 2D compatibility mode, which the driving domain requires")
     adversary: Path | None = setting(
-        None, "instead of a program: a run folder, of which it prints what the adversary proposed beside the program"
+        None, "instead of a program: a run folder; print its adversary's proposals next to the program's distribution"
     )
     reading: ProgramConfig = group(ProgramConfig, "the program")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if config.adversary is not None:
         return inspect_adversary(config.adversary, config)
@@ -106,7 +104,7 @@ def main(argv: Sequence[str]) -> int:
 
 
 def inspect_adversary(folder: Path, config: InspectConfig) -> int:
-    """Print what the adversary of a run proposed, and draw it with `--png`."""
+    """Print the proposals of a run's adversary, and draw them with `--png`."""
     from regista.experiments.run import proposals
     from regista.experiments.run.folder import RunFolder
 
@@ -147,7 +145,7 @@ def inspect_task(game: PythonTask, config: InspectConfig) -> int:
 def inspect_scenic3(path: Path, config: InspectConfig) -> int:
     """Show a program as Scenic itself reads it."""
     if config.show not in ("theta", "scenes") or config.png is not None or config.rrd is not None:
-        raise UsageError("of programs that Scenic itself reads, inspect shows theta and scenes, without pictures")
+        raise UsageError("with --engine scenic3, inspect supports --show theta and scenes, without pictures")
     try:
         from regista.envs.scenic3 import ScenicProgram
 
@@ -156,18 +154,18 @@ def inspect_scenic3(path: Path, config: InspectConfig) -> int:
     except ImportError as error:
         raise CommandError(str(error)) from error
     except Exception as error:  # a program is Python
-        raise CommandError(f"{path}: Scenic refuses it: {type(error).__name__}: {error}") from error
+        raise CommandError(f"{path}: Scenic rejects it: {type(error).__name__}: {error}") from error
     if config.show == "scenes":
         print(render_scenes(program, choose_theta(program, config)))
         return 0
     print(render_theta(program, choose_theta(program, config) if config.theta else None, DRAWS // 8))
     if program.by_seed:
-        print(f"\ndrawn from the level's seed: {', '.join(program.by_seed)}")
+        print(f"\nsampled from the level's seed: {', '.join(program.by_seed)}")
     return 0
 
 
 def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
-    """Return the θ that was typed, or valid random ones: `[n, D]`."""
+    """Return the given θ, or valid random ones: `[n, D]`."""
     if not config.theta:
         return program.sample_theta(config.n, np.random.default_rng(config.seed))
     theta = np.array(config.theta)
@@ -182,7 +180,7 @@ def choose_theta(program: Program, config: InspectConfig) -> np.ndarray:
 
 
 def render_theta(program: Program, theta: np.ndarray | None, draws: int = DRAWS) -> str:
-    """Return the parameters of a program as a table, its objects, its settings, and how many draws are valid."""
+    """Return the parameters of a program as a table, its objects, its settings and its acceptance rate."""
     parts = [f"{program.file}: D = {program.dim} free parameter{'s' * (program.dim != 1)}"]
     if program.draws:
         parts.append(_draws_table(program, theta))
@@ -233,7 +231,7 @@ def _join(values: Sequence[float]) -> str:
 
 
 def render_scenes(program: Program, theta: np.ndarray) -> str:
-    """Return the places of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
+    """Return the positions of all objects in the scenes of θ `[N, D]`, in the program's coordinates."""
     scenes = program.instantiate(theta)
     parts = []
     for index in range(len(theta)):
@@ -249,7 +247,7 @@ def render_scenes(program: Program, theta: np.ndarray) -> str:
 
 
 def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
-    """Draw the scenes of θ `[N, D]`: of a match on its pitch, of any other program on its own ground."""
+    """Draw the scenes of θ `[N, D]`: a match on its pitch, any other program on its workspace."""
     from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
     from regista.envs.football.view.render import FootballPainter
     from regista.experiments.pictures.scene_pictures import draw_matches, draw_pictures
@@ -265,7 +263,7 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool)
 
 
 def write_recording(program: Program, theta: np.ndarray, path: Path, football: bool) -> None:
-    """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the disk refuses."""
+    """Record the scenes of θ `[N, D]` for the Rerun viewer. Raises `CommandError` if the file cannot be written."""
     from regista.experiments.pictures.scene_recording import SceneRecord, record_scenes
     from regista.experiments.pictures.scene_view import arrows, corners, view_of
     from regista.experiments.run.table import cannot_write
@@ -281,21 +279,21 @@ def write_recording(program: Program, theta: np.ndarray, path: Path, football: b
 
 
 def probes(program: Program, theta: np.ndarray) -> np.ndarray:
-    """Return θ and random rows beside it, which say how far objects get."""
+    """Return θ and additional random rows, from which the extent of the scene is estimated."""
     from regista.experiments.pictures.scene_view import PROBES
 
     return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
 
 
 def card(program: Program, theta: np.ndarray, index: int) -> str:
-    """Return what one row of θ means, in Markdown."""
+    """Return the meaning of one row of θ, in Markdown."""
     from regista.experiments.pictures.scene_recording import card_of
 
     values = program.describe(theta)
     rows = [(name, f"{at:+.3f}", _number(value)) for at, (name, value) in zip(theta, values.items(), strict=True)]
     scene = program.instantiate(theta[None])
     broken = [rule.label for rule, failed in zip(program.requirements, scene.failed[0], strict=True) if failed]
-    notes = [f"not valid: {', '.join(broken) or 'a place that is no number'}"] if not scene.ok[0] else []
+    notes = [f"not valid: {', '.join(broken) or 'a position is not a number'}"] if not scene.ok[0] else []
     return card_of(f"{program.file}, scene {index}", rows, notes)
 
 
@@ -303,7 +301,7 @@ def card(program: Program, theta: np.ndarray, index: int) -> str:
 
 
 def render_code(program: Program, football: bool) -> str:
-    """Return the rows that the behaviors, monitors and conditions of a program become, below their lines."""
+    """Return the compiled rows of behaviors, monitors and conditions, each below its source line."""
     from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from regista.envs.toy_world import toy_world
     from scenic_lite.dynamics.compiler.compile import compile_program

@@ -1,11 +1,11 @@
-"""`regista list`: the minigames as a table, or all that is known of one.
+"""`regista list`: show the minigames as a table, or the details of one.
 
     regista list
     regista list defense
     regista list offense/easy_crossing
     regista list --solved 1v1Free Gauntlet --total-env-steps 2_000_000
 
-Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, which looks into a program.
+Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, which shows a program.
 """
 
 from __future__ import annotations
@@ -30,38 +30,38 @@ if TYPE_CHECKING:
     from regista.minigames.suites import Minigame
 
 DESCRIPTION = (
-    "Show the minigames: players (left v right), free parameters D of θ (of training, of the test scenes), whom one "
-    "agent and a team move, and the published goal differences of PPO."
+    "Show the minigames: players (left v right), number D of free parameters θ (training, test scenes), the players "
+    "that one agent and a team control, and the published goal differences of PPO."
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
     "random": "random policy",
     "expert": "semi-expert program",
-    "cloned": "behavior cloning of it",
+    "cloned": "behavior cloning of the semi-expert",
     "pretrained": "cloning, then PPO",
-    "ppo_before": "PPO without, as compared with these",
+    "ppo_before": "PPO without cloning, for comparison",
     "team_ppo": "team, PPO, 5M steps",
     "team_expert": "team, semi-expert program",
     "team_cloned": "team, behavior cloning",
     "team_pretrained": "team, cloning, then PPO",
     "light_cnn": "light CNN, domain randomization",
-    "impala_cnn": "Impala CNN of the original",
+    "impala_cnn": "original Impala CNN",
 }
 
 
 @dataclass(frozen=True)
 class ListConfig(Checked):
-    """What is typed after `regista list`."""
+    """Arguments of `regista list`."""
 
-    words: tuple[str, ...] = positional("minigames to show: a name, or a part of names", default=())
-    solved: bool = setting(False, "train a student on these games and report how many random levels it solves")
+    words: tuple[str, ...] = positional("minigames to show: a name or part of a name", default=())
+    solved: bool = setting(False, "train a student on these games and report the share of random levels it solves")
     solving: SolvedConfig = group(
         SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
     )
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     base = ListConfig()
     trains = [replace(base.solving.train, env=start.env) for start in all_starts()]
     others = {"for other games": [replace(base, solving=replace(base.solving, train=train)) for train in trains]}
@@ -99,7 +99,7 @@ HEAD = ["minigame", "players", "D", "D test", "one agent", "team", "PPO", "on te
 
 
 def line(game: Minigame) -> list[str]:
-    """Return the row of a minigame."""
+    """Return the table row of a minigame."""
     from regista.minigames.published import find_published
 
     players, dim = look(game)
@@ -114,7 +114,7 @@ def line(game: Minigame) -> list[str]:
 
 
 def look(game: Minigame) -> tuple[str, int]:
-    """Return how many play on the left and on the right, and the D of θ."""
+    """Return the number of players on the left and on the right, and D, the dimension of θ."""
     from regista.envs.football.scenic.lineup import Lineup
 
     program = load_program(game.program, None)
@@ -123,7 +123,7 @@ def look(game: Minigame) -> tuple[str, int]:
 
 
 def number(row: Published | None) -> str:
-    """Return a published goal difference, or nothing."""
+    """Return a published goal difference, or an empty cell."""
     return "" if row is None else f"{row.goal_difference:+.2f}"
 
 
@@ -131,12 +131,12 @@ def number(row: Published | None) -> str:
 
 
 def card(game: Minigame) -> str:
-    """Return all that is known of a minigame."""
+    """Return the details of a minigame."""
     rows: dict[str, Any] = {
         "what": game.description,
         "difficulty": game.difficulty,
         "program": game.program,
-        "one agent moves": f"{game.control}, best paid for {game.rewards}",
+        "one agent moves": f"{game.control}, recommended reward: {game.rewards}",
         "a team moves": " or ".join(game.team_control),
         "semi-expert": ", ".join(f"experts/{path.name}" for path in (game.expert, game.team_expert) if path),
     }
@@ -156,7 +156,7 @@ def card(game: Minigame) -> str:
 
 
 def measured(game: Minigame) -> list[list[str]]:
-    """Return the table of what is published of a minigame; its head alone if nothing is."""
+    """Return the table of published results of a minigame; the header alone if there are none."""
     from regista.minigames.published import published
 
     rows = [["published", "moves", "on", "goal difference", "runs", "episodes", "source"]]

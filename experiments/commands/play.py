@@ -1,10 +1,10 @@
-"""`regista play`: play one match of a program, a level of a run, or a record, and write a film or a record of it.
+"""`regista play`: play one match of a program, a level of a run, or a record, and write a video or a record of it.
 
     regista play 3v2FourBehaviors --video match.gif
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
-    regista play --level runs/paired --id 1234                     # the level of this number in the run's levels.csv
-    regista play --replay match.npz --video match.gif              # a recorded match, bit for bit
+    regista play --level runs/paired --id 1234                     # the level with this id in the run's levels.csv
+    regista play --replay match.npz --video match.gif              # a recorded match, replayed exactly
 
 Read next: `regista.envs.football.replay`, what a record is; `regista.envs.football.view.bot`, the default player.
 """
@@ -39,28 +39,28 @@ WITH_REPLAY = {"replay", "match", "video", "speed"}
 
 @dataclass(frozen=True)
 class PlayConfig(Checked):
-    """What is typed after `regista play`."""
+    """Arguments of `regista play`."""
 
-    program: str = positional("a minigame's name, or the path of a .scenic program", default="")
-    player: Literal["bot", "random", "idle"] = setting("bot", "who moves the agents' players")
-    control: str = setting("active", "left players that agents move: active, closest1 to closest3, all, a number, ...")
-    steps: int = setting(600, "tenths of a second at most; the match may end sooner", ">=1", most=1_000_000)
+    program: str = positional("minigame or path of a .scenic program", default="")
+    player: Literal["bot", "random", "idle"] = setting("bot", "policy of the agents' players")
+    control: str = setting("active", "left players of agents: active, closest1 to closest3, all, a number, ...")
+    steps: int = setting(600, "maximum number of steps of 0.1 s; the match may end earlier", ">=1", most=1_000_000)
     seed: int = setting(
-        0, "seed of the level and of chance; with --level, of the player's chance alone", ">=0", most=LARGEST_SEED
+        0, "seed of the level and the match; with --level, only of a random player", ">=0", most=LARGEST_SEED
     )
-    level: Path | None = setting(None, "play a level of this run folder, from its levels.csv, instead of a program")
-    id: int | None = setting(None, "the number of that level: column id", least=0, most=LARGEST_SEED)
+    level: Path | None = setting(None, "instead of a program: play a level from the levels.csv of this run folder")
+    id: int | None = setting(None, "id of that level: column id of levels.csv", least=0, most=LARGEST_SEED)
     visit: int | None = setting(
         None,
-        "the visit of it whose luck is played again: column visit; else the first",
+        "visit of the level whose random numbers are replayed: column visit (default: the first)",
         least=0,
         most=LARGEST_SEED,
     )
-    video: Path | None = setting(None, "write a film: .gif, .webp, or .mp4 with imageio-ffmpeg")
-    speed: float = setting(1.0, "of the film, times life", ">0", most=1_000)
-    record: Path | None = setting(None, "write a record, .npz, for --replay")
-    replay: Path | None = setting(None, "play this record again, and check that it ends as it was recorded")
-    match: int = setting(0, "with --replay: which of the matches of the record", ">=0", most=10**9)
+    video: Path | None = setting(None, "write a video: .gif, .webp, or .mp4 with imageio-ffmpeg")
+    speed: float = setting(1.0, "playback speed of the video; 1: real time", ">0", most=1_000)
+    record: Path | None = setting(None, "write a record (.npz) for --replay")
+    replay: Path | None = setting(None, "replay this record and check that it gives the recorded result")
+    match: int = setting(0, "with --replay: index of the match in the record", ">=0", most=10**9)
     reading: ProgramConfig = group(ProgramConfig, "the program")
     playing: EngineConfig = group(EngineConfig, "engine")
 
@@ -83,15 +83,15 @@ def main(argv: Sequence[str]) -> int:
     if config.visit is not None and config.level is None:
         raise UsageError("--visit is one of a level of a run; it needs --level RUN --id N")
     if (config.id is None) != (config.level is None) or (config.program and config.level):
-        raise UsageError("a level of a run is named by --level RUN --id N, without a program")
+        raise UsageError("to play a level of a run, give --level RUN --id N, without a program")
     check_film_of(config.video)
     if config.record and config.record.suffix != ".npz":
-        raise UsageError(f"{config.record}: a record ends in .npz")
+        raise UsageError(f"{config.record}: the name of a record must end in .npz")
     if config.level is None:
         return play_match(config, _match_of_program(config))
     usual = PlayConfig()
     if (config.control, config.reading) != (usual.control, usual.reading):
-        raise UsageError("a level of a run is played as the run has it: without --control and settings of the program")
+        raise UsageError("--level uses the settings of the run: omit --control and settings of the program")
     from regista.experiments.run.level_stage import LevelStage
 
     assert config.id is not None
@@ -113,7 +113,7 @@ def _match_of_program(config: PlayConfig) -> Any:
 
 
 def _replay(config: PlayConfig) -> int:
-    """Play a recorded match again, and film it with `--video`."""
+    """Replay a recorded match, and write a video with `--video`."""
     from regista.envs.football.replay import RecordError, load_record, replay
 
     assert config.replay is not None
@@ -129,14 +129,14 @@ def _replay(config: PlayConfig) -> int:
         moments = moments[: record.lengths[config.match] + 1]
     left, right = moments[-1]["score"]
     matches = f", match {config.match} of {len(record.last)}" if len(record.last) > 1 else ""
-    print(f"{len(moments) - 1} steps came out as they were recorded{matches}; {left} : {right} in the end")
+    print(f"{len(moments) - 1} steps replayed exactly as recorded{matches}; final score {left} : {right}")
     if config.video:
         film(config.video, moments, config.speed)
     return 0
 
 
 def play_match(config: PlayConfig, env: Any) -> int:
-    """Play a match that stands at its start; print what came of it and write what is wanted of it."""
+    """Play a match from its start; print the result, and write the requested video and record."""
     from regista.envs.football.gym_env import ENDINGS
     from regista.envs.football.replay import Recorder
 
@@ -151,18 +151,18 @@ def play_match(config: PlayConfig, env: Any) -> int:
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
     print(f"{len(moments) - 1} steps, {left} : {right}{end}")
     if config.record:
-        _keep(recorder.record(), config.record)
+        _save(recorder.record(), config.record)
     if config.video:
         film(config.video, moments, config.speed)
     return 0
 
 
 def _play_task(config: PlayConfig, stage: LevelStage) -> int:
-    """Play an episode of an environment of one's own, by random actions or always the same; film what it renders."""
+    """Play an episode of a Python task with random actions or a constant one; write its rendered frames as a video."""
     if config.record:
-        raise UsageError("--record keeps matches of football; of other environments there are films")
+        raise UsageError("--record supports football matches only; use --video for other environments")
     if config.video and stage.env.render_mode != "rgb_array":
-        raise UsageError("--video needs environments that are made with render_mode='rgb_array'")
+        raise UsageError("--video requires environments with render_mode='rgb_array'")
     played = stage.play(config.steps, config.seed, config.player == "idle")
     player = "always the first action" if config.player == "idle" else "random actions"
     print(f"{played.steps} steps by {player}, return {played.total:g}{', ended' * played.ended}")
@@ -173,8 +173,8 @@ def _play_task(config: PlayConfig, stage: LevelStage) -> int:
     return 0
 
 
-def _keep(record: Record, path: Path) -> None:
-    """Write a record, whole or not at all."""
+def _save(record: Record, path: Path) -> None:
+    """Write a record atomically."""
     from regista.envs.football.replay import save_record
 
     content = io.BytesIO()
@@ -186,7 +186,7 @@ def _keep(record: Record, path: Path) -> None:
 
 
 def check_film_of(path: Path | None) -> None:
-    """Raise `UsageError` if a film is wanted that cannot be written."""
+    """Raise `UsageError` if a video cannot be written to this path."""
     if path is None:
         return
     from regista.envs.football.view.picture import check_film
@@ -198,14 +198,14 @@ def check_film_of(path: Path | None) -> None:
 
 
 def film(path: Path, moments: Sequence[Any], speed: float) -> None:
-    """Draw moments of a match and write them as a film; `check_film_of` has passed."""
+    """Draw moments of a match and write them as a video; call `check_film_of` first."""
     from regista.envs.football.view.picture import draw_match, write_video
 
     write_video(path, (draw_match(moment) for moment in moments), speed)
 
 
 def _player(config: PlayConfig) -> Callable[[Any], Any]:
-    """Return what chooses the actions of the agents: `[A]`, or one number if there is one agent."""
+    """Return the policy of the agents: it gives actions `[A]`, or one number for a single agent."""
     from regista.envs.football.observation.raw import row
     from regista.envs.football.view.bot import act
 

@@ -1,11 +1,11 @@
-"""`regista train`: one run, from a configuration to a run folder.
+"""`regista train`: train one run and write its run folder.
 
     regista train 1v1Restricted --method paired --seed 0
     regista train examples/hopper.py:hopper --method plr
     regista train --resume runs/1v1Restricted-paired-0
     regista train 1v1Free --method dr --from runs/1v1Free-clone-0 --kl-to-clone 0.5
 
-Read next: `run.folder`, what is on disk; `run.build`, what the names mean; then `ued.methods.paired`.
+Read next: `run.folder`, the files; `run.build`, from names to objects; then `ued.methods.paired`.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ DESCRIPTION = "Train students on a game or task. Ctrl-C saves and stops a run; -
 
 @dataclass(frozen=True)
 class TrainFlags:
-    """What is typed after `regista train`."""
+    """Arguments of `regista train`."""
 
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
     resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
     from_: Path | None = setting(
-        None, "start from the student of this run or checkpoint, for example one from regista clone"
+        None, "initialize the student from this run or checkpoint, for example one from regista clone"
     )
-    preset: Literal["fast", "thesis"] = setting("fast", "settings to start from: fast, or thesis (images: a day)")
+    preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     run, connect = _open_run(argv)
     stop = StopRequest()
     with run.locked():
@@ -63,10 +63,10 @@ def main(argv: Sequence[str]) -> int:
 
 
 def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
-    """Train until the budget is spent or somebody asks to stop; return the env_steps done.
+    """Train until the budget is spent or a stop is requested; return the env_steps done.
 
-    `connect` is the address of a viewer that shows the recording as it is made.
-    Until the first update begins there is nothing to save, and a signal ends everything.
+    `connect` is the address of a Rerun viewer that shows the recording live.
+    Until the first update begins there is nothing to save, and a signal ends the process at once.
     """
     from regista.experiments.run.evaluator import EvalScenes
 
@@ -90,7 +90,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
-            run.save_config()  # not before its tables have taken an update: one that cannot go on stays as it was
+            run.save_config()  # only after the first update is written: a run that fails earlier stays unchanged
             if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
@@ -102,7 +102,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
 
 
 def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress, elapsed: float) -> None:
-    """Close what is told of a run; say how far it is, and which student or teacher has learned nothing, or seldom."""
+    """Close the reporters; print the progress, and each student or teacher that rarely or never took gradient steps."""
     reporters.close()
     progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
     for event in reporters.watch.learning.seldom():
@@ -112,7 +112,7 @@ def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress
 def open_reporters(
     run: RunFolder, task: Task, method: Any, progress: Progress, connect: str | None = None
 ) -> Reporters:
-    """Return all who are told of the updates of a run: its tables, the terminal, its recording, and trackers."""
+    """Return the reporters of a run: its tables, the terminal, its recording and trackers."""
     from regista.experiments.run.trackers import make_tracker
 
     reporters = Reporters(run, method.upomdp)
@@ -122,36 +122,36 @@ def open_reporters(
 
         reporters.add("recorded", lambda: RunRecorder(run, task, method, connect))
     for name in run.config.report:
-        reporters.add(f"told to {name}", partial(make_tracker, name, run, method.env_steps))
+        reporters.add(f"logged to {name}", partial(make_tracker, name, run, method.env_steps))
     return reporters
 
 
 def restore(run: RunFolder, method: Any) -> float:
-    """Continue from the run's checkpoint, if it has one; return the seconds that were trained before.
+    """Restore the run's checkpoint, if it has one; return the seconds of training so far.
 
-    One that ended before its first checkpoint begins anew, and that is said.
-    Raises `CommandError` if it is of environments that have changed since, or of another version of the simulator.
+    A run that ended before its first checkpoint restarts from zero, with a warning.
+    Raises `CommandError` if the environments have changed, or for another version of the simulator.
     """
     state = run.load()
     if state is None:
         if done := run.env_steps():
-            warn(f"{run.path} got to {count(done)} env_steps, but not to its first checkpoint: it begins anew")
+            warn(f"{run.path} stopped at {count(done)} env_steps, before its first checkpoint: it restarts from zero")
         run.cut_back(0)
         return 0.0
     version = versions.saved_version(run.config, state, str(run.checkpoint))
     versions.check_present(version, f"{run.checkpoint} was trained on", EVALUATED_ALONE)
     try:
         method.load_state_dict(state["method"])
-    except DAMAGE as error:  # it is damaged, or of environments that keep their state otherwise by now
+    except DAMAGE as error:  # damaged, or the state of the environments has another layout
         raise CommandError(f"{run.path} can be evaluated, but no longer resumed: {refused(error)}") from error
     run.cut_back(state["update"])
     return float(state["elapsed"])
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
-    """Write the checkpoint: all that `train` needs to go on as if it had never stopped.
+    """Write the checkpoint: all that `train` needs to continue as if it had never stopped.
 
-    Where environments can give no state, open episodes begin anew.
+    If the environments do not support saving their state, open episodes are restarted.
     """
     from ued.adapters.policy import spaces_of
 
@@ -162,7 +162,7 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
 
 
 def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
-    """Return the run that is wanted, and the address of a viewer, if there is one."""
+    """Return the run to train, and the address of a viewer or None."""
     others = {case: [TrainFlags(config=config) for config in configs] for case, configs in _others(argv).items()}
     typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
     connect = typed.pop("connect", None)
@@ -188,13 +188,13 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
 
 
 def _known(argv: Sequence[str]) -> Any:
-    """Return the settings that can be typed: those of the run that is named, or of what is to be trained on."""
+    """Return the base settings: those of the run on the command line, or else those of the game or task."""
     named = _named_run(argv)
     return RunFolder.open(named).config if named else starting.settings_for(argv)
 
 
 def _others(argv: Sequence[str]) -> dict[str, list[Any]]:
-    """Return the settings of other games, tasks and presets; none where a run says what they are."""
+    """Return the settings of other games, tasks and presets; none if a run determines them."""
     return {} if _named_run(argv) else starting.other_settings(argv)
 
 
@@ -208,10 +208,10 @@ def _resume(typed: dict[str, Any]) -> RunFolder:
     for name in ("out", "preset", "from_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
             flag = arguments.flag_name(name.partition(".")[2] or name)
-            raise UsageError(f"{flag} and --resume exclude each other: a resumed run stays in its folder, as it began")
+            raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its origin")
     run = RunFolder.open(path)
     if run.label == "clone":
-        raise CommandError(f"{path} is a clone; train on from it in a folder of its own: regista train --from {path}")
+        raise CommandError(f"{path} is a clone; start a new run from it: regista train --from {path}")
     flags = arguments.replace_paths(TrainFlags(config=run.config), typed)
     run.extend(flags.config)
     return run

@@ -1,11 +1,11 @@
-"""`regista transfer`: play trained runs in our simulator and in Google Research Football, and tell what carries over.
+"""`regista transfer`: play trained runs in our simulator and in Google Research Football, and compare the results.
 
     regista transfer runs/academy/3_vs_1_with_keeper-dr-0
     regista transfer runs/a runs/b --grf-episodes 100 --csv transfer.csv --traces transfer.rrd
     regista transfer runs/transfer/* --policies sampled --kept --no-details --markdown transfer.md
 
-What became of a run is kept in its folder as transfer.json. Read next: `transfer.replaying`, which
-plays; `transfer.report`, the tables.
+The results of a run are saved in its folder as transfer.json. Read next: `transfer.replaying`, the episodes;
+`transfer.report`, the tables.
 """
 
 from __future__ import annotations
@@ -31,38 +31,38 @@ if TYPE_CHECKING:
     from regista.experiments.transfer.replaying import Result
 
 DESCRIPTION = "Play runs, sampled and greedy, on the same levels in our simulator and in Google Research Football."
-GRF_EPISODES = 200  # where nothing is said, and as far as there is time
-KEPT = "transfer.json"  # in the run folder
+GRF_EPISODES = 200  # default, as far as --minutes allow
+SAVED = "transfer.json"  # in the run folder
 
 
 @dataclass(frozen=True)
 class TransferConfig(Checked):
-    """What is typed after `regista transfer`."""
+    """Arguments of `regista transfer`."""
 
     runs: tuple[Path, ...] = positional("run folders", default=())
-    episodes: int = setting(500, "whole episodes of each policy in our simulator", ">=1", most=1_000_000)
+    episodes: int = setting(500, "episodes of each policy in our simulator", ">=1", most=1_000_000)
     grf_episodes: int | None = setting(
         None,
-        f"whole episodes of each policy in the other engine (default {GRF_EPISODES}, or as many as --minutes allow)",
+        f"episodes of each policy in the other engine (default {GRF_EPISODES}, or as many as --minutes allow)",
         ">=1",
         most=1_000_000,
     )
     minutes: float = setting(
         5.0,
-        "without --grf-episodes: the other engine begins no more episodes after so long, all runs together",
+        "without --grf-episodes: time limit of the other engine in minutes, over all runs",
         ">0",
         most=100_000,
     )
-    policies: tuple[str, ...] = setting(("sampled", "greedy"), "how actions are chosen: sampled, greedy")
-    kept: bool = setting(False, "where the same was asked of a run before, take what became of it")
-    details: bool = setting(True, "tell of each run where keys, features and goals differ")
+    policies: tuple[str, ...] = setting(("sampled", "greedy"), "action selection: sampled, greedy")
+    kept: bool = setting(False, "reuse saved results of runs that were played with the same settings")
+    details: bool = setting(True, "print for each run how actions, features and goals differ")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write a row for each run, policy and engine to this CSV file")
     markdown: Path | None = setting(None, "also write the table of games to this Markdown file")
     json: bool = setting(False, "print JSON instead of tables")
-    traces: Path | None = setting(None, "play our keys in both, and record it side by side: rerun TRACES.rrd")
-    trace_episodes: int = setting(3, "episodes of each run in that recording", ">=1", most=1_000)
-    playing: EngineConfig = group(EngineConfig, "the other engine; without, grf")
+    traces: Path | None = setting(None, "record the same actions in both engines side by side to this Rerun file")
+    trace_episodes: int = setting(3, "episodes of each run in the --traces recording", ">=1", most=1_000)
+    playing: EngineConfig = group(EngineConfig, "the other engine (default: grf)")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -70,13 +70,13 @@ class TransferConfig(Checked):
 
 
 def check_policies(policies: Sequence[str]) -> None:
-    """Raise `ValueError` for ways of choosing actions that are none."""
+    """Raise `ValueError` unless all policies are "sampled" or "greedy"."""
     if not policies or not {*policies} <= {"sampled", "greedy"}:
         raise ValueError(f"policies must be sampled, greedy or both, got {' '.join(policies) or 'none'}")
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     config = arguments.parse(TransferConfig(), argv, "transfer", DESCRIPTION)
     if not config.runs:
         raise UsageError("transfer needs at least one run folder, such as runs/academy/3_vs_1_with_keeper-dr-0")
@@ -88,7 +88,7 @@ def main(argv: Sequence[str]) -> int:
         rows = [row for result in results for row in report.csv_rows(result)]
         save_rows(rows, list(rows[0]), config.csv)
     if config.markdown is not None:
-        played = f"ours is simulator version {SIMULATOR_VERSION}"
+        played = f"ours: simulator version {SIMULATOR_VERSION}"
         notes = f"{report.INTERVALS}; {report.verdict(results)}; {played}".replace("\n", "; ")
         write_text(config.markdown, f"{as_markdown(report.by_game(results))}\n\n{notes}.\n")
     if config.traces is not None:
@@ -97,13 +97,13 @@ def main(argv: Sequence[str]) -> int:
 
 
 def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result], list[Any]]:
-    """Play all runs; return what became of them, and the episodes to be recorded.
+    """Play all runs; return their results and the episodes to record.
 
     Raises `CommandError` for runs of different versions of the simulator.
     """
     versions.check_alike({run.path: run.simulator for run in runs})
     from regista.experiments.transfer.replaying import Plan, play_run
-    from regista.experiments.transfer.report import keep, kept
+    from regista.experiments.transfer.report import load_saved, save_results
 
     traced = config.trace_episodes if config.traces is not None else 0
     episodes = config.episodes, config.grf_episodes or GRF_EPISODES
@@ -112,16 +112,16 @@ def play(config: TransferConfig, runs: Sequence[RunFolder]) -> tuple[list[Result
     results: list[Result] = []
     traces: list[Any] = []
     for number, run in enumerate(runs):
-        told, asked = f"{run.path}, {number + 1} of {len(runs)}", plan.asked(run)
-        played = kept(run.path / KEPT, asked) if config.kept and not traced else []
-        print(f"{told}, kept" if played else told, file=sys.stderr, flush=True)
+        line, settings = f"{run.path}, {number + 1} of {len(runs)}", plan.settings(run)
+        played = load_saved(run.path / SAVED, settings) if config.kept and not traced else []
+        print(f"{line}, saved results" if played else line, file=sys.stderr, flush=True)
         if not played:
             played, seen = play_run(run, plan)
             traces += seen
             try:
-                keep(run.path / KEPT, asked, played)
+                save_results(run.path / SAVED, settings, played)
             except OSError as error:
-                raise cannot_write(run.path / KEPT, error) from error
+                raise cannot_write(run.path / SAVED, error) from error
         results += played
     return results, traces
 

@@ -1,6 +1,6 @@
-"""Demonstrations as what a student learns from: steps in chunks, some episodes held out.
+"""Demonstrations as training data: chunks of steps, with some episodes held out.
 
-Parts of a folder are put together to chunks that fit into memory; where all of them fit, they are read once. Read next:
+Parts of a folder are merged into chunks that fit into memory; if all of them fit, they are read once. Read next:
 `ued.learning.cloning`.
 """
 
@@ -21,29 +21,29 @@ CHUNK_BYTES = 256 * 2**20
 
 
 class CloningData:
-    """The steps of all kept episodes. `validation` is the share of episodes that are held out, drawn by `seed`.
+    """The steps of all saved episodes. `validation` is the held-out share of episodes, sampled with `seed`.
 
-    Raises `CommandError` for a folder in which something is missing or damaged, or with fewer than two episodes.
+    Raises `CommandError` for a folder with missing or damaged files, or with fewer than two episodes.
     """
 
     def __init__(self, demos: Demonstrations, gamma: float, validation: float, seed: int) -> None:
         self.demos, self.gamma = demos, gamma
         self.episodes = demos.num_episodes()
         summaries = list(demos.summaries())
-        kept = sum(int(summary.kept.sum()) for summary in summaries)
-        if kept < self.episodes:
+        saved = sum(int(summary.kept.sum()) for summary in summaries)
+        if saved < self.episodes:
             raise CommandError(
-                f"{demos.path} is cut short: of its {self.episodes} episodes there are {kept}; regista demonstrate, "
-                "given the same command, plays the others anew"
+                f"{demos.path} is incomplete: of its {self.episodes} episodes it holds {saved}; run the same regista "
+                "demonstrate command to play the missing ones"
             )
         if self.episodes < 2:
-            raise CommandError(f"{demos.path} has {self.episodes} episodes; cloning needs two at least")
+            raise CommandError(f"{demos.path} has {self.episodes} episodes; cloning needs at least two")
         held_out = min(max(round(validation * self.episodes), 1), self.episodes - 1)
         order = np.random.default_rng(seed).permutation(self.episodes)
         self.is_held_out = np.isin(np.arange(self.episodes), order[:held_out])
         self._parts = _parts_of(summaries, self.episodes)
         self._groups = self._grouped(summaries)
-        self._whole: dict[bool, Demonstrated] = {}  # of demonstrations that fit into memory, by whether held out
+        self._whole: dict[bool, Demonstrated] = {}  # cache of demonstrations that fit into memory, by whether held out
 
     @property
     def observation_shape(self) -> tuple[int, ...]:
@@ -52,11 +52,11 @@ class CloningData:
 
     @property
     def action_shape(self) -> tuple[int, ...]:
-        """The shape of one step's actions: () of one agent, (A,) of several."""
+        """The shape of one step's actions: () for one agent, (A,) for several."""
         return self._shapes[1]
 
     def chunks(self, held_out: bool, generator: torch.Generator | None = None) -> Iterator[Demonstrated]:
-        """Yield the steps that are learned from or held out; with a generator the chunks are shuffled."""
+        """Yield chunks of the training or held-out steps; with a generator they are shuffled."""
         if len(self._groups) == 1:
             if held_out not in self._whole:
                 self._whole[held_out] = self._read(self._groups[0], held_out)
@@ -71,7 +71,7 @@ class CloningData:
                 yield chunk
 
     def _grouped(self, summaries: Sequence[Summary]) -> list[list[int]]:
-        """Return the parts in groups of at most CHUNK_BYTES of observations, as they are in memory."""
+        """Return the parts in groups of at most CHUNK_BYTES of observations in memory."""
         first = next(part for part, episodes in enumerate(self._parts) if episodes)
         with self.demos.reading(first) as file:
             seen, actions = (file[f"episode_{self._parts[first][0]}/{name}"] for name in ("observations", "actions"))
@@ -103,21 +103,24 @@ class CloningData:
         return Demonstrated(seen, actions.long(), told, returns.float())
 
     def _steps(self, file: Any, episode: int) -> tuple[np.ndarray, ...]:
-        """Return what was seen, done, known to be done, and the returns of an episode; raise for what cannot be."""
+        """Return observations, actions, mask of known actions, and returns of an episode.
+
+        Raises `ValueError` for arrays of inconsistent shapes or invalid values.
+        """
         group = file[f"episode_{episode}"]
         actions, told, rewards = (group[name][()] for name in ("actions", "infos/told", "rewards"))
         seen = group["observations"][: len(actions)]
         shapes = seen.shape == (len(actions), *self._shapes[0]) and rewards.shape == (len(actions),)
         if not shapes or actions.shape[1:] != self._shapes[1] or told.shape != actions.shape:
-            raise ValueError("its arrays do not go together")
+            raise ValueError("its arrays have inconsistent shapes")
         whole = told.dtype == bool and actions.dtype.kind == "i" and ((actions >= 0) & (actions < NUM_ACTIONS)).all()
         if not whole or not (np.isfinite(rewards).all() and np.isfinite(seen).all()):
-            raise ValueError("it holds what nobody has seen or done")
+            raise ValueError("observations must be finite and actions in [0, 19)")
         return seen, actions, told, discounted(rewards, self.gamma)
 
 
 def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:
-    """Return for each part the numbers of its kept episodes, of the first so many."""
+    """Return for each part the numbers of its saved episodes, among the first ones up to a limit."""
     parts, first = [], 0
     for summary in summaries:
         after = first + int(summary.kept.sum())

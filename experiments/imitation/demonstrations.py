@@ -1,14 +1,14 @@
-"""The folder of `regista demonstrate`: episodes in parts, each whole or not there, and a Minari data set of them.
+"""The folder of `regista demonstrate`: episodes in parts, each complete or absent, and a Minari dataset of them.
 
-    demonstrations.json     the `DemonstrationsConfig`: what was asked for; `about`: the version of the simulator
-    program.scenic          the text of the program that played, or was played on
-    records/0000.npz        the kept episodes of a part, for `regista replay`
-    data/part-0000.hdf5     what was seen and done in them
-    data/main_data.hdf5     the Minari data set, whose episodes stand in the parts; with data/metadata.json
-    episodes.csv            one row per episode that was played: θ, seed, return, length, and its number if it was kept
+    demonstrations.json     the `DemonstrationsConfig`; `about`: the version of the simulator
+    program.scenic          the text of the program
+    records/0000.npz        the saved episodes of a part, for `regista play --replay`
+    data/part-0000.hdf5     their observations and actions
+    data/main_data.hdf5     the Minari dataset, which links to the parts; with data/metadata.json
+    episodes.csv            one row per played episode: θ, seed, return, length, and its number if it was saved
 
-A part is written beside, forced to the disk and renamed, the record first: a part with data is complete. Read next:
-`imitation.demonstrator`, who plays.
+A part is written to a temporary file, synced and renamed, the record first, so a part with data is complete. Read next:
+`imitation.demonstrator`, which plays the episodes.
 """
 
 from __future__ import annotations
@@ -38,28 +38,28 @@ if TYPE_CHECKING:
     from regista.experiments.imitation.demonstrator import Episode, Part
 
 EXTRA = "pip install 'regista[demonstrations]'"
-COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are nearly empty
-SMALL = 8192  # bytes, below which compressing costs more than it saves
+COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are mostly zeros
+SMALL = 8192  # bytes, below which compression does not pay
 
 
 @dataclass(frozen=True)
 class DemonstrationsConfig(Checked):
-    """What a folder of demonstrations was made with; the same numbers give the same episodes."""
+    """Settings of a folder of demonstrations; the same settings give the same episodes."""
 
-    minigame: str = setting("", "a minigame's name, or the path of a .scenic program")
-    source: str = setting("program", "who played: program, or the path of a run")
-    keep: Literal["successful", "all"] = setting("successful", "which episodes are kept: successful or all")
+    minigame: str = setting("", "minigame or path of a .scenic program")
+    source: str = setting("program", "policy: program, or the path of a run")
+    keep: Literal["successful", "all"] = setting("successful", "episodes to save: successful or all")
     success_above: float | None = setting(
-        None, "an episode is successful if its return is above this; else by its game", most=1e9, least=-1e9
+        None, "success threshold on the return (default: the game's own success criterion)", most=1e9, least=-1e9
     )
-    greedy: bool = setting(False, "a student takes its most likely actions")
-    seed: int = setting(0, "seed of levels and of chance", ">=0", most=LARGEST_SEED)
-    part: int = setting(256, "episodes that are played side by side", ">=1", most=100_000)
+    greedy: bool = setting(False, "the student takes its most likely action")
+    seed: int = setting(0, "seed of levels and episodes", ">=0", most=LARGEST_SEED)
+    part: int = setting(256, "episodes played in parallel", ">=1", most=100_000)
     env: FootballConfig = field(default_factory=FootballConfig)
 
 
 class Summary(NamedTuple):
-    """The N episodes of a part as numbers: θ `[N, D]`, seeds, returns, success, lengths `[N]`, kept bool `[N]`."""
+    """The N episodes of a part as numbers: θ `[N, D]`, seeds, returns, success, lengths `[N]`, kept: bool `[N]`."""
 
     theta: np.ndarray
     seed: np.ndarray
@@ -86,20 +86,20 @@ class Demonstrations:
 
     @property
     def simulator(self) -> int | None:
-        """The version of the simulator that played, 0 from before there was one, None of another engine."""
+        """The simulator version of the episodes; 0: unnumbered, None: another engine."""
         file = self.path / "demonstrations.json"
         return versions.saved_version(self.config, configs.about(file), f"{file}: '{configs.ABOUT}'")
 
     @classmethod
     def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:
-        """Make a folder, or go on with one that was made with the same settings and program."""
+        """Create a folder, or continue one that has the same settings and program."""
         if (path / "demonstrations.json").exists():
             there = cls.open(path)
             versions.check_present(there.simulator, f"{path} was played on", "nothing can be added to it")
             for name, (old, new) in configs.differences(there.config, config).items():
-                raise CommandError(f"{path} was made with {name} = {old}; it cannot go on with {new}")
+                raise CommandError(f"{path} was made with {name} = {old}; it cannot continue with {new}")
             if (path / "program.scenic").read_text(errors="replace") != program:
-                raise CommandError(f"the program has changed since {path} began with what is now in its program.scenic")
+                raise CommandError(f"the program has changed since {path} was created, see its program.scenic")
             return there
         if path.exists() and not (path.is_dir() and all(map(_begun_with, path.iterdir()))):
             raise CommandError(f"{path} exists and holds no demonstrations; choose another --out")
@@ -113,58 +113,58 @@ class Demonstrations:
         return cls(path, config)
 
     def num_episodes(self) -> int:
-        """Return how many episodes the finished data set has. Raises `CommandError` for one that is not finished."""
+        """Return the number of episodes of the finished dataset. Raises `CommandError` for an unfinished one."""
         path = self.path / "data" / "metadata.json"
         try:
             return int(json.loads(path.read_text())["total_episodes"])
         except FileNotFoundError as error:
             raise CommandError(
-                f"{self.path} is not finished; give regista demonstrate the same command again, and it goes on"
+                f"{self.path} is not finished; run the same regista demonstrate command to continue"
             ) from error
         except (ValueError, KeyError, TypeError, RecursionError) as error:
-            raise CommandError(f"{path} is damaged; regista demonstrate, given the same command, writes it") from error
+            raise CommandError(f"{path} is damaged; run the same regista demonstrate command to rewrite it") from error
 
     # ------------------------------------------------------------ parts
 
     def part_path(self, number: int) -> Path:
-        """Return where the data of a part is."""
+        """Return the path of a part's data."""
         return self.path / "data" / f"part-{number:04d}.hdf5"
 
     def num_parts(self) -> int:
-        """Return how many parts are complete: those before the first that is missing."""
+        """Return the number of complete parts, up to the first missing one."""
         number = 0
         while self.part_path(number).exists():
             number += 1
         return number
 
     def summaries(self) -> Iterator[Summary]:
-        """Yield the numbers of every part. Raises `CommandError` for one that is damaged."""
+        """Yield the summary of every part. Raises `CommandError` for a damaged part."""
         for number in range(self.num_parts()):
             with self.reading(number) as file:
                 summary = Summary(*(file["summary"][name][()] for name in Summary._fields))
                 size = summary.kept.shape
                 whole = summary.kept.dtype == bool and summary.lengths.dtype.kind == "i" and summary.lengths.min() >= 0
                 if not whole or any(each.shape[:1] != size or len(size) != 1 for each in summary):
-                    raise ValueError("its numbers do not go together")
+                    raise ValueError("its numbers are inconsistent")
             yield summary
 
     @contextmanager
     def reading(self, number: int) -> Iterator[Any]:
-        """Open the data of a part. Raises `CommandError` for a file that is damaged, whenever it turns out to be."""
+        """Open the data of a part. Raises `CommandError` for a damaged file, also when it is read later."""
         path = self.part_path(number)
         try:
             with _h5py().File(path, "r") as file:
                 yield file
         except (OSError, *DAMAGE) as error:
             raise CommandError(
-                f"{path} is damaged or cut short; delete it and give regista demonstrate the same command again: it is "
-                "played anew as it was"
+                f"{path} is damaged or incomplete; delete it and run the same regista demonstrate command, which plays "
+                "the same episodes again"
             ) from error
 
     def add(self, number: int, part: Part, first: int) -> Summary:
-        """Write a part, what is kept of its episodes numbered from `first` on; return its numbers.
+        """Write a part, with its saved episodes numbered from `first` on; return its summary.
 
-        Raises `CommandError` if the disk refuses; the parts before it stay.
+        Raises `CommandError` if the file cannot be written; earlier parts stay intact.
         """
         from regista.envs.football.replay import save_record
 
@@ -188,9 +188,9 @@ class Demonstrations:
     # ------------------------------------------------------------ the data set
 
     def finish(self, names: list[str], spaces: tuple[Space, Space], settings: dict[str, Any], episodes: int) -> None:
-        """Write what all parts have together: the Minari data set of the first `episodes` kept ones, and the table.
+        """Write the files over all parts: the Minari dataset of the first `episodes` saved episodes, and the table.
 
-        `settings` are those of the `FootballEnv` that Minari recovers.
+        `settings` are the arguments with which Minari recreates `FootballEnv`.
         """
         numbers = [number for number, summary in enumerate(self.summaries()) for _ in range(int(summary.kept.sum()))]
         numbers = numbers[:episodes]
@@ -229,30 +229,30 @@ class Demonstrations:
 
 
 def _begun_with(path: Path) -> bool:
-    """Return whether a folder of demonstrations may hold this before its demonstrations.json is there."""
+    """Return whether a folder may hold this file before it has a demonstrations.json."""
     empty = path.name in ("records", "data") and path.is_dir() and not any(path.iterdir())
     return empty or path.name == "program.scenic" or is_partial(path.name)
 
 
-# ---------------------------------------------------------------- HDF5 as Minari has it
+# ---------------------------------------------------------------- HDF5 in Minari's layout
 
 
 def _h5py() -> Any:
     try:
         import h5py
-        import minari  # noqa: F401 (its layout is what is written)
+        import minari  # noqa: F401 (the files follow its layout)
     except ImportError as error:
-        raise CommandError(f"demonstrations are kept with minari and h5py, which are not installed: {EXTRA}") from error
+        raise CommandError(f"demonstrations need minari and h5py, which are not installed: {EXTRA}") from error
     return h5py
 
 
 def check_installed() -> None:
-    """Raise `CommandError` where what demonstrations are written with is not installed."""
+    """Raise `CommandError` if minari or h5py is not installed."""
     _h5py()
 
 
 def _in_memory(fill: Callable[[Any], None]) -> bytes:
-    """Return the bytes of an HDF5 file that `fill` has written: a full disk is met by `write_whole` alone."""
+    """Return the bytes of an HDF5 file filled by `fill`; only `write_whole` writes to the disk."""
     with _h5py().File("memory", "w", driver="core", backing_store=False) as file:
         fill(file)
         file.flush()
@@ -293,7 +293,7 @@ def _write_episode(group: Any, episode: Episode) -> None:
 
 
 def _main_file(parts: list[int]) -> bytes:
-    """Return the data set's main file, whose episode e stands in part number `parts[e]`."""
+    """Return the dataset's main file, which links episode e to part `parts[e]`."""
     link = _h5py().ExternalLink
 
     def fill(file: Any) -> None:

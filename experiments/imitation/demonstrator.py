@@ -1,7 +1,7 @@
-"""Episodes for imitation: a program, or a trained student, plays one episode in each of N matches at a time.
+"""Episodes for imitation: a program or a trained student plays one episode in each of N parallel matches.
 
-What the agents saw and what was done for them is kept until an episode is over; images are kept as bits until then, for
-planes have no values but 0 and 255. Read next: `imitation.demonstrations`, the folder in which episodes end.
+Observations and actions stay in memory until an episode ends; images are packed as bits, since planes hold only 0 and
+255. Read next: `imitation.demonstrations`, the folder of the episodes.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ Choose = Callable[[Any], np.ndarray]  # observations [N, ...] -> actions [N] or 
 
 @dataclass(frozen=True)
 class Episode:
-    """One episode of T steps and A agents; the axis A is there only if there are several.
+    """One episode of T steps and A agents; a single agent has no axis A.
 
     Attributes:
-        observations: `[T + 1, ...]`, the last one after the end.
-        actions: `[T]` or `[T, A]`, of the 19.
-        told: bool, like `actions`: what was done is one of the 19; where it is not, the action is 0.
+        observations: `[T + 1, ...]`, the last one after the last step.
+        actions: `[T]` or `[T, A]`, in [0, 19).
+        told: bool, like `actions`: whether the behavior matches one of the 19 actions; if not, the action is 0.
         rewards: `[T]`, and `agent_rewards` `[T, A]`.
-        terminated: whether it ended by an event, not by time.
+        terminated: whether it ended by an event rather than the time limit.
     """
 
     observations: np.ndarray
@@ -53,12 +53,12 @@ class Part:
     _steps: _Steps
 
     def episode(self, index: int) -> Episode:
-        """Return episode number `index`."""
+        """Return one episode."""
         return self._steps.episode(index, int(self.lengths[index]))
 
 
 def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray) -> Part:
-    """Play one episode on each of the levels `[N]`; the program plays where nobody chooses (`env.scripted`)."""
+    """Play one episode on each level `[N]`; without a policy the program acts (`env.scripted`)."""
     from regista.envs.football.replay import Record
     from ued.core.upomdp import successes
 
@@ -86,7 +86,7 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
         running &= ~over
     env.idle[:] = False
     done = np.array(steps.actions).reshape(len(steps.actions), *shape)
-    done = done if env.scripted else np.maximum(done, 0)  # of matches that stood still
+    done = done if env.scripted else np.maximum(done, 0)  # matches that were not stepped
     program = env.program
     folder = program.mode.state.root
     file = "" if folder is None else str((folder / program.file).resolve())
@@ -96,10 +96,10 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
 
 
 class _Steps:
-    """What was seen and done in all matches, step by step."""
+    """Observations and actions of all matches, step by step."""
 
     def __init__(self, agents: int, planes: bool) -> None:
-        self.actions: list[np.ndarray] = []  # [N, A], NO_ACTION where it is none of the 19
+        self.actions: list[np.ndarray] = []  # [N, A], NO_ACTION if the behavior is none of the 19 actions
         self._planes, self._agents = planes, agents
         self._seen: list[np.ndarray] = []
         self._rewards: list[np.ndarray] = []
@@ -109,7 +109,7 @@ class _Steps:
         self._shape: tuple[int, ...] = ()
 
     def add(self, seen: np.ndarray, info: dict[str, Any], rewards: np.ndarray, terminated: np.ndarray) -> None:
-        """Keep a step."""
+        """Store a step."""
         self._shape = seen.shape[1:]
         self._seen.append(self._packed(seen))
         self.actions.append(info["agent_actions"])
@@ -118,7 +118,7 @@ class _Steps:
         self._terminated.append(terminated)
 
     def end(self, ended: np.ndarray, final: np.ndarray) -> None:
-        """Keep what was seen at the ends of episodes."""
+        """Store the final observations of episodes."""
         for index in ended:
             self._last[int(index)] = self._packed(final[index : index + 1])[0]
 
@@ -148,9 +148,9 @@ class _Steps:
 
 
 def parts(env: FootballVectorEnv, choose: Callable[[int], Choose] | None, seed: int, first: int) -> Iterator[Part]:
-    """Play part after part from number `first` on; each has levels, chances and a generator of its own.
+    """Play part after part from number `first` on; each has its own levels, seeds and generator.
 
-    So it does not matter where somebody stopped: part p is the same whether or not those before it were just played.
+    So stopping changes nothing: part p is the same whether or not earlier parts were played in the same process.
     """
     number = first
     while True:

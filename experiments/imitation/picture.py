@@ -1,6 +1,6 @@
-"""The picture of behavior cloning: losses over epochs, and how often each action is done as it was.
+"""The picture of behavior cloning: losses over epochs, and accuracy by action.
 
-Read next: `commands.clone`; `pictures.plots`, the look.
+Read next: `commands.clone`; `pictures.plots`, the style.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ TRAINED, HELD_OUT = "#9aa3ab", "#1f6fb4"
 
 
 def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
-    """Draw what `clone` left in its table, and the agreement of its best epoch. Raises `CommandError`."""
+    """Draw the table of `clone` and the accuracy of its best epoch. Raises `CommandError` for a damaged table."""
     from matplotlib import pyplot
 
     columns = read_columns(table)
     with plots.style():
         figure, (losses, accuracies, actions) = pyplot.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
         epochs = columns["update"]
-        losses.plot(epochs, columns["loss"], color=TRAINED, label="learned from")
+        losses.plot(epochs, columns["loss"], color=TRAINED, label="training")
         losses.plot(epochs, columns["held_out/loss"], color=HELD_OUT, label="held out")
-        losses.set(title="−log probability of what was done", xlabel="epoch")
+        losses.set(title="negative log-likelihood of the actions", xlabel="epoch")
         losses.legend()
-        accuracies.plot(epochs, columns["held_out/accuracy"], color=HELD_OUT, label="of all steps")
+        accuracies.plot(epochs, columns["held_out/accuracy"], color=HELD_OUT, label="all steps")
         accuracies.plot(epochs, columns["held_out/balanced_accuracy"], color=TRAINED, label="mean over actions")
-        accuracies.set(title="as it was done, held out", xlabel="epoch", ylim=(0, 1))
+        accuracies.set(title="held-out accuracy", xlabel="epoch", ylim=(0, 1))
         accuracies.legend()
         _bars(actions, agreement)
         plots.save(figure, path)
@@ -47,4 +47,4 @@ def _bars(axes: Axes, agreement: Agreement) -> None:
     axes.barh(np.arange(len(done)), agreement.recall[done], color=HELD_OUT)
     axes.set_yticks(np.arange(len(done)), [ACTION_NAMES[action] for action in done])
     axes.invert_yaxis()
-    axes.set(title="the same by action", xlim=(0, 1))
+    axes.set(title="held-out accuracy by action", xlim=(0, 1))

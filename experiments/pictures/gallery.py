@@ -1,6 +1,6 @@
-"""The levels of a run as one page of HTML that needs no network: a map, and a card, a scene and a replay of each point.
+"""The levels of a run as one offline HTML page: a map, and for each point a card, a scene and a replay.
 
-The page is gallery.html beside this file with the data of the run put in. Read next: `run.replays`.
+The template is gallery.html next to this file; the run's data are inserted. Read next: `run.replays`.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from ued.core.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
 
 PAGE = Path(__file__).with_name("gallery.html")
-PLACE = "/*DATA*/null"  # in the page, where the data go
-MOST_COLUMNS = 40  # of θ that are told
+PLACE = "/*DATA*/null"  # placeholder of the data in the template
+MOST_COLUMNS = 40  # of θ on the page
 CENTIMETRES = 100
-NOWHERE = -(2**15)  # a place that there is not
-MOST_IMAGES = 40  # of an episode that is shown as it renders itself
-IMAGE_WIDTH = 240  # pixels, at most
+NOWHERE = -(2**15)  # marks a missing position
+MOST_IMAGES = 40  # rendered images per episode
+IMAGE_WIDTH = 240  # maximum, in pixels
 PLAIN = ("update", "id", "visit", "parent", "seed", "episodes")
 
 
 @dataclass(frozen=True)
 class Made:
-    """What a page shows: `levels` of the `played`, `replays` of them with replays; `otherwise` came out not alike."""
+    """Counts of a page: `levels` shown of those `played`, `replays` with replays; `otherwise`: replays that differ."""
 
     levels: int
     played: int
@@ -46,7 +46,7 @@ class Made:
 
 
 def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_replays: int) -> Made:
-    """Write the page of a run. Raises `CommandError` where tables are damaged or old, or the disk refuses."""
+    """Write the page of a run. Raises `CommandError` for damaged or old tables, or if it cannot be written."""
     config, task = run.config, game.task(run.config)
     env = build.make_upomdp(task.make, 1, config.seed)
     stage = Stage(env, task.painter(env) if task.painter else None)
@@ -56,9 +56,9 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
     columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
     played = len(sources)
     if not played:
-        raise CommandError(f"{run.path} has no level yet on which every student finished an episode; train it longer")
+        raise CommandError(f"{run.path} has no level on which every student finished an episode; train it longer")
     if not {*PLAIN, "score"} <= columns.keys():
-        raise CommandError(f"{run.levels.path} is of an older version, or damaged: it has not all of its columns")
+        raise CommandError(f"{run.levels.path} has missing columns: it is damaged or of an older version")
     with_replay = [index for index, visit in enumerate(columns["visit"].astype(int)) if str(visit) in replays]
     chosen = sorted({*_spread(range(played), most_levels), *with_replay})
     data = {
@@ -80,7 +80,7 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
 
 
 def _spread(items: Sequence[Any], most: int) -> list[Any]:
-    """Return at most so many of these, evenly spaced, the first and the last among them."""
+    """Return at most this many elements, evenly spaced, including the first and the last."""
     if len(items) <= most:
         return list(items)
     return [items[index] for index in np.linspace(0, len(items) - 1, most).round().astype(int)] if most else []
@@ -91,7 +91,7 @@ def _drawn(stage: Stage) -> list[tuple[Any, str]]:
 
 
 def _axis(draw: Any, name: str) -> dict[str, Any]:
-    """Return what the values of a column are called, and those of θ = -1 and 1."""
+    """Return the names of a column's values, and its values at θ = -1 and 1."""
     axis = axis_of(draw)
     finite = bool(np.isfinite((axis.low, axis.high)).all())
     low, high = (float(axis.low), float(axis.high)) if finite else (-1.0, 1.0)
@@ -103,7 +103,7 @@ def _students(columns: Mapping[str, Any]) -> list[str]:
 
 
 def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str], chosen: np.ndarray) -> dict[str, Any]:
-    """Return the columns of levels.csv for the levels `chosen`, and the places in their scenes."""
+    """Return the columns of levels.csv for the `chosen` levels, and the positions in their scenes."""
     names = [name for _, name in _drawn(stage)]
     told: dict[str, Any] = {name: _plain(columns[name][chosen]) for name in PLAIN if name in columns}
     told |= {"score": _plain(columns["score"][chosen]), "source": sources}
@@ -122,7 +122,7 @@ def _plain(values: np.ndarray) -> list[float | None]:
 
 
 def _scene(stage: Stage) -> dict[str, Any] | None:
-    """Return what never changes of the scenes, None without a painter."""
+    """Return the static parts of the scenes, None without a painter."""
     painter = stage.painter
     if painter is None:
         return None
@@ -138,7 +138,7 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
 
 
 def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple[dict[str, Any], int]:
-    """Play levels again; return what is to be seen, by visit and student, and how many came out otherwise."""
+    """Replay levels; return their frames by visit and student, and the number of replays that differ."""
     told: dict[str, Any] = {}
     otherwise = 0
     for row in rows:
@@ -159,13 +159,13 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
 
 
 def _pack(places: np.ndarray) -> str:
-    """Return places in metres, or nan, as base64 of int16 centimetres."""
+    """Return positions in meters, or nan, as base64 of int16 centimeters."""
     whole = np.round(np.nan_to_num(places, nan=NOWHERE / CENTIMETRES) * CENTIMETRES)
     return base64.b64encode(np.clip(whole, NOWHERE, -NOWHERE - 1).astype("<i2").tobytes()).decode()
 
 
 def _image(pixels: np.ndarray) -> str:
-    """Return an image uint8 `[height, width, 3]` as a URL that holds it."""
+    """Return an image uint8 `[height, width, 3]` as a data URL."""
     from PIL import Image
 
     image = Image.fromarray(pixels)

@@ -28,7 +28,7 @@ MOST_CHOICES = 2  # columns of bars beside the pitches
 
 
 def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
-    """Return θ `[L, D]` of the levels trained on within this share of the run's updates."""
+    """Return θ `[L, D]` of the training levels in a share of the run's updates."""
     table = read_columns(run / "levels.csv")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
@@ -39,8 +39,8 @@ def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x periods: the density of where the players of both teams began, or of a painter's points.
 
-    Behind them, of an adversary's first choices among `draws`: how often it proposed each option, and the program's
-    weights.
+    To their right, for the first choices among `draws`, bars show how often an adversary proposed each option, and the
+    program's weights.
     """
     import matplotlib.pyplot as plt
 
@@ -65,7 +65,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
 
 
 def choices_of(paths: Sequence[Path], draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
-    """Return the first choices among the columns of θ, with shares averaged over runs; none without an adversary."""
+    """Return the first choices among the columns of θ, with shares averaged over runs; empty without an adversary."""
     try:
         runs = [read_proposals(path, draws) for path in paths] if draws else []
     except CommandError:
@@ -78,7 +78,7 @@ def choices_of(paths: Sequence[Path], draws: Sequence[Parameter]) -> list[Column
 
 
 def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
-    """Draw bars: the share of each value among proposals of each period, and a line at its share in random levels."""
+    """Draw the share of each value in the proposals of each period, and a line at its share in random levels."""
     places, width = np.arange(len(column.names)), 0.8 / len(PERIODS)
     for k, (period, share) in enumerate(zip(PERIODS, column.proposed, strict=True)):
         axes.bar(places + (k - 1) * width, share, width, color=str(0.8 - 0.3 * k), label=period)

@@ -1,4 +1,4 @@
-"""One picture of a comparison: how the methods learned, how they do on the tests, where the levels went.
+"""One picture of a comparison: learning curves, results on the tests, distributions of levels.
 
 Read next: `commands.compare`.
 """
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
 
 WIDTH = 11.5  # inches
 CURVES_HEIGHT = 2.4  # inches
-TITLE_HEIGHT = 0.35  # inches, of a pitch's title
-COLUMNS = 4  # pitches in a row
-HEADING_LENGTH = 105  # characters in a line of the heading
+TITLE_HEIGHT = 0.35  # inches, title of a pitch
+COLUMNS = 4  # pitches per row
+HEADING_LENGTH = 105  # characters per line of the heading
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What a comparison has brought: run folders by method, all results, how to draw levels, what successes are.
+    """Data of a comparison: run folders by method, results, painter of levels, word for successes.
 
-    `draws`: the columns of θ, as far as they are known.
+    `draws`: the known columns of θ.
     """
 
     minigame: str
@@ -44,13 +44,13 @@ class Comparison:
 
 
 def overview(comparison: Comparison, path: Path) -> None:
-    """Draw the picture: curves and goals above, a row of pitches for each method beneath."""
+    """Draw the picture: curves and goals at the top, a row of pitches for each method below."""
     import matplotlib.pyplot as plt
 
     x_low, x_high, y_low, y_high = comparison.painter.bounds
     rows = _level_rows(comparison.runs)
     heading, methods = _heading(comparison), unique([row.method for row in comparison.results])
-    head = 0.55 + 0.2 * heading.count("\n")  # inches, as all that follows
+    head = 0.55 + 0.2 * heading.count("\n")  # inches, like all sizes below
     legend = 0.65 + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
     above_height = head + CURVES_HEIGHT + legend
     pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
@@ -80,9 +80,9 @@ def overview(comparison: Comparison, path: Path) -> None:
 
 
 def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
-    """Return rows of panels (heading, runs, share of the training): for each curriculum, what is its yardstick first.
+    """Return rows of panels (heading, runs, period of training), for each curriculum after a DR panel for reference.
 
-    Domain randomization is the same at all times, so one panel shows it whole.
+    The levels of domain randomization do not change over time, so one panel shows all of them.
     """
     uniform = [("Levels: domain randomization", runs["dr"], (0.0, 1.0))] if "dr" in runs else []
     others = [method for method in runs if method != "dr"] or list(runs)
@@ -109,7 +109,7 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
-    """Draw the share of episodes that succeed, of every method on every scene, with its interval if it has one."""
+    """Draw the success rate of every method on every scene, with its interval if available."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
     reach, whiskers = 0.8, False

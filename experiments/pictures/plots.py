@@ -1,6 +1,6 @@
-"""The look of all pictures, and learning curves. Matplotlib is imported when a picture is drawn.
+"""The style of all pictures, and learning curves. Matplotlib is imported when a picture is drawn.
 
-Colours: one per method everywhere; blue and red are the teams. Read next: `pictures.level_plots`, then
+Each method has the same color in all pictures; blue and red are the teams. Read next: `pictures.level_plots`, then
 `pictures.overview`.
 """
 
@@ -28,8 +28,8 @@ FAINT = "#8a9199"
 METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {"shoot": "#9aa3ab", "random": "#cfd5da"}
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {"shoot": "shoot at once", "random": "random"}
-LEGEND_COLUMNS = 6  # at most, of names beside each other
-WINDOW = 0.04  # of a curve's length: its running mean
+LEGEND_COLUMNS = 6  # maximum number of columns in a legend
+WINDOW = 0.04  # window of the running mean, relative to the curve's length
 
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -64,7 +64,7 @@ class Curve(NamedTuple):
 
 
 def style() -> AbstractContextManager:
-    """Return the context in which pictures are drawn."""
+    """Return the Matplotlib style context of all pictures."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -72,23 +72,23 @@ def style() -> AbstractContextManager:
 
 
 def colour(method: str) -> str:
-    """Return the colour of a method."""
+    """Return the color of a method."""
     return METHOD_COLOURS.get(method, OTHER_COLOUR)
 
 
 def title(method: str) -> str:
-    """Return the name of a method as a picture shows it."""
+    """Return the display name of a method."""
     return METHOD_NAMES.get(method, method)
 
 
 def listed(methods: Sequence[str]) -> str:
-    """Return the names of methods as a sentence lists them."""
+    """Return the display names of methods as an enumeration."""
     *others, last = map(title, methods)
     return f"{', '.join(others)} and {last}" if others else last
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a picture, whole or not at all, and free it. Raises `CommandError` if the disk refuses."""
+    """Write a picture atomically and close the figure. Raises `CommandError` if it cannot be written."""
     import matplotlib.pyplot as plt
 
     drawn = BytesIO()
@@ -101,7 +101,7 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def marker_legend(figure: Figure, painter: Any) -> None:
-    """Write beneath a figure which colour stands for whom, for those who are there."""
+    """Add a legend of the present marker colors below a figure."""
     from matplotlib.lines import Line2D
 
     from regista.envs.football.view.render import PAPER_COLOURS
@@ -146,20 +146,20 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
 
 
 def label_steps(axes: Axes) -> None:
-    """Write what the horizontal axis counts, in short numbers."""
+    """Label the horizontal axis, with short numbers."""
     axes.set_xlabel("simulated steps, all students")
     shorten_steps(axes)
 
 
 def shorten_steps(axes: Axes) -> None:
-    """Write the numbers of the horizontal axis as 500k, 2M."""
+    """Format the numbers of the horizontal axis as 500k, 2M."""
     axes.xaxis.set_major_formatter(lambda value, _: count(value))
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw the return on every test scene, and of the levels trained on: return, success, regret and spread of θ.
+    """Draw the return on every test scene, and return, success, regret and spread of θ on the training levels.
 
-    `runs` gives the run folders of each method. All is drawn over env_steps; nothing is where no level was finished.
+    `runs` gives the run folders of each method. Curves are over env_steps, with gaps where no level was finished.
     """
     import matplotlib.pyplot as plt
 
@@ -188,21 +188,21 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
 
 
 class Panel(NamedTuple):
-    """What is drawn in one panel: its unit, and the curve of each method that has one."""
+    """Content of one panel: its unit, and the curve of each method that has one."""
 
     unit: str
     curves: list[tuple[str, Curve]]
 
 
 def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
-    """Return heading to panel: the test scenes, then what the levels trained on were like."""
+    """Return panels by heading: the test scenes, then properties of the training levels."""
     headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
     scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
     quantities = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
-    quantities["return on the levels played"] = ("return/", "mean return")
-    quantities["success on the levels played"] = ("success", "share of episodes")
-    quantities["regret of the levels played"] = ("regret", "regret")
-    quantities["spread of the levels played"] = ("theta_std", "deviation of θ; uniform: 0.58")
+    quantities["return on training levels"] = ("return/", "mean return")
+    quantities["success on training levels"] = ("success", "share of episodes")
+    quantities["regret of training levels"] = ("regret", "regret")
+    quantities["spread of training levels"] = ("theta_std", "standard deviation of θ (uniform: 0.58)")
     panels = {}
     for heading, (name, unit) in quantities.items():
         curves = []
@@ -217,7 +217,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
 
 
 def _is_column(column: str, name: str) -> bool:
-    """Return whether this is the column of that name. The first of the returns is that of the student to evaluate."""
+    """Return whether a column has this name. The first return column belongs to the evaluated student."""
     return column.startswith(name) if name.endswith("/") else column == name
 
 
@@ -226,7 +226,7 @@ def _scene_heading(scene: str) -> str:
 
 
 def _running_mean(values: np.ndarray) -> np.ndarray:
-    """Average over a window of WINDOW of the curve; its ends use what there is."""
+    """Smooth with a running mean over WINDOW of the curve; windows are shorter at the ends."""
     width = max(1, int(WINDOW * len(values)))
     if len(values) < 40 or width < 2:
         return values

@@ -1,4 +1,4 @@
-"""Several runs in one recording: every number of their metrics.csv side by side, for the Rerun viewer.
+"""Several runs in one Rerun recording: every column of their metrics.csv, side by side.
 
 Read next: `ued.recorder.recorder`, the recording of one run.
 """
@@ -18,11 +18,11 @@ from regista.experiments.pictures.plots import colour
 from regista.experiments.run.table import read_columns
 from ued.recorder import layout
 
-SHOWN = ("return_100", "success", "score", "regret", "theta_entropy", "theta_coverage")  # beside test scenes
+SHOWN = ("return_100", "success", "score", "regret", "theta_entropy", "theta_coverage")  # besides test scenes
 
 
 def record_runs(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Write `/metrics/<metric>/<method>-<k>` of all runs, those of a method in one colour, to a recording."""
+    """Write `/metrics/<metric>/<method>-<k>` of all runs to a recording, with one color per method."""
     tables = {
         (method, f"{method}-{k}"): read_columns(run / "metrics.csv")
         for method, paths in runs.items()

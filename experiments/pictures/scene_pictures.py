@@ -1,6 +1,6 @@
-"""Scenes of any program as a picture: a panel for each, the ground in chalk, the objects as boxes that show a heading.
+"""Scenes of any program as a picture: one panel each, ground lines, and objects as boxes with a heading.
 
-Read next: `pictures.scene_view`, which says what there is to draw.
+Read next: `pictures.scene_view`, the content of a picture.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from scenic_lite import Scenes
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
-TITLE_GAP = 2.2  # font sizes between the rows of panels: a title must not touch what is above it
-LABELLED = 12  # objects at most: more labels than that would hide the scene
+TITLE_GAP = 2.2  # font sizes between rows of panels, to separate titles from the panels above
+LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
-    """Draw each scene on a panel of its own, and save the picture. Raises `CommandError` if the disk refuses."""
+    """Draw each scene on its own panel and save the picture. Raises `CommandError` if it cannot be written."""
     import matplotlib.pyplot as plt
 
     from regista.experiments.pictures import plots
@@ -49,7 +49,7 @@ def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
 
 
 def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
-    """Draw the matches that begin at θ `[N, D]`, each on its own pitch. Raises `CommandError` if the disk refuses."""
+    """Draw the initial states of matches at θ `[N, D]`. Raises `CommandError` if the file cannot be written."""
     import matplotlib.pyplot as plt
 
     from regista.experiments.pictures import plots
@@ -96,7 +96,7 @@ def draw_objects(axes: Axes, view: SceneView, boxes: np.ndarray) -> None:
 
 
 def legend(figure: Any, view: SceneView) -> None:
-    """Write beneath the panels which colour stands for which class."""
+    """Add a legend of the class colors below the panels."""
     from matplotlib.patches import Patch
 
     handles = [

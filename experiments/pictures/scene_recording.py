@@ -1,7 +1,7 @@
-"""Scenes as a Rerun recording: one after the other on the timeline `scene`, each with what its θ means.
+"""Scenes as a Rerun recording: in sequence on the timeline `scene`, each with a description of its θ.
 
-Entities: `/scene/ground`, the lines that never change; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`,
-what θ means. Read next: `ued.recorder.recorder`, the recording of a whole curriculum.
+Entities: `/scene/ground`, the static lines; `/scene/objects`, boxes; `/scene/headings`, arrows; `/card`, the
+description of θ. Read next: `ued.recorder.recorder`, the recording of a whole curriculum.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from ued.recorder.layout import blueprint, plane_view, recording
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
-LABELLED = 12  # objects at most: more labels than that would hide the scene
+LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 class SceneStage(Protocol):
-    """What does not change from scene to scene: see `pictures.scene_view`."""
+    """Static content of all scenes, see `pictures.scene_view`."""
 
     @property
     def bounds(self) -> tuple[float, float, float, float]: ...
@@ -38,7 +38,7 @@ class SceneStage(Protocol):
     def labels(self) -> tuple[str, ...]: ...
     @property
     def colours(self) -> list[tuple[int, int, int]]:
-        """Return one colour for each class."""
+        """Return one color for each class."""
 
 
 class SceneRecord(NamedTuple):
@@ -59,7 +59,7 @@ def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[Sce
 
 
 def log_ground(stream: rerun.RecordingStream, stage: SceneStage) -> None:
-    """Write the lines that never change."""
+    """Write the static lines."""
     infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
     stream.log("scene", rerun.AnnotationContext(infos), static=True)
     width = stage.bounds[1] - stage.bounds[0]
@@ -70,7 +70,7 @@ def log_ground(stream: rerun.RecordingStream, stage: SceneStage) -> None:
 
 
 def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneRecord) -> None:
-    """Write one scene at the time that the stream is at; objects without a place are left out."""
+    """Write one scene at the stream's current time; objects without a position are skipped."""
     known = np.isfinite(scene.outlines).all((1, 2))
     kinds = stage.kinds[known]
     colours = np.array(stage.colours, np.uint8).reshape(-1, 3)[kinds]
@@ -90,14 +90,14 @@ def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneReco
 
 
 def scenes_layout(stage: SceneStage) -> Any:
-    """Return the blueprint: the scene large, its card beside it."""
+    """Return the blueprint: the scene, with its card next to it."""
     view = plane_view(stage.bounds, BACKGROUND, "Scene", "/scene/**")
-    card = rrb.TextDocumentView(origin="/card", name="What θ means")
+    card = rrb.TextDocumentView(origin="/card", name="Parameters θ")
     return blueprint(rrb.Horizontal(view, card, column_shares=[2.2, 1]), "scene", fps=2)
 
 
 def card_of(title: str, rows: Sequence[tuple[str, str, str]], notes: Sequence[str]) -> str:
-    """Return a card in Markdown: a title, a table of name, θ and value, and sentences beneath."""
-    lines = [f"## {title}", "", "| draw | θ | means |", "|---|---|---|"]
+    """Return a card in Markdown: a title, a table of name, θ and value, and notes below."""
+    lines = [f"## {title}", "", "| parameter | θ | value |", "|---|---|---|"]
     lines += [f"| {name} | {theta} | {value} |" for name, theta, value in rows]
     return "\n".join([*lines, "", *notes])

@@ -1,7 +1,7 @@
-"""What the scenes of any program look like: the ground, and every object as a box with a heading, a class and a label.
+"""View of a program's scenes: the ground, and every object as a box with a heading, a class and a label.
 
-A view speaks the program's own units; a football program gets the lines of its pitch. Read next:
-`pictures.scene_pictures`, and `pictures.scene_recording`, which draw it.
+Coordinates are in the program's units; a football program gets the lines of its pitch. Read next:
+`pictures.scene_pictures` and `pictures.scene_recording`, which draw it.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 Colour = tuple[int, int, int]
 
-MARGIN = 0.06  # of the width and height, around everything
-PROBES = 256  # scenes that say how far the objects get
-SMALLEST = 0.018  # of the width: no object is drawn smaller, so that it can be seen
+MARGIN = 0.06  # around everything, relative to width and height
+PROBES = 256  # random scenes for estimating the extent of the objects
+SMALLEST = 0.018  # minimum size of drawn objects, relative to the width
 PALETTE: tuple[Colour, ...] = (
     (31, 119, 208),
     (217, 65, 61),
@@ -36,14 +36,14 @@ PALETTE: tuple[Colour, ...] = (
 
 @dataclass(frozen=True, eq=False)
 class SceneView:
-    """What does not change from scene to scene.
+    """Static content of all scenes.
 
     Attributes:
         bounds: x low, x high, y low, y high.
         ground: strips [n, 2] of the workspace, or of the pitch.
-        areas: strips of the regions from which points are drawn.
+        areas: strips of the regions from which points are sampled.
         classes: names of the objects' classes; `kinds` [O] index them, `colours` has one for each.
-        labels: one for each of the O objects.
+        labels: label of each of the O objects.
     """
 
     bounds: tuple[float, float, float, float]
@@ -58,14 +58,14 @@ class SceneView:
         return [PALETTE[k % len(PALETTE)] for k in range(len(self.classes))]
 
     def boxes(self, scenes: Scenes) -> np.ndarray:
-        """Return the objects as they are drawn `[N, O, 5]`: x, y, heading, width, length; small ones enlarged."""
+        """Return the drawn boxes of objects `[N, O, 5]`: x, y, heading, width, length; small ones are enlarged."""
         least = SMALLEST * (self.bounds[1] - self.bounds[0])
         sizes = [np.maximum(sizes_of(scenes, name), least) for name in ("width", "length")]
         return np.stack([scenes.positions[..., 0], scenes.positions[..., 1], scenes.headings, *sizes], axis=2)
 
 
 def outlines_of(region: Region | None) -> list[np.ndarray]:
-    """Return the boundary of a region, strips `[n, 2]`; none if there is no region, or a random or endless one."""
+    """Return the boundary of a region, strips `[n, 2]`; empty without a region or for a random or unbounded one."""
     try:
         return [] if region is None else region.outlines()
     except ScenicError:
@@ -73,7 +73,7 @@ def outlines_of(region: Region | None) -> list[np.ndarray]:
 
 
 def view_of(program: Program, theta: np.ndarray, football: bool) -> SceneView:
-    """Make the view for a program; it shows all of its areas, and wherever objects get in the scenes of θ `[N, D]`."""
+    """Make the view of a program; it covers all of its areas, and all objects in the scenes of θ `[N, D]`."""
     ground = outlines_of(program.workspace)
     drawn = [region for region in program.drawn_regions if region is not program.workspace]
     areas = [strip for region in drawn for strip in outlines_of(region)]
@@ -90,7 +90,7 @@ def view_of(program: Program, theta: np.ndarray, football: bool) -> SceneView:
 
 
 def bounds_of(parts: list[np.ndarray]) -> tuple[float, float, float, float]:
-    """Return a frame around all points, with a margin and at least a unit wide: x low, x high, y low, y high."""
+    """Return bounds of all points with a margin, at least one unit wide: x low, x high, y low, y high."""
     points = np.concatenate([part.reshape(-1, 2) for part in parts])
     points = points[np.isfinite(points).all(1)]
     low, high = (points.min(0), points.max(0)) if len(points) else (np.zeros(2), np.zeros(2))
@@ -107,7 +107,7 @@ def sizes_of(scenes: Scenes, name: str) -> np.ndarray:
 
 
 def corners(boxes: np.ndarray) -> np.ndarray:
-    """Return the corners `[..., 4, 2]` of boxes `[..., 5]`, anticlockwise from the front right."""
+    """Return the corners `[..., 4, 2]` of boxes `[..., 5]`, counterclockwise from the front right."""
     x, y, heading, width, length = np.moveaxis(boxes, -1, 0)
     c, s = np.cos(heading), np.sin(heading)
     signs = ((0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5))
@@ -116,7 +116,7 @@ def corners(boxes: np.ndarray) -> np.ndarray:
 
 
 def arrows(boxes: np.ndarray) -> np.ndarray:
-    """Return lines `[..., 2, 2]` from the centre of each box to a little beyond its front."""
+    """Return lines `[..., 2, 2]` from the center of each box to slightly beyond its front."""
     x, y, heading, _, length = np.moveaxis(boxes, -1, 0)
     centre = np.stack([x, y], -1)
     return np.stack([centre, centre + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)

@@ -1,10 +1,10 @@
-"""One episode in two worlds under the same actions, side by side in a Rerun recording, and the step at which they part.
+"""One episode in two engines under the same actions, side by side in a Rerun recording, with their divergence.
 
-    /scene/<n>/ground                lines that never change; below /scene metres are y-up
-    /scene/<n>/<side>/now            where everybody is, on timeline `step`
-    /scene/<n>/<side>/path           the whole way of the painter's last point
-    /gap/<n>/last, others            how far apart both are, in m
-    /card/<n>                        what was done, how both ended, where they part
+    /scene/<n>/ground                static lines; coordinates below /scene are in m, y-up
+    /scene/<n>/<side>/now            current positions, on timeline `step`
+    /scene/<n>/<side>/path           the whole path of the painter's last point
+    /gap/<n>/last, others            distance between both sides in m
+    /card/<n>                        actions, endings, and the step of divergence
 
 Read next: `ued.recorder.scene_log`, whose conventions these are.
 """
@@ -23,15 +23,15 @@ import rerun.blueprint as rrb
 from ued.core.painter import ScenePainter
 from ued.recorder.layout import blueprint, log_ground, plane_view, recording
 
-PARTED = 1.5  # m between the balls, or between two places of one player
+PARTED = 1.5  # m between the balls, or between the positions of one player
 
 
 @dataclass(frozen=True)
 class SideBySide:
-    """One episode in two worlds.
+    """One episode in two engines.
 
-    `sides` are their names; `points` of each `[T + 1, K, 2]` m, in the painter's order; `actions` `[T]`; `ends`, how it
-    ended in each, in a word.
+    `sides` are their names; `points` of each `[T + 1, K, 2]` m, in the painter's order; `actions` `[T]`; `ends`: how it
+    ended in each, as a word.
     """
 
     name: str
@@ -42,25 +42,25 @@ class SideBySide:
     ends: tuple[str, str]
 
     def gaps(self) -> np.ndarray:
-        """Return how far apart each point is in both, as long as both go on: `[T + 1, P + 1]` m."""
+        """Return the distance of each point between both sides while both continue: `[T + 1, P + 1]` m."""
         steps = min(map(len, self.points))
         one, other = (points[:steps] for points in self.points)
         return np.linalg.norm(one - other, axis=-1)
 
     def parted(self) -> int | None:
-        """Return the first step at which a point is farther apart than PARTED; None: they never part."""
+        """Return the first step at which a point's distance exceeds PARTED; None: never."""
         apart = np.flatnonzero((self.gaps() > PARTED).any(1))
         return int(apart[0]) if len(apart) else None
 
     def card(self) -> str:
-        """Return what is to be said, in Markdown."""
+        """Return a summary in Markdown."""
         step, gaps, kinds = self.parted(), self.gaps(), self.painter.classes
         if step is None:
-            parting = f"No point is ever farther apart than {PARTED} m."
+            parting = f"No distance ever exceeds {PARTED} m."
         else:
             first = int(gaps[step].argmax())
             who = f"{self.painter.markers[kinds[first]][0]} (point {first})"
-            parting = f"They part at **step {step}**: {who} is {gaps[step, first]:.1f} m apart."
+            parting = f"The episodes diverge at **step {step}**: {who} differs by {gaps[step, first]:.1f} m."
         actions = " ".join(map(str, self.actions))
         ends = "".join(
             f"| {side} | {end} | {len(points) - 1} |\n"
@@ -92,7 +92,7 @@ def _log(stream: rerun.RecordingStream, number: int, pair: SideBySide) -> None:
 
 
 def _log_points(stream: rerun.RecordingStream, path: str, painter: ScenePainter, points: np.ndarray) -> None:
-    """Write everybody at every step; beyond the last one he stays."""
+    """Write all points at every step; after the end they stay."""
     steps, count = points.shape[:2]
     lengths = np.full(steps, count)
     radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]
@@ -112,7 +112,7 @@ def _layout(pairs: Sequence[SideBySide]) -> Any:
     tabs = []
     for number, pair in enumerate(pairs):
         views = [_view(number, pair, side) for side in pair.sides]
-        gap = rrb.TimeSeriesView(origin=f"/gap/{number}", name="How far apart (m)")
+        gap = rrb.TimeSeriesView(origin=f"/gap/{number}", name="Distance (m)")
         card = rrb.TextDocumentView(origin=f"/card/{number}", name="Card")
         below = rrb.Horizontal(gap, card, column_shares=[2, 1])
         tabs.append(rrb.Vertical(rrb.Horizontal(*views), below, row_shares=[2, 1], name=pair.name))

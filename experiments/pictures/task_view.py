@@ -1,4 +1,4 @@
-"""A task of one's own as text and as a picture: its parameters, its levels, and what they look like when rendered.
+"""A Python task as text and as a picture: its parameters, its levels, and their rendered first frames.
 
 Read next: `commands.inspect`.
 """
@@ -15,14 +15,14 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.results import align
 from ued.core.upomdp import UPOMDP
 
-DRAWS = 1024  # of which it is told how many are valid
-MOST_COLUMNS = 40  # that are listed
-MOST_OF_A_CHOICE = 60  # letters of its values
-MOST_LETTERS = 300  # of a level that is described
+DRAWS = 1024  # samples for the share of valid levels
+MOST_COLUMNS = 40  # listed columns of θ
+MOST_OF_A_CHOICE = 60  # characters for the values of a choice
+MOST_LETTERS = 300  # characters for the description of a level
 
 
 def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
-    """Return the columns of θ, the spaces, the share of θ that is valid, and the levels θ `[n, D]` in words."""
+    """Describe the columns of θ, the spaces, the share of valid θ, and the levels θ `[n, D]`."""
     family = "" if upomdp.level_family is None else f", codes of levels of {type(upomdp.level_family).__name__}"
     parts = [f"{name}: D = {upomdp.theta_dim} free parameter{'s' * (upomdp.theta_dim != 1)}{family}"]
     if upomdp.parameters and upomdp.level_family is None:
@@ -35,7 +35,7 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
             rows.append([str(index), draw.name, told, *ends])
         parts.append(align(rows))
         drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
-        parts.append(f"{upomdp.valid(drawn).mean():.0%} of θ are levels that can be played")
+        parts.append(f"{upomdp.valid(drawn).mean():.0%} of random θ are valid levels")
     parts.append(f"observations: {upomdp.single_observation_space}\nactions: {upomdp.single_action_space}")
     for index, values in enumerate(upomdp.describe(theta)):
         text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())
@@ -46,7 +46,7 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
 def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
     """Draw the first frames of the levels θ `[n, D]`, one environment for each.
 
-    Raises `CommandError` where environments render nothing, or fail to.
+    Raises `CommandError` if the environments cannot render.
     """
     import matplotlib.pyplot as plt
 
@@ -55,10 +55,10 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
     upomdp.reset(seed=0, options={"theta": theta})
     try:
         frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
-    except Exception as error:  # whatever is theirs
+    except Exception as error:  # any error of the environment
         raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
     if frames is None:
-        raise CommandError('nothing can be drawn: make the environments with render_mode="rgb_array"')
+        raise CommandError('cannot draw: make the environments with render_mode="rgb_array"')
     columns = min(len(frames), 4)
     with plots.style():
         lines = -(-len(frames) // columns)

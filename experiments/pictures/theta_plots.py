@@ -1,4 +1,4 @@
-"""Where a method put its levels, for tasks without a painter: histograms of the columns of θ, early and late.
+"""Levels of a method, for tasks without a painter: histograms of the columns of θ, early and late in training.
 
 Read next: `pictures.level_plots`, the same on a pitch.
 """
@@ -19,12 +19,12 @@ from regista.experiments.run.table import read_columns
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MOST_COLUMNS = 8  # of θ that are drawn
+MOST_COLUMNS = 8  # drawn columns of θ
 BINS = 20
 
 
 def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw methods x columns of θ: how levels were spread in the first, a middle and the last tenth of training."""
+    """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training."""
     import matplotlib.pyplot as plt
 
     tables = (read_columns(run / "levels.csv") for paths in runs.values() for run in paths)
@@ -48,7 +48,7 @@ def _names(table: Mapping[str, np.ndarray]) -> list[str]:
 
 
 def _draw(axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]]) -> None:
-    """Draw the histogram of a column in each period, of which `found` has θ `[L, D]` of each run."""
+    """Draw the histogram of a column in each period; `found` has θ `[L, D]` of each run and period."""
     for shade, (period, thetas) in zip(np.linspace(0.75, 0.1, len(found)), found.items(), strict=True):
         known = [theta[:, column] for theta in thetas if len(theta)]
         if known:

@@ -1,1 +1,1 @@
-"""What a run is made of: settings, objects, folder, tables, workers."""
+"""Parts of a run: settings, objects, folder, tables, workers."""

@@ -1,9 +1,9 @@
 """The command line, derived from frozen dataclasses: one flag per field, the help text on the field.
 
 A field `num_envs: int` becomes `--num-envs N`. A nested configuration becomes a group of flags: with `prefix=""` its
-fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only what
-was typed changes the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
-with topics have pages of their own, `--help TOPIC`. Read next: `run.config`.
+fields are flags of their own (`--learning-rate`), otherwise they carry its name (`--paired.dr-fraction`). Only
+given flags change the base configuration, so a preset or a resumed run can serve as base. `--help` is one page; groups
+with topics have their own pages, `--help TOPIC`. Read next: `run.config`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Config = TypeVar("Config")
 
 
 def positional(help: str, default: Any = dataclasses.MISSING) -> Any:
-    """Return a dataclass field that is typed without a flag: `regista train 1v1Free`."""
+    """Return a dataclass field for a positional argument: `regista train 1v1Free`."""
     return field(default=default, metadata={"help": help, "positional": True})
 
 
@@ -38,7 +38,7 @@ def group(
 ) -> Any:
     """Return a dataclass field that holds a nested configuration: a titled group of flags, named `prefix` + field.
 
-    The fields `without` get no flag. A group with `topics`, each with its title, is shown by `--help TOPIC`, not by
+    Fields in `without` get no flag. A group with `topics`, each with its title, is shown by `--help TOPIC` instead of
     `--help`.
     """
     about = {"help": help, "prefix": prefix, "without": without, "topics": topics or {}}
@@ -46,27 +46,27 @@ def group(
 
 
 def option(default: Any, help: str, short: str = "", repeated: bool = False, metavar: str = "") -> Any:
-    """Return a dataclass field with a second, short flag, or a tuple to which every use of the flag adds one value."""
+    """Return a dataclass field with an additional short flag, or a tuple field whose flag may be repeated."""
     about = {"help": help, "short": short, "repeated": repeated, "metavar": metavar}
     return field(default=default, metadata=about)
 
 
 def parse(base: Config, argv: Sequence[str], command: str, description: str) -> Config:
-    """Return `base` with what `argv` says changed. Raises `UsageError` for anything unknown or of the wrong type."""
+    """Return `base` with the changes in `argv`. Raises `UsageError` for unknown flags and values of the wrong type."""
     typed = typed_settings(base, argv, command, description)
     return replace_paths(base, typed)
 
 
-# Configurations by the case in which they are the base instead, as words for the end of a sentence; see `_stated`.
+# Alternative base configurations by the case in which they apply, a phrase that ends a sentence; see `_stated`.
 Others = Mapping[str, Sequence[Any]]
 
 
 def typed_settings(
     base: Any, argv: Sequence[str], command: str, description: str, others: Others | None = None
 ) -> dict[str, Any]:
-    """Return what was typed, by path of the field (`ppo.learning_rate`).
+    """Return the given values by path of the field (`ppo.learning_rate`).
 
-    The help states the defaults of `base`, and those of `others` where they differ. `command` is one of `regista`'s, or
+    The help states the defaults of `base`, and those of `others` if they differ. `command` is one of `regista`, or
     `python -m MODULE`.
     """
     parser = _Parser(
@@ -80,7 +80,7 @@ def typed_settings(
     flags = ["--help"]
     _add(parser, parser, base, _Place("", "", others or {}), flags)
     if parser.topics:
-        showing.nargs, showing.help = "?", "show this page, or that of a topic, and exit"
+        showing.nargs, showing.help = "?", "show this page or the page of a topic, and exit"
     typed, unknown = parser.parse_known_args(list(argv))
     if unknown:
         raise UsageError(_unknown(unknown[0], flags))
@@ -90,7 +90,7 @@ def typed_settings(
 def replace_paths(config: Config, values: dict[str, Any]) -> Config:
     """Return `config` with the values at these dotted paths replaced."""
     changes: dict[str, Any] = {}
-    nested: dict[str, dict[str, Any]] = {}  # all of a part's at once: it may check one value against another
+    nested: dict[str, dict[str, Any]] = {}  # all values of a part at once, as it may check one against another
     for path, value in values.items():
         head, _, rest = path.partition(".")
         if rest:
@@ -101,12 +101,12 @@ def replace_paths(config: Config, values: dict[str, Any]) -> Config:
         changes[head] = replace_paths(changes.get(head, getattr(config, head)), inner)
     try:
         return dataclasses.replace(config, **changes)  # type: ignore[type-var]
-    except ValueError as error:  # a configuration that checks itself
+    except ValueError as error:  # the configuration's own checks
         raise UsageError(str(error)) from error
 
 
 def flag_name(name: str, prefix: str = "") -> str:
-    """Return the flag of a field: `num_envs` is `--num-envs`, and `from_`, as Python has a `from`, is `--from`."""
+    """Return the flag of a field: `num_envs` is `--num-envs`, and `from_` (a Python keyword) is `--from`."""
     return f"--{prefix}{name.rstrip('_')}".replace("_", "-")
 
 
@@ -114,7 +114,7 @@ def flag_name(name: str, prefix: str = "") -> str:
 
 
 class _Place(NamedTuple):
-    """Where in the nesting of configurations: path of fields, prefix of flags, the same part of other configurations,
+    """Position in nested configurations: path of fields, prefix of flags, the same part of alternative configurations,
     fields without a flag, help topics.
     """
 
@@ -157,12 +157,12 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
 
 
 def _part(bases: Sequence[Any], name: str) -> list[Any]:
-    """Return a field of those configurations that have it."""
+    """Return the values of a field in those configurations that have it."""
     return [getattr(base, name) for base in bases if hasattr(base, name)]
 
 
 def _stated(value: Any, name: str, others: Others) -> str:
-    """Return the default of a field in brackets, and in which cases it is another."""
+    """Return the default of a field in parentheses, with the cases in which it differs."""
     cases: dict[str, list[str]] = {}  # by the values
     for case, bases in others.items():
         differing = [_spell(other) for other in _part(bases, name) if other is not None and other != value]
@@ -188,7 +188,7 @@ def _add_positional(container: Any, item: dataclasses.Field, hint: Any, path: st
 
 
 def _options(hint: Any, about: Mapping[str, Any]) -> dict[str, Any]:
-    """Return argparse's options for a field of this type and metadata."""
+    """Return the argparse options of a field with this type and metadata."""
     hint = _without_none(hint)
     if hint is bool:
         return {"action": argparse.BooleanOptionalAction}
@@ -206,7 +206,7 @@ def _options(hint: Any, about: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _bounded(convert: Callable[[str], Any], about: Mapping[str, Any]) -> Callable[[str], Any]:
-    """Return what reads a value and refuses one that the field does not allow; argparse names the flag."""
+    """Return a function that parses a value and rejects invalid ones; argparse adds the flag's name."""
 
     def read(text: str) -> Any:
         value = convert(text)
@@ -219,7 +219,7 @@ def _bounded(convert: Callable[[str], Any], about: Mapping[str, Any]) -> Callabl
 
 
 class _Collect(argparse.Action):
-    """Keep several values as a tuple, as frozen configurations hold them."""
+    """Store several values as a tuple, as in frozen configurations."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         if values or option_string:
@@ -227,14 +227,14 @@ class _Collect(argparse.Action):
 
 
 class _Append(argparse.Action):
-    """Add one value to the tuple of those that were typed before it."""
+    """Append one value to the tuple of earlier values."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         setattr(namespace, self.dest, (*getattr(namespace, self.dest, ()), values))
 
 
 def _converter(hint: Any) -> tuple[Callable[[str], Any], str]:
-    """Return the function that reads a value of this type, and the word that stands for it in the help."""
+    """Return the parser of a value of this type, and its placeholder in the help."""
     known: dict[Any, tuple[Callable[[str], Any], str]]
     known = {int: (_whole, "N"), float: (_number, "X"), str: (str, "NAME")}
     return known.get(_without_none(hint), (_without_none(hint), "PATH"))
@@ -247,7 +247,7 @@ def _without_none(hint: Any) -> Any:
 
 
 def _whole(text: str) -> int:
-    """Read 5000000, 5_000_000 or 5e6."""
+    """Parse 5000000, 5_000_000 or 5e6."""
     number = _number(text)
     if number != int(number):
         raise argparse.ArgumentTypeError(f"'{text}' is not a whole number")
@@ -272,7 +272,7 @@ def _spell(value: Any) -> str:
     return f"{value:_}" if isinstance(value, int) and value >= 100_000 else str(value)
 
 
-# ---------------------------------------------------------------- argparse, made to speak in one sentence
+# ---------------------------------------------------------------- argparse with one-sentence errors
 
 
 def _unknown(word: str, flags: list[str]) -> str:
@@ -282,14 +282,14 @@ def _unknown(word: str, flags: list[str]) -> str:
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one sentence, and whose usage is one line: `words` are typed without a flag."""
+    """A parser with one-sentence errors and a one-line usage; `words` are the positional arguments."""
 
     words: tuple[str, ...] = ()
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
         self.topics: dict[str, list[Any]] = {}  # groups that `--help TOPIC` shows
-        self.titles: dict[str, str] = {}  # of these pages
+        self.titles: dict[str, str] = {}  # titles of these pages
         self._positionals.title = "arguments"
 
     def error(self, message: str) -> NoReturn:
@@ -299,7 +299,7 @@ class _Parser(argparse.ArgumentParser):
         return f"usage: {' '.join([self.prog, *self.words])} [flags]\n"
 
     def format_page(self, topic: str | None) -> str:
-        """Return a page of help: the first one, that of a topic, or "all". Raises `UsageError` for any other word."""
+        """Return a help page: the main one, that of a topic, or "all". Raises `UsageError` for any other word."""
         if topic is None:
             apart = [group for groups in self.topics.values() for group in groups]
             shown = [group for group in self._action_groups if group not in apart]
@@ -321,16 +321,16 @@ class _Parser(argparse.ArgumentParser):
         return "\n".join(pages + [self._contents()] * (topic is None and bool(self.topics)))
 
     def _contents(self) -> str:
-        """Return the table of topics, a line each."""
-        known = {**self.titles, "all": "every flag there is"}
+        """Return the table of topics, one per line."""
+        known = {**self.titles, "all": "every flag"}
         margins: Any = {"initial_indent": "  ", "subsequent_indent": " " * 18}
         wrapped = [textwrap.wrap(f"{topic:<16}{title}", _width() - 2, **margins) for topic, title in known.items()]
         lines = [line for paragraph in wrapped for line in paragraph]
-        return "\n".join([f"more settings, each on a page: {self.prog} --help TOPIC", *lines, ""])
+        return "\n".join([f"more settings: {self.prog} --help TOPIC", *lines, ""])
 
 
 class _ShowHelp(argparse.Action):
-    """Print a page of help and end."""
+    """Print a help page and exit."""
 
     def __init__(self, option_strings: Sequence[str], dest: str) -> None:
         super().__init__(option_strings, dest, 0, default=argparse.SUPPRESS, metavar="TOPIC", help="show this and exit")
@@ -345,7 +345,7 @@ def _width() -> int:
 
 
 class _Help(argparse.HelpFormatter):
-    """A narrow column of flags, each shown once."""
+    """A narrow column of flags; each flag is shown once."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=34, width=_width())

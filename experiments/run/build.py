@@ -1,6 +1,6 @@
-"""Names to objects: the game, the method and the device that a word stands for, and environments of their own seeds.
+"""From names to objects: games, methods, devices, and environments with seeded random streams.
 
-Everything heavy is imported when it is needed. Read next: `run.games` and `run.tasks`, what a name can stand for;
+Heavy packages are imported on use. Read next: `run.games` and `run.tasks`, the kinds of names;
 `commands.train`.
 """
 
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
     from scenic_lite import Program
     from ued.core.task import Make
 
-MANY = 1_024  # environments, above which one is made first, to see whether they fit
-STATE_COPIES = 3  # of a match, while it is stepped
-ENGINE_BYTES = 55_000_000  # of one engine of Google Research Football
+MANY = 1_024  # environments; for more, one is made first to check whether they fit into memory
+STATE_COPIES = 3  # copies of a match's state during a step
+ENGINE_BYTES = 55_000_000  # one engine of Google Research Football
 
 
 def find_game(name: str) -> Game:
-    """Return what a name stands for: football, or a task in Python. Raises `UsageError` for an unknown name."""
+    """Return the game of a name: football or a Python task. Raises `UsageError` for an unknown name."""
     return tasks.PythonTask(name) if tasks.NAME.fullmatch(name) else games.football_game(name)
 
 
 def find_method(name: str) -> str:
-    """Return the name back if there is such a method. Raises `UsageError` otherwise."""
+    """Return the name of a method unchanged. Raises `UsageError` for an unknown method."""
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; known are {', '.join(METHODS)}")
     return name
@@ -53,12 +53,12 @@ def find_device(name: str) -> torch.device:
     device = torch.device("cuda" if name == "auto" else name)
     if (device.index or 0) >= gpus:
         seen = {0: "no GPU", 1: "one GPU, cuda:0"}.get(gpus, f"{gpus} GPUs")
-        raise UsageError(f"there is no device {name}: torch sees {seen} here; --device cpu needs none")
+        raise UsageError(f"there is no device {name}: torch sees {seen}; use --device cpu")
     return device
 
 
 def make_upomdp(make: Make, num_envs: int, seed: int) -> Any:
-    """Make `num_envs` environments with seeded streams. Raises `UsageError` where they do not fit into memory."""
+    """Make `num_envs` environments with seeded random streams. Raises `UsageError` if they do not fit into memory."""
     with telling_warnings():
         if num_envs > MANY:
             with room_for("environments"):
@@ -70,7 +70,7 @@ def make_upomdp(make: Make, num_envs: int, seed: int) -> Any:
 
 
 def make_matches(program: Program, num_envs: int, env: FootballConfig, seed: int, threads: int = 1) -> Any:
-    """Make a football program into `num_envs` environments with seeded streams."""
+    """Make `num_envs` environments of a football program, with seeded random streams."""
     from regista.envs.football.vector_env import FootballVectorEnv
 
     games.prepare_kernels(env, threads)
@@ -80,7 +80,7 @@ def make_matches(program: Program, num_envs: int, env: FootballConfig, seed: int
 def make_method(config: Any, upomdp: Any) -> Any:
     """Make the method that trains on `upomdp`.
 
-    Raises `UsageError` for an unknown method, and for an environment on which it cannot train.
+    Raises `UsageError` for an unknown method, and for an environment that the method does not support.
     """
     import torch
 
@@ -92,7 +92,7 @@ def make_method(config: Any, upomdp: Any) -> Any:
     except (ValueError, ImportError, NotImplementedError) as error:
         raise UsageError(f"{config.method} cannot train on {config.minigame}: {error}") from error
     if device.type != "cpu":
-        os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # before its first use, for the same sums each time
+        os.environ.setdefault("CUBLAS_WORKSPACE_CONFIG", ":4096:8")  # before cuBLAS starts: deterministic sums
         torch.use_deterministic_algorithms(True, warn_only=True)
     for learner in made.learners:
         learner.to(device)
@@ -101,7 +101,7 @@ def make_method(config: Any, upomdp: Any) -> Any:
 
 @contextmanager
 def room_for(what: str) -> Iterator[None]:
-    """Raise settings that need more memory than there is as a `UsageError` that names their flags."""
+    """Convert the error of settings that exceed the memory into a `UsageError` that names their flags."""
     try:
         yield
     except RoomError as error:
@@ -110,7 +110,7 @@ def room_for(what: str) -> Iterator[None]:
 
 
 def _bytes_of_one(upomdp: Any, seed: int) -> int:
-    """Return the bytes that one environment needs at least: its state and its observations; closes it."""
+    """Return a lower bound on the bytes of one environment: its state and its observations; closes it."""
     if getattr(getattr(upomdp, "config", None), "engine", None) == "grf":
         return ENGINE_BYTES
     upomdp.reset(seed=seed)

@@ -1,7 +1,7 @@
-"""`TrainConfig`: everything that a training run depends on, saved with it as `config.json`.
+"""`TrainConfig`: all settings of a training run, saved in its folder as `config.json`.
 
-The nested parts belong to the packages that use them; this file only puts them together, names the presets and turns
-configurations into JSON and back. Read next: `run.build`, which makes objects of it.
+The nested parts belong to the packages that use them; this file combines them, defines the presets, and converts
+configurations to and from JSON. Read next: `run.build`, from settings to objects.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from ued.methods import METHODS
 
 Config = TypeVar("Config")
 
-GAME = "a minigame's name, a .scenic program, or a Python task: file.py:name"
-TEST_ENVS = {"regista": 64, "grf": 8}  # matches that an evaluation plays at once, by engine
+GAME = "minigame, .scenic program, or Python task file.py:name"
+TEST_ENVS = {"regista": 64, "grf": 8}  # parallel matches of an evaluation, by engine
 
 
 class ConfigError(CommandError):
-    """A `config.json` that is none: the message names the file, the key, and what would have been right."""
+    """Invalid `config.json`: the message names the file, the key, and the expected value."""
 
 
 def football_ppo() -> PPOConfig:
-    """Return the settings of students of football: bolder steps and a longer view than `PPOConfig`'s own.
+    """Return the PPO settings for football: larger steps and a longer horizon than the defaults of `PPOConfig`.
 
-    On 1v1 Restricted shooting at once is easily learned and then hard to leave; with these settings students learn
-    to go round the keeper within a few million steps.
+    On 1v1Restricted, shooting at once is a local optimum; with these settings, students learn to dribble around the
+    keeper within a few million steps.
     """
     return PPOConfig(
         learning_rate=3e-3,
@@ -56,30 +56,28 @@ def football_ppo() -> PPOConfig:
 
 @dataclass(frozen=True)
 class ProgramConfig:
-    """How a program is read, under the names of Scenic's own command line."""
+    """How a program is compiled; the names are those of Scenic's own command line."""
 
     param: tuple[str, ...] = option((), "set a global parameter of the program", "-p", True, "NAME=VALUE")
-    scenario: str | None = setting(None, "the modular scenario to run; else Main, or the only one")
-    model: str | None = option(None, "the world model, in place of the program's own", "-m")
+    scenario: str | None = setting(None, "modular scenario to run (default: Main, or the only one)")
+    model: str | None = option(None, "world model, instead of the program's own", "-m")
 
 
 @dataclass(frozen=True)
 class EngineConfig(Checked):
-    """What a command plays on, where it is not what it would play on by itself."""
+    """Engine settings that override a command's default engine."""
 
-    engine: Literal["regista", "grf"] | None = setting(None, "what plays: regista, or grf, Google Research Football")
-    grf_python: str | None = setting(None, "the Python that has gfootball; else looked for")
-    grf_workers: int = setting(
-        0, "processes that hold engines of grf; 0: one for each core", most=most_threads, least=0
-    )
+    engine: Literal["regista", "grf"] | None = setting(None, "simulator: regista, or grf for Google Research Football")
+    grf_python: str | None = setting(None, "Python interpreter with gfootball (default: searched for)")
+    grf_workers: int = setting(0, "GRF worker processes; 0: one per core", most=most_threads, least=0)
 
     def instead_of(self, env: FootballConfig) -> FootballConfig:
-        """Return the settings of an environment, on this engine if one is named."""
+        """Return environment settings with this engine, if one is given."""
         engine = self.engine or env.engine
         return dataclasses.replace(
             env,
             engine=engine,
-            engine_spread=0.0 if engine == "grf" else env.engine_spread,  # it is as it is
+            engine_spread=0.0 if engine == "grf" else env.engine_spread,  # GRF cannot be randomized
             grf_python=self.grf_python or env.grf_python,
             grf_workers=self.grf_workers or env.grf_workers,
         )
@@ -87,24 +85,24 @@ class EngineConfig(Checked):
 
 @dataclass(frozen=True)
 class RunConfig(Checked):
-    """What a training run depends on whatever its method."""
+    """Settings of a training run that all methods share."""
 
     minigame: str = positional(GAME, default="1v1Restricted")
-    method: str = setting("paired", f"how levels are chosen: {', '.join(METHODS)}")
+    method: str = setting("paired", f"method that chooses levels: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
     total_env_steps: int = setting(
-        3_000_000, "environment steps to simulate, the antagonist's included", ">=1", most=10**12
+        3_000_000, "budget of environment steps, over all students (antagonist included)", ">=1", most=10**12
     )
     num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
-    device: str = setting("cpu", "where students' networks are: cpu, cuda, cuda:1, ..., or auto: a GPU if there is one")
+    device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
     eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
     eval_episodes: int = setting(
-        64, "episodes of them on each test scene; their steps are counted apart", ">=1", most=1_000_000
+        64, "episodes of an evaluation on each test scene; not part of the budget", ">=1", most=1_000_000
     )
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
-    record_rollouts: int = setting(20, "updates between recorded rollouts; 0 for none", ">=0", most=10**9)
+    record_rollouts: int = setting(20, "updates between recorded rollouts; 0: none", ">=0", most=10**9)
     record_limit: int = setting(2_000, "maximum size of the recording in MB", ">=1", most=1_000_000)
     report: tuple[Literal["tensorboard", "wandb"], ...] = setting((), "also log to tensorboard, wandb")
     ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
@@ -121,7 +119,7 @@ class RunConfig(Checked):
 
     @property
     def test_envs(self) -> int:
-        """How many environments an evaluation plays in at most, for each scene."""
+        """Maximum number of parallel environments of an evaluation, for each scene."""
         return 16
 
     def reading(self) -> tuple[Any, ...]:
@@ -134,7 +132,7 @@ class RunConfig(Checked):
         return self
 
     def scored(self) -> Any:
-        """Return these settings with the reward that evaluations count."""
+        """Return these settings with the reward of evaluations."""
         return self
 
     def watched(self, playing: EngineConfig) -> Any:
@@ -146,7 +144,7 @@ class RunConfig(Checked):
         return None
 
     def seen(self) -> dict[str, Any]:
-        """Return what decides what a student observes and controls, by the path of the setting."""
+        """Return the settings that determine what a student observes and controls, by path."""
         return {}
 
 
@@ -157,7 +155,7 @@ def _check_no_engine(playing: EngineConfig) -> None:
 
 @dataclass(frozen=True)
 class FootballRunConfig(RunConfig):
-    """What a run of football depends on besides."""
+    """Settings of a training run on football."""
 
     ppo: PPOConfig = group(football_ppo, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
     program: ProgramConfig = group(ProgramConfig, "the training program")
@@ -170,7 +168,7 @@ class FootballRunConfig(RunConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.env.representation == "raw":
-            raise ValueError("training needs observations that are arrays; 'raw' is for programs of yours")
+            raise ValueError("training needs observations that are arrays; 'raw' is for scripted policies")
 
     @property
     def engine(self) -> str | None:
@@ -179,7 +177,7 @@ class FootballRunConfig(RunConfig):
 
     @property
     def test_envs(self) -> int:
-        """As many as a core steps at once, in GRF as many as processes fit into memory."""
+        """Maximum number of parallel matches of an evaluation, for each scene; fewer in GRF, to save memory."""
         return TEST_ENVS[self.env.engine]
 
     def reading(self) -> tuple[Any, ...]:
@@ -199,12 +197,12 @@ class FootballRunConfig(RunConfig):
         return playing.instead_of(dataclasses.replace(self.env, representation="raw"))
 
     def seen(self) -> dict[str, Any]:
-        """Return the representation, and whom agents control."""
+        """Return the representation and the players that agents control."""
         return {f"env.{name}": getattr(self.env, name) for name in ("representation", "control", "right_control")}
 
 
 def _settings_of_methods() -> list[tuple[str, type, Any]]:
-    """Return a field for the settings of each method that has its own: `--name.setting` on the command line."""
+    """Return a field for each method with its own settings: `--name.setting` on the command line."""
     sharing = {
         row.name: {m.name: f"{m.title}: {m.help}" for m in METHODS.values() if m.group == row.name}
         for row in METHODS.values()
@@ -229,38 +227,38 @@ TaskSettings: Any = _with_methods(RunConfig)
 
 
 class TrainConfig(FootballSettings):
-    """One training run. Two runs with equal configurations on one machine give equal numbers."""
+    """Settings of one training run. Runs with equal settings on one machine give equal numbers."""
 
 
 class TaskTrainConfig(TaskSettings):
-    """One training run on a task of one's own: the same without football; `minigame` is the task's name."""
+    """Settings of one training run on a Python task, without football; `minigame` is the task's name."""
 
 
 # ---------------------------------------------------------------- JSON
 
-ABOUT = "about"  # key of config.json that is no setting
-LARGEST = 10**300  # whole numbers that become real ones
+ABOUT = "about"  # key of config.json that holds no setting
+LARGEST = 10**300  # largest integer that is read as a float
 LARGEST_FILE = 10_000_000  # bytes of a config.json
-OF_MACHINES = 1_024  # threads of the largest machine
+OF_MACHINES = 1_024  # upper limit of threads on any machine
 
-# Settings that older runs know nothing of, and what they did: JSON.
+# Settings that older files lack, with the values that reproduce those runs: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
-RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # values in older runs
+RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
 
 def run_class(data: Any) -> type:
-    """Return of which class the settings of a run are that `to_dict` gave: those of a Python task have no `env`."""
+    """Return the configuration class of data from `to_dict`: a Python task has no `env`."""
     task = isinstance(data, dict) and "env" not in data and ":" in str(data.get("minigame"))
     return TaskTrainConfig if task else TrainConfig
 
 
 def to_dict(config: Any) -> dict[str, Any]:
-    """Return a configuration as what JSON can hold: paths as strings, tuples as lists."""
+    """Return a configuration in a form that JSON supports: paths as strings, tuples as lists."""
     return {item.name: _plain(getattr(config, item.name)) for item in fields(config)}
 
 
 def from_dict(kind: type[Config], data: Any, where: str) -> Config:
-    """Return the configuration of class `kind` that `to_dict` gave `data` for.
+    """Return the configuration of class `kind` from data of `to_dict`.
 
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
@@ -297,13 +295,13 @@ def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
 
 
 def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
-    """Write a configuration as JSON, and beside it what `provenance.about` tells of a run."""
+    """Write a configuration as JSON, with the information of `provenance.about`."""
     told = {ABOUT: about} if about else {}
     write_whole(path, json.dumps(to_dict(config) | told, indent=2) + "\n")
 
 
 def about(path: Path) -> dict[str, Any]:
-    """Return what `save` was told about a run, nothing of an older one. Raises `ConfigError` for what is no object."""
+    """Return the `about` section of a run's JSON, empty if absent. Raises `ConfigError` unless it is an object."""
     section = _json(path).get(ABOUT, {})
     if not isinstance(section, dict):
         raise ConfigError(f"{path}: '{ABOUT}' must be an object, got {json.dumps(section)}")
@@ -311,9 +309,9 @@ def about(path: Path) -> dict[str, Any]:
 
 
 def load(kind: type[Config] | None, path: Path) -> Config:
-    """Read a configuration from JSON, of a run where no `kind` is given.
+    """Read a configuration from JSON; without `kind`, that of a run.
 
-    Raises `ConfigError` as `from_dict`, and for text that is not JSON.
+    Raises `ConfigError` like `from_dict`, and for text that is not JSON.
     """
     data = _json(path)
     if isinstance(data, dict):
@@ -323,7 +321,7 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
 
 def _rename(section: dict[str, Any]) -> None:
-    """Give values of an older run, nested sections included, the names that they have now."""
+    """Replace old names of values by the present ones, in nested sections too."""
     for key, value in section.items():
         if isinstance(value, dict):
             _rename(value)
@@ -333,7 +331,7 @@ def _rename(section: dict[str, Any]) -> None:
 
 def _json(path: Path) -> Any:
     if path.stat().st_size > LARGEST_FILE:
-        raise ConfigError(f"{path} is no settings: it has more than {LARGEST_FILE:_} bytes")
+        raise ConfigError(f"{path} is not a settings file: it has more than {LARGEST_FILE:_} bytes")
     try:
         return json.loads(path.read_text(), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
@@ -341,11 +339,11 @@ def _json(path: Path) -> Any:
 
 
 def _no_number(word: str) -> float:
-    raise ValueError(f"{word} is no number of JSON")
+    raise ValueError(f"{word} is not a JSON number")
 
 
 def differences(old: Any, new: Any, path: str = "") -> dict[str, tuple[Any, Any]]:
-    """Return the settings in which two configurations of one class differ: dotted path to (old, new)."""
+    """Return the settings that differ between two configurations of one class: dotted path to (old, new)."""
     differing: dict[str, tuple[Any, Any]] = {}
     for item in fields(old):
         before, after = getattr(old, item.name), getattr(new, item.name)
@@ -366,7 +364,7 @@ def _plain(value: Any) -> Any:
 
 def _read(kind: Any, data: Any, where: str, path: str) -> Any:
     if not isinstance(data, dict):
-        raise ConfigError(f"{where}: {path.rstrip('.') or 'the whole'} must be an object, got {json.dumps(data)}")
+        raise ConfigError(f"{where}: {path.rstrip('.') or 'the file'} must be an object, got {json.dumps(data)}")
     hints = hints_of(kind)
     names = [item.name for item in fields(kind)]
     for key in data:
@@ -380,7 +378,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
     for item in fields(kind):
         values[item.name] = _as_here(item, values[item.name])
     if kind is FootballConfig:
-        values["grf_python"] = None  # a program that would be run: no file chooses it, but whoever types the command
+        values["grf_python"] = None  # an executable: only the command line may choose it, never a file
     try:
         return kind(**values)
     except ValueError as error:
@@ -388,16 +386,16 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
 
 
 def _as_here(item: Any, value: Any) -> Any:
-    """Return a setting that depends on the machine, such as `threads`, as this one has it; numbers are the same.
+    """Clip a machine-dependent setting, such as `threads`, to this machine's maximum; results do not depend on it.
 
-    A run of a larger machine can be read on a smaller one. What no machine has stays, and is refused.
+    So a run of a larger machine can be read on a smaller one. Values beyond any machine stay, and are rejected later.
     """
     most = item.metadata.get("most")
     return min(value, most()) if callable(most) and value <= OF_MACHINES else value
 
 
 def _value(hint: Any, value: Any, where: str, path: str) -> Any:
-    """Return `value` as the type that the field has, or raise."""
+    """Return `value` converted to the field's type. Raises `ConfigError` for the wrong type."""
     origin, parts = typing.get_origin(hint), typing.get_args(hint)
     if is_dataclass(hint):
         return _read(hint, value, where, f"{path}.")
@@ -421,18 +419,18 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
 
 
 def task_presets() -> dict[str, TaskTrainConfig]:
-    """Return the same for tasks of one's own, of which little is known: few environments, a middling budget."""
+    """Return default settings for Python tasks: few environments and a medium budget."""
     fast = TaskTrainConfig(total_env_steps=500_000, num_envs=16, eval_every=50_000, eval_episodes=32)
     thesis = dataclasses.replace(fast, ppo=PPOConfig.thesis(), paired=PairedConfig.thesis())
     return {"fast": fast, "thesis": thesis}
 
 
 def presets() -> dict[str, TrainConfig]:
-    """Return the named starting points of `--preset`.
+    """Return the settings of each `--preset`.
 
-    `fast` is the default: features for a small network, minutes on two cores. `thesis` is what the thesis describes:
-    stacked SMM images, goals alone as reward, the network of Fig. 4.10, the coefficients of Table 4.2, 16 environments
-    and 5M steps.
+    `fast` is the default: features and a small network, minutes on two cores. `thesis` reproduces the thesis: stacked
+    SMM images, goals as the only reward, the network of Fig. 4.10, the coefficients of Table 4.2, 16 environments and
+    5M steps.
     """
     fast = TrainConfig()
     thesis = dataclasses.replace(

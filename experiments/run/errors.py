@@ -1,4 +1,4 @@
-"""The two ways in which a command can fail that are the user's business: one sentence each, no traceback.
+"""Errors that the user can act on: each prints one sentence without a traceback.
 
 Read next: `__main__`, the commands.
 """
@@ -23,17 +23,17 @@ USERS = {
 
 
 class CommandError(Exception):
-    """Something went wrong that the user can act on. The message is one sentence; the exit code is 1."""
+    """An error that the user can act on. The message is one sentence; the exit code is 1."""
 
     exit_code = 1
 
 
-# What values that nobody has written make of the code that takes them.
+# Errors that invalid values in a damaged file can cause in the code that reads them.
 DAMAGE = (ValueError, KeyError, TypeError, IndexError, AttributeError, RuntimeError, OverflowError, AssertionError)
 
 
 class UsageError(CommandError):
-    """The command line itself is wrong. The exit code is 2, as every Unix tool has it."""
+    """Invalid command line. The exit code is 2, as usual on Unix."""
 
     exit_code = 2
 
@@ -55,7 +55,7 @@ EXTRAS = {
 
 
 def refused(error: Exception) -> str:
-    """Return what an error says, for a sentence of ours: of a missing key that it is missing."""
+    """Return the message of an error as part of a sentence; a KeyError becomes "... is missing"."""
     if isinstance(error, KeyError):
         return f"{error} is missing"
     first, _, rest = str(error).partition("\n")
@@ -65,7 +65,7 @@ def refused(error: Exception) -> str:
 
 @contextmanager
 def read_from(what: str) -> Iterator[None]:
-    """Raise `CommandError` for what the readers of damaged files stumble over; `what` is damaged then, and named."""
+    """Convert errors from reading damaged files into a `CommandError` that names `what`."""
     try:
         yield
     except DAMAGE as error:
@@ -73,9 +73,9 @@ def read_from(what: str) -> Iterator[None]:
 
 
 def nearest(word: str, words: Iterable[str], most: int = 1) -> str:
-    """Return ` (did you mean 'x'?)` for the words that `word` is probably meant to be, or nothing.
+    """Return ` (did you mean 'x'?)` with the known words closest to `word`, or an empty string.
 
-    Of several, those that contain it come first.
+    Known words that contain `word` come first.
     """
     known = {candidate.lower(): candidate for candidate in words}
     inside = [name for name in known if word.lower() in name] if most > 1 else []
@@ -85,9 +85,9 @@ def nearest(word: str, words: Iterable[str], most: int = 1) -> str:
 
 
 def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_good: bool = False) -> int:
-    """Return the exit code of `command(argv)`; an error that is the user's business is one sentence.
+    """Run `command(argv)` and return its exit code; print one sentence for errors that the user can act on.
 
-    So is a signal, 128 + its number; `for_good`: one that comes later still ends the process.
+    A signal gives 128 + its number. With `for_good`, signals after the command still end the process.
     """
     words = list(argv)
     debug = "--debug" in words
@@ -97,7 +97,7 @@ def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_go
         with interruptible(for_good) as heard:
             try:
                 code = command(words)
-            finally:  # after --help, too, which leaves by SystemExit: a reader that has gone is noticed here
+            finally:  # also after --help, which raises SystemExit: detects a closed pipe
                 sys.stdout.flush()
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, KeyboardInterrupt) and not heard:
@@ -110,7 +110,7 @@ def run_command(command: Callable[[list[str]], int], argv: Sequence[str], for_go
 
 
 def _failed(error: BaseException, debug: bool) -> int:
-    """Print what went wrong and return the exit code; raise what is not the user's business."""
+    """Print the error and return the exit code; re-raise internal errors."""
     gone = isinstance(error, OSError) and (error.errno == errno.EPIPE or (error.errno == errno.EIO and hung_up()))
     if gone and error.filename is None:  # type: ignore[attr-defined]
         forget_terminal()  # `regista inspect ... | head`
@@ -121,16 +121,16 @@ def _failed(error: BaseException, debug: bool) -> int:
     code = exit_code(error)
     if debug or not code:
         raise error
-    # An error in a program begins with its place, file:line:column, where editors look for it.
+    # An error in a program begins with its location, file:line:column, which editors recognize.
     print(error if getattr(error, "place", None) else f"regista: {str(error) or OUT_OF_MEMORY}", file=sys.stderr)
     return code
 
 
 def exit_code(error: BaseException) -> int:
-    """Return the exit code of an error that is the user's business, 0 for one that is ours."""
+    """Return the exit code of an error that the user can act on, 0 for an internal error."""
     if isinstance(error, CommandError):
         return error.exit_code
     if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno is not None):
         return 1
-    # Named, not imported: neither the language nor the learning core is loaded for the sake of an error.
+    # Compared by name, so that an error does not import the language or the learning core.
     return int(bool(USERS & {kind.__name__ for kind in type(error).__mro__}))

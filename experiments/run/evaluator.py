@@ -1,6 +1,6 @@
-"""Playing policies on the test scenes of a minigame: one student during training, all of them after it.
+"""Evaluation of policies on the test scenes of a minigame, during and after training.
 
-Read next: `run.results`, what is counted; `run.report`, the tables.
+Read next: `run.results`, the statistics; `run.report`, the tables.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ if TYPE_CHECKING:
 
     Played = dict[str, Evaluation]  # by scene
 
-SEED = 20_000  # of every evaluation: all policies meet the same levels and the same luck
-LEVELS_SEED = 20_001  # of levels drawn at random
-MOST_EPISODES = 10**9  # of an evaluation that goes by time
-ROUNDS_APART = 1_000_003  # between the seeds of two rounds of an evaluation
+SEED = 20_000  # of every evaluation: all policies get the same levels and random numbers
+LEVELS_SEED = 20_001  # of random levels
+MOST_EPISODES = 10**9  # of a timed evaluation
+ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
 class EvalScenes:
-    """The test scenes of one game, ready to be played: `episodes` on each, rewarded as `config.scored()` says.
+    """The test scenes of one game, with `episodes` on each and the reward of `config.scored()`.
 
-    `held_out`: its held-out scenes instead of its tests. Raises `UsageError` where it has none, `CommandError` for
-    levels of a test that are not of these environments.
+    `held_out`: use the held-out scenes instead. Raises `UsageError` if the game has none, `CommandError` for test
+    levels that do not belong to these environments.
     """
 
     def __init__(self, config: TrainConfig, game: Game, episodes: int, held_out: bool = False) -> None:
@@ -58,12 +58,12 @@ class EvalScenes:
         try:
             return theta_of_scene(scene, self.scenes[name])
         except ValueError as error:
-            raise CommandError(f"the levels of the test '{name}' are none of {self.game.short}: {error}") from error
+            raise CommandError(f"the levels of the test '{name}' do not fit {self.game.short}: {error}") from error
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
-        """Play `episodes` whole episodes on each scene, or each of these; `policy.play` chooses the actions.
+        """Play `episodes` whole episodes on each scene, or on each of these; `policy.play` chooses the actions.
 
-        Another `round` is of other levels and other luck. `on_end` is called with the number of episodes that ended.
+        Each `round` has its own levels and random numbers. `on_end` is called with the number of ended episodes.
         """
         return {
             label: self._play(policy, label, round, on_end) for label in (self.scenes if labels is None else labels)
@@ -76,13 +76,13 @@ class EvalScenes:
         levels = None
         if theta is not None:
             scene.np_random = np.random.default_rng(seed)
-            levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # a layout of its own each time
+            levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # each with its own layout seed
         return Schedule(scene, self.episodes, seed, levels).play(policy, on_end=on_end)
 
     def play_random_levels(
         self, policy: Any, levels: int, episodes: int, seed: int = LEVELS_SEED, on_end: Any = None
     ) -> Evaluation:
-        """Play levels drawn from the training distribution, the same for every policy, `episodes` times each."""
+        """Play random levels of the training distribution, the same for every policy, `episodes` times each."""
         from ued.evaluation import Schedule
 
         scene = self.scenes[TRAINING_SCENE]
@@ -90,11 +90,11 @@ class EvalScenes:
         return Schedule(scene, levels * episodes, seed, scene.sample_levels(levels)).play(policy, on_end=on_end)
 
     def metrics(self, policy: Any) -> dict[str, float]:
-        """Return the mean return on each scene as `eval/<scene>`, and what it cost: steps simulated, and seconds.
+        """Return the mean return on each scene as `eval/<scene>`, with the environment steps and seconds used.
 
-        The ends of its 95% interval are `eval_low/<scene>` and `eval_high/<scene>`, nan below five episodes.
+        `eval_low/<scene>` and `eval_high/<scene>` are the ends of the 95% interval, nan below five episodes.
 
-        These steps train nobody: they are `eval_env_steps`, not part of `env_steps`.
+        The steps are reported as `eval_env_steps` and do not count as `env_steps`.
         """
         from ued.statistics import of_episodes
 
@@ -107,7 +107,7 @@ class EvalScenes:
         return {**metrics, "time/eval": time.perf_counter() - began}
 
     def due(self, before: int, after: int, last: bool) -> bool:
-        """Return whether an evaluation falls between these env_steps: the first update, every `every`, and the last."""
+        """Return whether to evaluate between these env_steps: at the first update, every `every`, and at the last."""
         return before == 0 or last or before // self.every < after // self.every
 
     def _check_sizes(self, config: TrainConfig) -> None:
@@ -116,13 +116,13 @@ class EvalScenes:
             other = scene.single_observation_space.shape
             if other != shape:
                 raise CommandError(
-                    f"the test scene '{label}' of {config.minigame} gives observations {other}, the training program "
-                    f"{shape}: they need the same players, and as many agents"
+                    f"the test scene '{label}' of {config.minigame} has observations {other}, the training program "
+                    f"{shape}: both need the same players and number of agents"
                 )
 
 
 def joined(rounds: Sequence[Evaluation]) -> Evaluation:
-    """Return several evaluations of one policy on one scene as one."""
+    """Concatenate several evaluations of one policy on one scene."""
     from ued.evaluation import Evaluation
 
     if len(rounds) == 1:
@@ -135,7 +135,7 @@ def joined(rounds: Sequence[Evaluation]) -> Evaluation:
 
 
 class Policy(NamedTuple):
-    """What is evaluated: its name in tables, its seed, env_steps and updates of its training, and what plays."""
+    """A policy to evaluate: its name in tables, seed, env_steps and updates of training, and the policy itself."""
 
     method: str
     seed: int
@@ -145,11 +145,11 @@ class Policy(NamedTuple):
 
 @dataclass(frozen=True)
 class Evaluator:
-    """What every policy is put to: the test scenes, and `levels` levels drawn at random, `episodes` times each.
+    """Evaluates every policy on the test scenes, and on `levels` random levels, `episodes` times each.
 
-    `alike`: all runs began with the same sort of student, so that their methods tell them apart.
-    `minutes`: play the scenes again and again, all policies equally often, while another round fits into this time.
-    `tell`: say on stderr how much is played.
+    `alike`: all runs have the same kind of initial student, so the method alone labels them.
+    `minutes`: repeat the scenes in rounds over all policies, while another round fits into this time.
+    `tell`: print the number of episodes to stderr.
     """
 
     scenes: EvalScenes
@@ -160,9 +160,9 @@ class Evaluator:
     tell: bool = False
 
     def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
-        """Play the students of all runs, and policies that need no training.
+        """Evaluate the students of all runs, and the baselines.
 
-        Raises `CommandError` if a run has no checkpoint yet, and for runs of different versions of the simulator.
+        Raises `CommandError` if a run has no checkpoint, and for runs of different simulator versions.
         """
         versions.check_alike({run.path: run.simulator for run in runs})
         policies = [self._trained(run) for run in runs]
@@ -181,7 +181,7 @@ class Evaluator:
         return Report(results, levels, self.scenes.task.success_word, self.scenes.simulator)
 
     def _plan(self, policies: int) -> str:
-        """Return in words how much is played."""
+        """Return the number of episodes as text."""
         scenes = len(self.scenes.scenes)
         each = f"{self.scenes.episodes} episodes on each of {scenes} scenes by each of {policies} policies"
         if self.minutes is not None:
@@ -195,7 +195,7 @@ class Evaluator:
         return Policy(run.config.method if self.alike else run.label, run.config.seed, trained, student)
 
     def _play_scenes(self, policies: Sequence[Policy], watch: Watch) -> list[Played]:
-        """Return what each policy did on the scenes; with `minutes`, over as many rounds as these allow."""
+        """Evaluate each policy on the scenes; with `minutes`, over as many rounds as fit."""
         began = time.monotonic()
         rounds: list[list[Played]] = []
         while True:
@@ -223,11 +223,10 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
 
 
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
-    """Return the student of a run's checkpoint, and the env_steps and updates that it was trained for.
+    """Return the student of a run's checkpoint, and the env_steps and updates of its training.
 
-    Its weights, normaliser and settings are all that is needed of it: matches may be kept otherwise today. Raises
-    `CommandError` if the run has none yet, or one of other observations. Warns where the run was trained on another
-    version of the simulator.
+    Only its weights, normalizer and settings are read, not the saved matches. Raises `CommandError` if the run has no
+    checkpoint, or a student with other observations. Warns if the run was trained on another simulator version.
     """
     from regista.experiments.run.config import EngineConfig
 
@@ -236,15 +235,15 @@ def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
     config, state = run.config, run.load()
     assert state is not None
     versions.warn_of_age(run.path, run.simulator)
-    on_host = replace(config, device="cpu")  # an evaluation need not have the GPU
-    on_host = on_host.on_engine(EngineConfig(engine="regista"))  # observations are the same, and no other is needed
+    on_host = replace(config, device="cpu")  # an evaluation does not need the GPU
+    on_host = on_host.on_engine(EngineConfig(engine="regista"))  # observations are the same in both engines
     upomdp = build.make_upomdp(game.task(on_host).make, config.num_envs, config.seed)
     method = build.make_method(on_host, upomdp)
     try:
         method.load_students(state["method"])
     except RuntimeError as error:
         seen = method.upomdp.single_observation_space
-        raise CommandError(f"{run.path} holds a student of other observations than {seen}; train it anew") from error
-    except DAMAGE as error:  # of another number of agents, or it is damaged
+        raise CommandError(f"{run.path} holds a student with observations other than {seen}; train it again") from error
+    except DAMAGE as error:  # another number of agents, or damaged
         raise CommandError(f"{run.path}: {refused(error)}") from error
     return method.student, (state["env_steps"], state["update"])

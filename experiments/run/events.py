@@ -1,6 +1,6 @@
-"""What somebody who watches a run should know, found in the numbers of its updates: a row of events.csv each.
+"""Warnings about a training run, detected in the metrics of its updates: one row of events.csv each.
 
-Read next: `run.reporting`, which tells them.
+Read next: `run.reporting`, which reports them.
 """
 
 from __future__ import annotations
@@ -11,29 +11,29 @@ from typing import NamedTuple
 
 from regista.experiments.run.progress import count
 
-QUIET_UPDATES = 10  # without the end of an episode
-NARROW_UPDATES, NARROW = 5, 0.25  # share of the bins of θ that as many random levels would reach
-INVALID_UPDATES, INVALID = 3, 0.25  # share of proposals that describe no level
-FORGOTTEN = 0.5  # share of what had been gained on a test scene
-GAINED = 0.1  # share of a return, of which a gain is more than chance
+QUIET_UPDATES = 10  # updates in which no episode ends
+NARROW_UPDATES, NARROW = 5, 0.25  # ratio of the bins of θ covered by levels to those covered by as many random levels
+INVALID_UPDATES, INVALID = 3, 0.25  # share of invalid proposals
+FORGOTTEN = 0.5  # lost share of the improvement on a test scene
+GAINED = 0.1  # minimum improvement relative to the return
 STEPS = "/gradient_steps"
 TEACHER = "adversary"
-SELDOM = {TEACHER: 0.05}  # share of the updates in which one learns; below this it is said
+SELDOM = {TEACHER: 0.05}  # minimum share of updates with gradient steps
 SELDOM_STUDENT = 0.5
-MEMORY = 0.95  # of the averages of options, per update
+MEMORY = 0.95  # decay of the averages over options, per update
 NEGLECT_UPDATES = 30
-HIGH, NEGLECTED = 1.5, 0.8  # score over the mean of the options; proposals over the program's weight
+HIGH, NEGLECTED = 1.5, 0.8  # score relative to the mean of the options; proposals relative to the program's weight
 
 
 class Event(NamedTuple):
-    """Something that happened: what kind of thing, and a sentence."""
+    """A warning: its kind and a sentence."""
 
     event: str
     text: str
 
 
 class Estimate(NamedTuple):
-    """A mean return on a test scene, and the ends of its 95% interval."""
+    """A mean return on a test scene, with the ends of its 95% interval."""
 
     value: float
     low: float
@@ -41,25 +41,25 @@ class Estimate(NamedTuple):
 
 
 class Watch:
-    """Follows the rows of metrics.csv; an event is told when it begins, and again when it has been over meanwhile.
+    """Follows the rows of metrics.csv and reports each event when it begins; it can recur after it has ended.
 
-    It depends on nothing but these rows, so a run that is continued shows it those that are there already.
+    It depends only on these rows, so a resumed run first passes the existing ones.
 
     Args:
-        total: env_steps of the run; None: not known.
-        limit: steps after which an episode is over at the latest; None: not known.
+        total: env_steps of the run; None: unknown.
+        limit: maximum length of an episode in steps; None: unknown.
     """
 
     def __init__(self, total: int | None = None, limit: int | None = None) -> None:
         self.limit, self.learning = limit, Learning(total)
-        self._lasts: dict[tuple[str, str], int] = {}  # updates for which this has been so
-        self._first: dict[str, float] = {}  # return on a test scene, at first and at best
+        self._lasts: dict[tuple[str, str], int] = {}  # number of consecutive updates with this sign
+        self._first: dict[str, float] = {}  # first return on a test scene
         self._best: dict[str, Estimate] = {}
         self._forgotten: set[str] = set()
         self._options = Averages()
 
     def look(self, row: Mapping[str, float]) -> list[Event]:
-        """Return what begins with this row."""
+        """Return the events that begin with this row."""
         lasts = {}
         events = list(self._forgetting(row))
         for event, about, updates, text in (*_signs(row, self.limit), *self._neglect(row)):
@@ -70,7 +70,7 @@ class Watch:
         return events + self.learning.look(row)
 
     def _neglect(self, row: Mapping[str, float]) -> Iterator[tuple[str, str, int, str]]:
-        """Yield the options that score high, and that the adversary proposes less often than the program draws them."""
+        """Yield options with high scores that the adversary proposes less often than the program samples them."""
         options = [name.partition("/")[2] for name in row if name.startswith("choice_ratio/")]
         for name in options:
             self._options.add(name, row[f"choice_ratio/{name}"], row.get(f"choice_score/{name}", float("nan")))
@@ -80,13 +80,13 @@ class Watch:
             mean, score, ratio = sum(scores) / len(scores), self._options.score[name], self._options.ratio[name]
             if score > HIGH * mean > 0 and ratio < NEGLECTED:
                 text = f"{name} scores {score:.2f}, the mean option {mean:.2f}"
-                text += f", but is proposed {ratio:.2f} times as often as random levels have it"
+                text += f", but is proposed {ratio:.2f} times as often as in random levels"
                 yield "neglected option", name, NEGLECT_UPDATES, text
 
     def _forgetting(self, row: Mapping[str, float]) -> Iterator[Event]:
-        """Yield the test scenes, if they were played, on which most of what had been gained is lost.
+        """Yield the evaluated test scenes on which most of the improvement is lost.
 
-        The two returns must differ by more than chance: their intervals have nothing in common.
+        The intervals of the two returns must be disjoint.
         """
         for name, value in row.items():
             if not name.startswith("eval/") or value != value:
@@ -104,7 +104,7 @@ class Watch:
 
 
 class Learning:
-    """Counts in how many updates each student and teacher has taken gradient steps; says so where that is seldom."""
+    """Counts the updates in which each student and teacher took gradient steps; reports if they are few."""
 
     def __init__(self, total: int | None = None) -> None:
         self.total = total
@@ -113,7 +113,7 @@ class Learning:
         self._done = 0.0  # env_steps of the last row
 
     def look(self, row: Mapping[str, float]) -> list[Event]:
-        """Count a row; return who has not learned at half of the run, and who hardly has at its end."""
+        """Count a row; report networks without gradient steps at half of the run, and with few at its end."""
         for column, steps in row.items():
             if column.endswith(STEPS) and steps == steps:
                 name = column.removesuffix(STEPS)
@@ -129,7 +129,7 @@ class Learning:
         return []
 
     def seldom(self) -> Iterator[Event]:
-        """Yield who has learned in no update so far, or in few."""
+        """Yield networks that took gradient steps in no update so far, or in few."""
         for name, updates in self.updates.items():
             share = self.learned[name] / updates
             if not share:
@@ -143,14 +143,14 @@ class Learning:
 
 
 class Averages:
-    """Decaying averages over updates, by option: how often it is proposed for its weight, and what it scores."""
+    """Decaying averages over updates, by option: proposals relative to the program's weight, and scores."""
 
     def __init__(self) -> None:
         self.ratio: dict[str, float] = {}
         self.score: dict[str, float] = {}
 
     def add(self, name: str, ratio: float, score: float) -> None:
-        """Take in an update; nan: nothing was proposed, or nothing scored."""
+        """Add an update; nan: nothing was proposed or scored."""
         for averages, value, first in ((self.ratio, ratio, 1.0), (self.score, score, 0.0)):
             before = averages.setdefault(name, value if value == value else first)
             if value == value:
@@ -158,7 +158,7 @@ class Averages:
 
 
 def _signs(row: Mapping[str, float], limit: int | None) -> Iterator[tuple[str, str, int, str]]:
-    """Yield what is so in an update: event, what it is about, for how many updates it must be so, a sentence."""
+    """Yield the signs in an update: event, subject, required number of consecutive updates, sentence."""
     for name, value in row.items():
         if name.startswith("episodes/") and value == 0:
             student = name.partition("/")[2]
@@ -166,17 +166,17 @@ def _signs(row: Mapping[str, float], limit: int | None) -> Iterator[tuple[str, s
             yield "no episode", student, QUIET_UPDATES, text + _open_episode(row.get(f"open/{student}"), limit)
     coverage = row.get("theta_coverage", 1.0)
     if coverage < NARROW:
-        text = f"levels cover {coverage:.0%} of what as many random ones would, for {NARROW_UPDATES} updates"
+        text = f"levels cover {coverage:.0%} of the bins of as many random levels, for {NARROW_UPDATES} updates"
         yield "collapse", "", NARROW_UPDATES, text
     replaced = row.get("levels/replaced", 0.0)
     share = replaced / max(replaced + row.get("levels/proposed", 0.0), 1.0)
     if share > INVALID:
-        text = f"{share:.0%} of the proposals describe no valid level; random ones were played in their place"
+        text = f"{share:.0%} of the proposals are invalid levels; random levels replace them"
         yield "invalid proposals", "", INVALID_UPDATES, text
 
 
 def _open_episode(steps: float | None, limit: int | None) -> str:
-    """Return how long the longest open episode is, and how long it can get, as the end of a sentence."""
+    """Return the length of the longest open episode and the limit, as the end of a sentence."""
     known = f"the limit is {limit:_}" if limit else "the environment declares no limit"
     return (
         f"; {known}"

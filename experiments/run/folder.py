@@ -1,22 +1,22 @@
-"""The run folder: what a training run leaves behind, and how it continues after a kill.
+"""The run folder: the files of a training run, and how it resumes after a kill.
 
-    config.json       the TrainConfig, enough to start the run over; `about`: id, command, commit, versions, machine,
+    config.json       the TrainConfig, enough to repeat the run; `about`: id, command, commit, versions, machine,
                       and the version of the simulator
-    program.scenic    the text of the program, as it was when the run began; task.py of a task of one's own
-    metrics.csv       one row per update; where students were tested, eval_env_steps is what that took, beside env_steps
-    levels.csv        one row per level that was played: where from, θ in [-1, 1], returns, score
-    events.csv        what somebody should know, if anything: see `run.events`
-    replays.csv       what students did on the levels of the highest scores: see `run.replays`
-    checkpoint.pt     everything that `train` needs to continue; replaced in one step
-    origin.pt         the student that it began with and how close it stays, if it was begun with one
+    program.scenic    the text of the program when the run began; task.py for a Python task
+    metrics.csv       one row per update; eval_env_steps are the steps of evaluations, not part of env_steps
+    levels.csv        one row per played level: source, θ in [-1, 1], returns, score
+    events.csv        warnings, if any: see `run.events`
+    replays.csv       actions of the students on the levels with the highest scores: see `run.replays`
+    checkpoint.pt     the full training state; replaced atomically
+    origin.pt         the initial student and its KL coefficient, if the run started from another run
     curriculum.rrd    the recording for the Rerun viewer; a resumed run adds curriculum.2.rrd and so on
-    tensorboard/, wandb/   what `--report` tells these
+    tensorboard/, wandb/   the logs of `--report`
     learning_curve.png
-    owner.json        who trains it, while somebody does: see `run.launch.owner`
+    owner.json        the process that trains the run, during training: see `run.launch.owner`
 
-docs/files.md has the columns of the tables.
-The tables may be ahead of the checkpoint when a run is killed; resuming cuts them back to it, so that a killed and
-resumed run ends with the table of one that was left alone. Wall-clock columns (`time/...`) differ, of course.
+docs/files.md lists the columns of the tables.
+After a kill, the tables may be ahead of the checkpoint. Resuming cuts them back to it, so a killed and resumed run ends
+with the same tables as an uninterrupted one, except for wall-clock columns (`time/...`).
 Read next: `commands.train`.
 """
 
@@ -43,12 +43,12 @@ if TYPE_CHECKING:
 
 
 class RunFolder:
-    """One run on disk. `RunFolder.create` starts one, `RunFolder.open` continues one."""
+    """One run on disk. `RunFolder.create` makes a new one, `RunFolder.open` opens an existing one."""
 
     def __init__(self, path: Path, config: TrainConfig, about: Mapping[str, Any] | None = None) -> None:
         self.path, self.about = path, about or {}
         self.config: Any = config  # a `TaskTrainConfig` for a task in Python
-        self._kept: Any = config  # what config.json says
+        self._saved: Any = config  # the content of config.json
         self.metrics = Table(path / "metrics.csv")
         self.levels = Table(path / "levels.csv")
         self.events = Table(path / "events.csv")
@@ -60,30 +60,31 @@ class RunFolder:
     def create(
         cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None
     ) -> RunFolder:
-        """Make the folder and write its configuration; what else it needs, `prepare` writes before.
+        """Create the folder and write its configuration; `prepare` writes other files first.
 
-        For where there is a configuration, the run can be resumed. Raises `CommandError` if there is a run already.
+        The configuration comes last, since a folder that has one can be resumed. Raises `CommandError` if the folder
+        already holds a run.
         """
         run = cls(path, config, provenance.about() | versions.stamp(config))
         if run.begun():
-            raise CommandError(f"{path} holds a run already; continue it with --resume {path}, or choose another --out")
+            raise CommandError(f"{path} already holds a run; continue it with --resume {path}, or choose another --out")
         names = [entry.name for entry in path.iterdir()] if path.is_dir() else []
         foreign = any(name not in UNTRAINED and not is_partial(name) for name in names) or path.is_file()
         if foreign:
-            raise CommandError(f"{path} exists and is no run folder; choose another --out")
+            raise CommandError(f"{path} exists and is not a run folder; choose another --out")
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise cannot_write(path, error) from error
         with run.locked():
-            run._kept = None
+            run._saved = None
             prepare(run)
             run.save_config()
         return run
 
     @classmethod
     def create_or_extend(cls, path: Path, config: TrainConfig) -> RunFolder:
-        """Make a folder that is not there yet; continue another with this configuration, with which it must agree."""
+        """Create the folder, or open an existing one whose configuration must match this one."""
         if not (path / "config.json").exists():
             return cls.create(path, config)
         run = cls.open(path)
@@ -94,29 +95,27 @@ class RunFolder:
 
     @classmethod
     def open(cls, path: Path) -> RunFolder:
-        """Open an existing run. Raises `CommandError` for a folder that holds none."""
+        """Open an existing run. Raises `CommandError` for a folder without a run."""
         if not (path / "config.json").exists():
-            raise CommandError(f"{path} is no run folder: it has no config.json")
+            raise CommandError(f"{path} is not a run folder: it has no config.json")
         check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 
     @property
     def simulator(self) -> int | None:
-        """The version of the simulator that it plays on; 0 from before there was one, None if it plays no football of
-        ours.
-        """
+        """The simulator version of the run; 0: unnumbered, None: a task or engine other than our simulator."""
         return versions.saved_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
 
     def extend(self, config: TrainConfig) -> None:
-        """Continue with a longer budget or other bookkeeping; nothing that changes the numbers may differ.
+        """Change the budget or bookkeeping settings; settings that affect results must not differ.
 
-        The folder has it from `save_config` on: one that turns out damaged is left as it was. Raises `CommandError` for
-        a run of another version of the simulator.
+        `save_config` writes the change, so a folder that turns out to be damaged stays unchanged. Raises `CommandError`
+        for a run of another simulator version.
         """
         if self.begun():
             versions.check_present(self.simulator, f"{self.path} was trained on", EVALUATED_ALONE)
         elif self.simulator != versions.present_version(self.config):
-            self.about, self._kept = {**self.about, **versions.stamp(self.config)}, None
+            self.about, self._saved = {**self.about, **versions.stamp(self.config)}, None
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others
@@ -125,42 +124,42 @@ class RunFolder:
         self.config = config
 
     def save_config(self) -> None:
-        """Write the settings, if they are others than the folder has; whoever does has the folder `locked`."""
-        if self.config == self._kept:
+        """Write the settings if they differ from config.json. The caller must hold the lock, see `locked`."""
+        if self.config == self._saved:
             return
         path = self.path / "config.json"
         try:
             configs.save(self.config, path, self.about)
         except OSError as error:
             raise cannot_write(path, error) from error
-        self._kept = self.config
+        self._saved = self.config
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep others from training this run meanwhile, here or elsewhere. Raises `BusyError` if one does already."""
+        """Lock the run against training by other processes on any machine. Raises `BusyError` if one trains it."""
         with owned(self.path):
             yield
 
     @property
     def argv(self) -> list[str]:
-        """What is typed behind `regista` to train it on, wherever that is."""
-        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # as it was typed here: no file says it
+        """Arguments of `regista` that resume the run, in any working directory."""
+        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # typed here, in no file
         typed = ["--grf-python", engine] if engine else []
         return ["train", "--resume", str(self.path.resolve()), *typed, *trust.flags(self.config.minigame)]
 
     def save_source(self, source: Source) -> None:
-        """Save the text of what is trained on beside a run that begins.
+        """Save the source of the game in the folder of a new run.
 
-        Raises `CommandError` if a run began with another text that may not change; Python files may.
+        Raises `CommandError` if a frozen source differs from the saved one; Python files may change.
         """
-        kept = self.path / source.file
+        saved = self.path / source.file
         if not self.begun():
             try:
-                write_whole(kept, source.text)
+                write_whole(saved, source.text)
             except OSError as error:
-                raise cannot_write(kept, error) from error
-        elif source.frozen and kept.exists() and kept.read_text(errors="replace") != source.text:
-            raise CommandError(f"{self.config.minigame} has changed since {self.path} began with what is now in {kept}")
+                raise cannot_write(saved, error) from error
+        elif source.frozen and saved.exists() and saved.read_text(errors="replace") != source.text:
+            raise CommandError(f"{self.config.minigame} has changed since {self.path} began, see {saved}")
 
     @property
     def picture(self) -> Path:
@@ -173,7 +172,7 @@ class RunFolder:
         return self.path / "checkpoint.pt"
 
     def load(self) -> dict[str, Any] | None:
-        """Return the checkpoint, None if the run has none yet. Raises `CheckpointError` for one that is damaged."""
+        """Return the checkpoint, None if there is none. Raises `CheckpointError` for a damaged one."""
         from ued.core import checkpoint
 
         if not self.checkpoint.exists():
@@ -186,9 +185,9 @@ class RunFolder:
         return state
 
     def cut_back(self, update: int) -> None:
-        """Cut the tables back to an update, that of the checkpoint from which the run goes on.
+        """Cut the tables back to the update of the checkpoint from which the run resumes.
 
-        Raises `CommandError` where one of them is damaged; then all are left as they were.
+        Raises `CommandError` if one of them is damaged; then all stay unchanged.
         """
         read_columns(self.metrics.path)
         tables = (self.metrics, self.levels, self.events, self.replays)
@@ -198,7 +197,7 @@ class RunFolder:
             table.replace(lines)
 
     def save(self, state: dict[str, Any]) -> None:
-        """Replace the checkpoint in one step. Raises `CheckpointError` if the disk refuses; the old one stays."""
+        """Replace the checkpoint atomically. Raises `CheckpointError` if it cannot be written; the old one stays."""
         from ued.core import checkpoint
 
         checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
@@ -207,21 +206,21 @@ class RunFolder:
 
     @property
     def label(self) -> str:
-        """What a table calls the run: its method, and whether it is a clone or began with another run's student."""
+        """Name of the run in tables: "clone", or its method, with "fine-tuned" if it started from another student."""
         if (self.path / "clone.json").exists():
             return "clone"
         return f"{self.config.method} fine-tuned" if (self.path / "origin.pt").exists() else self.config.method
 
     def checkpoint_due(self, update_seconds: float = 0.0) -> bool:
-        """Return whether the last checkpoint is older than `checkpoint_seconds`, or updates take so long.
+        """Return whether to save a checkpoint: the last one is older than `checkpoint_seconds`, or updates are slow.
 
-        A signal may not wait for the end of a long one: then there is what the one before left.
+        After a signal, the process may end during a slow update; saving after each one then loses one update at most.
         """
         old = time.monotonic() - self._saved_at >= self.config.checkpoint_seconds
         return old or update_seconds > CHILD_GRACE_SECONDS / 2
 
     def finished(self) -> bool:
-        """Return whether the checkpoint is at the end of the budget, and the picture is drawn, which comes last."""
+        """Return whether the budget is spent and the picture, the last file of a run, exists."""
         if not (self.checkpoint.exists() and self.picture.exists()):
             return False
         from ued.core import checkpoint
@@ -232,7 +231,7 @@ class RunFolder:
         return done >= self.config.total_env_steps
 
     def begun(self) -> bool:
-        """Return whether anything was trained here: a run that failed before its first update leaves the name free."""
+        """Return whether the run has trained; a run that failed before its first update may be replaced."""
         return self.metrics.path.exists() or self.checkpoint.exists()
 
     def env_steps(self) -> int:
@@ -240,7 +239,7 @@ class RunFolder:
         return int(self._last("env_steps"))
 
     def seconds(self) -> float:
-        """Return how long was trained by the last row of metrics.csv, 0 if there is none."""
+        """Return the seconds of training in the last row of metrics.csv, 0 if there is none."""
         return self._last("time/elapsed")
 
     def _last(self, name: str) -> float:
@@ -251,12 +250,12 @@ class RunFolder:
         return last
 
     def recordings(self) -> list[Path]:
-        """Return the parts of the recording that are there."""
+        """Return the existing parts of the recording."""
         return list(self.path.glob("curriculum*.rrd"))
 
     @property
     def recording_id(self) -> str:
-        """What its recordings are called among those of others: a viewer merges those of one id."""
+        """Id of its recordings; a viewer merges recordings with the same id."""
         return f"regista-{self.about.get('id') or self.path.resolve()}"
 
     def next_recording(self) -> Path:
@@ -267,10 +266,10 @@ class RunFolder:
 
 
 EVALUATED_ALONE = "it can be evaluated, but not resumed or compared"
-# What a folder may hold before its run has begun, and which settings of a run may be changed later
+# Files that a folder may hold before training, and settings that may change on resume
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)
 COUNTERS = ("update", "env_steps", "elapsed")  # of a checkpoint
-LARGEST = 10**15  # of any of them
+LARGEST = 10**15  # upper limit of each counter
 MAY_CHANGE = (
     *("total_env_steps", "checkpoint_seconds", "record", "record_rollouts", "record_limit", "report", "device"),
     "env.grf_python",

@@ -1,7 +1,7 @@
-"""Games of football: what a minigame's name, the path of a .scenic program or `a+b` stands for on the command line.
+"""Football games on the command line: a minigame's name, the path of a .scenic program, or a mixture `a+b`.
 
-`run.build.find_game` makes one, once; all that a command needs of it are its attributes. A task in a Python file is
-`run.tasks.PythonTask`, with the same methods. Read next: `minigames.suites`, the names;
+`run.build.find_game` makes a game from its name. `run.tasks.PythonTask` is a task in a Python file with the same
+methods. Read next: `minigames.suites`, the names;
 `run.mixed`, mixtures.
 """
 
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from regista.minigames.suites import Minigame
     from scenic_lite import Program
 
-COMPILE_SECONDS = 20  # of all kernels, on a slow core
+COMPILE_SECONDS = 20  # for all kernels, on a slow core
 
 
 class Source(NamedTuple):
-    """The text that a run keeps of what it trains on, and the file in its folder; only `frozen` text may not change."""
+    """Source text that a run saves, and its file name in the run folder; a `frozen` source must not change."""
 
     file: str
     text: str
@@ -37,27 +37,27 @@ class Source(NamedTuple):
 
 
 class Game(Protocol):
-    """What a name on the command line stands for.
+    """A game or task, selected by a name on the command line.
 
     Attributes:
-        name: as a run keeps it; holds in every working directory.
-        short: the same for names of folders and for pictures.
+        name: the name in config.json, valid in every working directory.
+        short: short name for folders and pictures.
     """
 
     name: str
     short: str
 
     def start(self, preset: str) -> Any:
-        """Return the settings of a run that a preset gives to this game."""
+        """Return the settings of a preset for this game."""
 
     def task(self, config: Any, env: Any = None) -> Task:
-        """Return the task that these settings of a run describe, with other settings `env` of its environments."""
+        """Return the task for the settings of a run; `env` overrides those of its environments."""
 
     def source(self, config: Any) -> Source:
-        """Return what a run of these settings keeps of the game."""
+        """Return the source that a run with these settings saves."""
 
     def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
-        """Return the game that a level `[1]` belongs to, and the level as that game's own."""
+        """Return the game of a level `[1]`, and the level without its program column."""
 
 
 class FootballGame:
@@ -68,9 +68,9 @@ class FootballGame:
         self._loaded: dict[Any, Program] = {}
 
     def start(self, preset: str) -> Any:
-        """Return the settings of a preset with the players that agents move in this game, and its best reward.
+        """Return the settings of a preset with the control and reward recommended for this game.
 
-        The preset `thesis` rewards goals alone.
+        The preset `thesis` rewards goals only.
         """
         from regista.experiments.run.config import presets
 
@@ -80,18 +80,18 @@ class FootballGame:
         return arguments.replace_paths(presets()[preset], defaults)
 
     def program(self, config: Any) -> Program:
-        """Compile the training program as the settings have it, once."""
+        """Compile the training program with these settings; the result is cached."""
         return self._load(self.minigame.program, config.env.dialect, config.program)
 
     def task(self, config: Any, env: FootballConfig | None = None) -> Task:
-        """Return the training program and the test scenes as a task; test scenes are compiled when they are played."""
+        """Return the training program and the test scenes as a task; test scenes are compiled on use."""
         env = env or config.env
         prepare_kernels(env, config.threads)
         make = partial(self._environments, dialect=env.dialect)
         return self.minigame.task(env, self.program(config), make)
 
     def source(self, config: Any) -> Source:
-        """Return the text of the training program; a run does not go on with another one."""
+        """Return the text of the training program, which must not change during a run."""
         return Source("program.scenic", self.program(config).source, True)
 
     def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
@@ -112,7 +112,7 @@ class FootballGame:
 
 
 def prepare_kernels(env: FootballConfig, threads: int) -> None:
-    """Let kernels use so many threads; say so where they are not compiled yet."""
+    """Set the number of threads of the kernels; print a note if they still have to be compiled."""
     import numba
 
     from regista.envs.football.batch import step_batch
@@ -125,7 +125,7 @@ def prepare_kernels(env: FootballConfig, threads: int) -> None:
 
 
 class MixedGame:
-    """Several games that one run trains on; the game is a part of the level, so the teacher chooses among them."""
+    """Several games in one run; the game is a parameter of the level, so the teacher chooses among them."""
 
     def __init__(self, name: str, short: str, games: Sequence[FootballGame]) -> None:
         self.name, self.short, self.games = name, short, tuple(games)
@@ -135,18 +135,18 @@ class MixedGame:
         return self.games[0].start(preset)
 
     def task(self, config: Any, env: FootballConfig | None = None) -> Task:
-        """Return the mixture of the games' tasks, tested on each game and on each of their test scenes."""
+        """Return the mixture of the games' tasks; its tests are all games and all of their test scenes."""
         from regista.experiments.run.mixed import mixed_task
 
         return mixed_task(self._by_name(lambda game: game.task(config, env)))
 
     def source(self, config: Any) -> Source:
-        """Return the texts of all programs, each below its name."""
+        """Return the texts of all programs, each after its name."""
         texts = self._by_name(lambda game: game.program(config).source)
         return Source("program.scenic", "\n".join(f"# {name}\n{text}" for name, text in texts.items()), True)
 
     def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
-        """Return the game that θ's first column names, and the level without that column."""
+        """Return the game selected by θ's first column, and the level without that column."""
         from ued.core.cells import index_in
         from ued.core.level_space import level_dtype
 
@@ -165,7 +165,7 @@ class MixedGame:
 
 
 def football_game(name: str) -> FootballGame | MixedGame:
-    """Return the game of a name: a minigame, `MINIGAME/TEST`, a mixture `a+b`, or the path of a .scenic program.
+    """Return the game with a name: a minigame, `MINIGAME/TEST`, a mixture `a+b`, or the path of a .scenic program.
 
     Raises `UsageError` for any other name.
     """
@@ -181,7 +181,7 @@ def football_game(name: str) -> FootballGame | MixedGame:
 
 
 def single_game(name: str) -> FootballGame:
-    """Return the game of a name that stands for one program. Raises `UsageError` for a mixture and unknown names."""
+    """Return the game with a name, for a single program. Raises `UsageError` for mixtures and unknown names."""
     game = football_game(name)
     if isinstance(game, MixedGame):
         parts = ", ".join(part.short for part in game.games)
@@ -190,7 +190,7 @@ def single_game(name: str) -> FootballGame:
 
 
 def find_minigame(name: str) -> Minigame:
-    """Return the minigame of a name, as `single_game`."""
+    """Return the minigame with a name, like `single_game`."""
     return single_game(name).minigame
 
 
@@ -203,11 +203,11 @@ def _single(name: str) -> FootballGame:
     if path.suffix == ".scenic":
         if not path.is_file():
             raise UsageError(f"there is no program {name}")
-        return FootballGame(Minigame(path.stem, path, (), "a program of yours"), str(path.resolve()))
+        return FootballGame(Minigame(path.stem, path, (), "your program"), str(path.resolve()))
     if path.suffix == ".py":
         raise UsageError(f"a Python task is given as file.py:name, got {name!r}")
     if ":" in name:
-        raise UsageError(f"{name} is a Python task; here a game of football is needed")
+        raise UsageError(f"{name} is a Python task; this command needs a football game")
     raise UsageError(
         f"unknown minigame {name!r}{nearest(name, NAMED, 3)}; regista list shows all, or give a .scenic file"
     )

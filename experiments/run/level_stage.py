@@ -1,4 +1,4 @@
-"""A level of a run, as its levels.csv has it, in an environment that stands at its start.
+"""A level from a run's levels.csv, in an environment at its start.
 
 Read next: `ued.levels.table`, which reads the row; `commands.play`, which plays it.
 """
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class PlayedTask(NamedTuple):
-    """An episode: its steps and return, whether it came to its end, and what it looked like, if it was rendered."""
+    """An episode: its steps, return, whether it ended, and its rendered frames, if any."""
 
     steps: int
     total: float
@@ -30,11 +30,11 @@ class PlayedTask(NamedTuple):
 
 @dataclass(frozen=True)
 class LevelStage:
-    """One environment at the start of a level.
+    """A single environment at the start of a level.
 
     Attributes:
-        env: the environment, of one.
-        level: the level, a record `[1]`; `visit`: the number of the visit whose luck it has.
+        env: the vector environment, of size 1.
+        level: the level, a record `[1]`; `visit`: the visit whose random numbers it uses.
     """
 
     env: Any
@@ -43,9 +43,9 @@ class LevelStage:
 
     @classmethod
     def of_run(cls, path: Path, id: int, visit: int | None, playing: EngineConfig) -> LevelStage:
-        """Make the environment of a run and put it on a level of it.
+        """Make the environment of a run and reset it to one of its levels.
 
-        Raises `CommandError` for a run without this level, or whose levels are of other environments by now.
+        Raises `CommandError` for a run without this level, or whose environments have changed.
         """
         from ued.levels.table import read_visit
 
@@ -53,7 +53,7 @@ class LevelStage:
         try:
             level, visit = read_visit(path, id, visit)
         except FileNotFoundError as error:
-            raise CommandError(f"{path} has no levels.csv: no update of it is over") from error
+            raise CommandError(f"{path} has no levels.csv: no update has finished yet") from error
         except (KeyError, ValueError) as error:
             raise CommandError(str(error.args[0])) from error
         config = replace(run.config, threads=1)
@@ -65,7 +65,7 @@ class LevelStage:
         env = build.make_upomdp(game.task(config, watched).make, 1, config.seed)
         if env.levels.dtype != level.dtype:
             dims = env.theta_dim, level["theta"].shape[1]
-            raise CommandError(f"{path} has levels of {dims[1]} parameters, its environments {dims[0]}: it has changed")
+            raise CommandError(f"{path} has levels of {dims[1]} parameters, its environments now have {dims[0]}")
         _, info = env.reset_to_levels(level, None, visit)
         if info["replaced"][0]:
             raise CommandError(f"level {id} of {path} is no longer valid: its environments have changed")
@@ -77,7 +77,7 @@ class LevelStage:
         return hasattr(self.env, "matches") and self.env.config.representation == "raw"
 
     def describe(self) -> str:
-        """Return the level in words: its seed, its visit, and what θ stands for."""
+        """Describe the level: its seed, its visit, and the parameters of θ."""
         values = self.env.describe(self.level["theta"])[0]
         spelled = ", ".join(
             f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
@@ -86,7 +86,7 @@ class LevelStage:
         return f"seed {int(self.level['seed'][0])}, visit {self.visit}: {spelled or 'no parameters'}"
 
     def play(self, steps: int, seed: int, idle: bool) -> PlayedTask:
-        """Play the episode for so many steps at most, by random actions, or always the same."""
+        """Play the episode for at most this many steps, with random actions or, if `idle`, a constant one."""
         space, total, ended = self.env.single_action_space, 0.0, False
         space.seed(seed)
         same, frames = space.sample(), [self._frame()]

@@ -1,10 +1,10 @@
-"""A mixture of tasks: one run trains on all, and its teacher chooses among them as it chooses levels.
+"""A mixture of tasks: one run trains on all of them, and its teacher chooses the task as part of the level.
 
     regista train grf/empty_goal_close+grf/empty_goal --method plr
     regista train AcademyLadder --method paired
 
-It is written as names joined by +, not as one Scenic program: a program has the same players in all its scenes, and
-the games of a ladder do not. Read next: `ued.adapters.mixture`, the environments.
+A mixture is written as names joined by +, not as one Scenic program, because a program has the same players in all its
+scenes. Read next: `ued.adapters.mixture`, the environments.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ued.core.upomdp import UPOMDP
 
 
 def mixed_task(tasks: Mapping[str, Task]) -> Task:
-    """Make several tasks, by name, into one. It is tested on each of them and on each of their test scenes.
+    """Combine several tasks, by name, into one. Its tests are all tasks and all of their test scenes.
 
-    Tests of the tasks must be functions that make environments: levels of one task are no levels of the mixture.
+    Tests of the tasks must be functions that make environments, since levels of one task do not fit the mixture.
     """
     names, makes = tuple(tasks), [task.make for task in tasks.values()]
 
@@ -49,14 +49,14 @@ def mixed_task(tasks: Mapping[str, Task]) -> Task:
 
 
 def _mixture(makes: Sequence[Make], names: tuple[str, ...], only: int | None, num_envs: int) -> UPOMDP:
-    """Make the environments of a mixture; where `only` is an index, that task is played whatever θ says."""
+    """Make the environments of a mixture; with `only`, an index, always that task, whatever θ is."""
     from ued.adapters.mixture import Mixture
 
     members = [make(num_envs) for make in makes]
     try:
         return Mixture(members, names, only)
     except ValueError as error:
-        raise UsageError(f"these minigames are no mixture: {error}") from error
+        raise UsageError(f"these minigames cannot be mixed: {error}") from error
 
 
 def _painter(painters: Sequence[Any], upomdp: Any) -> MixedPainter:
@@ -66,10 +66,10 @@ def _painter(painters: Sequence[Any], upomdp: Any) -> MixedPainter:
 
 
 class MixedPainter:
-    """Draw the levels of a mixture; it is a `ued.core.painter.ScenePainter`.
+    """Painter of the levels of a mixture, a `ued.core.painter.ScenePainter`.
 
-    It has as many points of each class as any of the tasks; the points that a level does not need are nan. The ball
-    stands for a level: every game of football has one.
+    It has as many points of each class as any of the tasks; unused points of a level are nan. The ball is the focus,
+    since every football game has one.
     """
 
     def __init__(self, painters: Sequence[ScenePainter], dims: Sequence[int]) -> None:
@@ -87,7 +87,7 @@ class MixedPainter:
         self.classes = np.repeat(kinds, counts)
         self.focus = len(self.classes) - 1
         starts = np.cumsum([0, *counts])
-        self._slots = [_slots(painter.classes, starts) for painter in painters]  # where each task's points go
+        self._slots = [_slots(painter.classes, starts) for painter in painters]  # slots of each task's points
 
     def positions(self, theta: np.ndarray) -> np.ndarray:
         """Return the points in the scenes of θ `[L, 1 + max D]`: `[L, K, 2]` m."""
@@ -100,7 +100,7 @@ class MixedPainter:
         return places
 
     def frame(self, env: Any) -> np.ndarray:
-        """Return the points in the first environment of a mixture as it stands: `[K, 2]` m."""
+        """Return the current points of the first environment of a mixture: `[K, 2]` m."""
         k = int(env.levels["program"][0])
         places = np.full((len(self.classes), 2), np.nan)
         places[self._slots[k]] = self.painters[k].frame(env.members[k])
@@ -108,6 +108,6 @@ class MixedPainter:
 
 
 def _slots(classes: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return where points of these classes go if the points of each class begin at `starts`."""
+    """Return the slots of points of these classes, given the first slot of each class in `starts`."""
     rank = [int((classes[:index] == kind).sum()) for index, kind in enumerate(classes)]
     return starts[classes] + rank

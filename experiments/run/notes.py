@@ -1,4 +1,4 @@
-"""Notes on stderr: each is printed once in a process. Read next: `run.errors`, for what ends a command."""
+"""Notes on stderr, each printed once per process. Read next: `run.errors`, errors that end a command."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import Any
 
 @cache
 def warn(text: str) -> None:
-    """Print a note on stderr, the first time that it comes up: a program is compiled for many purposes."""
+    """Print a note on stderr unless it was printed already; a program may be compiled several times."""
     print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager
 def telling_warnings() -> Iterator[None]:
-    """Print each `UserWarning` as a note, once, without the line of code that raised it."""
+    """Print each `UserWarning` as a note, once, without its source line."""
     show = warnings.showwarning
 
     def tell(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:

@@ -1,7 +1,7 @@
-"""What a budget gives, said before training: about how many levels, when the method begins with them, and if too few.
+"""Estimate of a budget before training: the number of levels, when the curriculum starts, and whether they suffice.
 
-The estimate is from the environment's limit of steps, so it is the least that the budget gives: episodes that end
-sooner give more levels. Read next: `ued.levels.budget`, the rules; `run.events`, what is said while a run trains.
+The estimate assumes episodes of maximum length, so it is a lower bound: shorter episodes give more levels. Read next:
+`ued.levels.budget`, the rules; `run.events`, warnings during training.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from ued.config import ALPGMMConfig, PairedLiteralConfig, PLRConfig, RepairedCon
 from ued.levels.budget import BATCH, FILL, LEAST_BATCH, SHARE
 from ued.methods import METHODS
 
-FEW = 2  # levels of each environment in a run: below this nothing is learned from most of them
+FEW = 2  # minimum levels per environment in a run
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What a run gives at least.
+    """Lower bounds for a run.
 
     Attributes:
         config: settings of the run.
-        limit: steps of an episode at most.
-        students: who play each level.
-        episodes: that each of them plays on it.
+        limit: maximum length of an episode in steps.
+        students: number of students that play each level.
+        episodes: number of episodes of each student on a level.
     """
 
     config: Any
@@ -37,12 +37,12 @@ class Outlook:
 
     @property
     def steps(self) -> int:
-        """env_steps of a level at most."""
+        """Maximum env_steps per level."""
         return self.limit * self.students * self.episodes
 
     @property
     def levels(self) -> int:
-        """Levels of the run, if all episodes last as long as they may."""
+        """Number of levels in the run if all episodes have maximum length."""
         return int(self.config.total_env_steps // self.steps)
 
     @property
@@ -66,18 +66,18 @@ class Outlook:
             yield f"teaches its adversary every {self._or_sooner(levels, own.adversary.min_batch is None)}"
 
     def _or_sooner(self, levels: int, by_budget: bool) -> str:
-        """Return so many levels in words, or the share of the budget that is spent sooner."""
+        """Describe a number of levels, or the share of the budget if that comes first."""
         if not by_budget or levels * self.steps <= SHARE * self.config.total_env_steps:
             return f"{levels:_} levels"
         return f"{levels:_} levels or {round(SHARE * self.config.total_env_steps):_} env_steps, whichever comes first"
 
     def replay_after(self) -> int:
-        """Return how many levels must be offered before anything is replayed, in a long run."""
+        """Return the number of levels before replay starts, in a long run."""
         share = FILL if self.method.min_fill is None else self.method.min_fill
         return math.ceil(share * self.method.buffer.capacity)
 
     def shortcomings(self) -> Iterator[str]:
-        """Yield in what the budget is too small for the method, if all episodes last as long as they may."""
+        """Yield the shortcomings of the budget for the method if all episodes have maximum length."""
         own, envs = self.method, self.config.num_envs
         if self.levels < FEW * envs:
             enough = FEW * envs * self.steps
@@ -97,12 +97,12 @@ class Outlook:
             yield from self._too_few(looked_at, "levels are chosen", "--sfl.candidates")
         if isinstance(own, PairedLiteralConfig) and self.limit > self.config.ppo.num_steps:
             yield (
-                f"episodes may be longer than a rollout of {self.config.ppo.num_steps} steps, and such levels teach "
-                f"nothing; --num-steps {self.limit} holds them"
+                f"episodes can be longer than a rollout of {self.config.ppo.num_steps} steps, and such levels are not "
+                f"learned from; use --num-steps {self.limit}"
             )
 
     def _too_few(self, needed: int, what: str, flag: str) -> Iterator[str]:
-        """Yield that half of the run has fewer levels than are needed, if it is so."""
+        """Yield a warning if half of the run has fewer levels than needed."""
         if needed > self.levels / 2:
             yield f"{what} only after {needed:_} levels; use a longer run or a smaller {flag}"
 
@@ -111,7 +111,7 @@ class Outlook:
 
 
 def outlook(config: Any, method: Any) -> Outlook | None:
-    """Return what a run gives that trains this method; None where the environment declares no limit of steps."""
+    """Return the estimate for a run of this method; None if the environment declares no step limit."""
     limit = method.upomdp.max_episode_steps
     if limit is None:
         return None
@@ -121,10 +121,10 @@ def outlook(config: Any, method: Any) -> Outlook | None:
 
 
 def tell(config: Any, method: Any, say: Any) -> None:
-    """Say what the budget gives, and warn on stderr where that is too little for the method."""
+    """Print the estimate, and warn on stderr if the budget is too small for the method."""
     found = outlook(config, method)
     if found is None:
-        say("the environment declares no limit of steps: how many levels this run plays is not known")
+        say("the environment declares no step limit: the number of levels in this run is unknown")
         return
     say(found.line())
     for shortcoming in found.shortcomings():

@@ -1,4 +1,4 @@
-"""Scenic programs on the command line: compiled with their settings, and what looks like a slip in them is printed.
+"""Scenic programs on the command line: compiled with their settings, with warnings about likely mistakes.
 
 Read next: `scenic_lite.loader`.
 """
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 
 def load_program(path: Path, dialect: int | None, settings: ProgramConfig | None = None) -> Program:
-    """Compile a football program, and print its warnings. Raises `ScenicError` for a broken one."""
+    """Compile a football program and print its warnings. Raises `ScenicError` for an invalid one."""
     from regista.envs.football.scenic.domain import FOOTBALL
 
     return _load(path, FOOTBALL, dialect, settings)
 
 
 def load_any_program(path: Path, dialect: int | None, settings: ProgramConfig) -> tuple[Program, bool]:
-    """Compile a program of any domain; return it and whether it is football, which needs football's library."""
+    """Compile a program of any domain; return it and whether it is football (uses the football library)."""
     from scenic_lite import ScenicError
 
     try:
@@ -51,7 +51,7 @@ def _load(path: Path, domain: Domain | None, dialect: int | None, settings: Prog
 
 
 def read_params(texts: Sequence[str]) -> dict[str, object]:
-    """Return global parameters from `name=value`: a number, True, False, None, a list of them, or else a string."""
+    """Parse global parameters `name=value`: a number, True, False, None, a list of these, or else a string."""
     params: dict[str, object] = {}
     for text in texts:
         name, equals, value = text.partition("=")
@@ -65,7 +65,7 @@ def read_params(texts: Sequence[str]) -> dict[str, object]:
 
 
 def warn_of_play(program: Program) -> None:
-    """Print what would stop a match of a football program, or keeps all matches from being played."""
+    """Print warnings about conditions that would stop a match, or prevent all matches."""
     from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from scenic_lite import ScenicError
     from scenic_lite.dynamics.compiler.compile import compile_program

@@ -1,4 +1,4 @@
-"""How far a run is: one line that rewrites itself on a terminal, an occasional line elsewhere.
+"""Progress of a run: a line that is updated on a terminal, and occasional lines otherwise.
 
 Read next: `commands.train`.
 """
@@ -11,15 +11,15 @@ import time
 from collections.abc import Mapping
 from typing import TextIO
 
-PLAIN_SECONDS = 15.0  # between lines where there is no terminal
+PLAIN_SECONDS = 15.0  # between lines without a terminal
 REDRAW_SECONDS = 0.1
 BAR = 24  # characters
 
 
 class Progress:
-    """Show the share done, the speed, what remains and a few numbers. `begun` steps were done before.
+    """Show the share done, the speed, the remaining time and a few metrics. `begun` steps were done in earlier calls.
 
-    The clock runs from the first steps that are shown: what comes before them, as compiling, is done once.
+    The clock starts at the first shown steps, so that one-time work such as compilation does not count.
     """
 
     def __init__(self, total: int, begun: int = 0, stream: TextIO | None = None, unit: str = "steps") -> None:
@@ -27,11 +27,11 @@ class Progress:
         self.stream = sys.stdout if stream is None else stream
         self.tty = self.stream.isatty()
         self._begun = begun
-        self._start: float | None = None  # until steps are shown
+        self._start: float | None = None  # None until steps are shown
         self._shown = -PLAIN_SECONDS
 
     def show(self, steps: int, facts: dict[str, float] | None = None) -> None:
-        """Show that `steps` of the total are done, with named numbers. Cheap: most calls draw nothing."""
+        """Show `steps` of the total with named metrics. Cheap: most calls draw nothing."""
         now = time.monotonic()
         if self._start is None and steps > self._begun:
             self._start, self._begun = now, steps
@@ -41,13 +41,13 @@ class Progress:
         self._write(self._line(steps, facts or {}, now))
 
     def say(self, text: str) -> None:
-        """Leave a line, above that of the progress."""
+        """Print a line above the progress line."""
         if self.tty:
             self.stream.write("\r\x1b[K")
         self._shown = -PLAIN_SECONDS if self.tty else self._shown
         print(text, file=self.stream, flush=True)
 
-    finish = say  # the last one
+    finish = say  # the last line
 
     def _line(self, steps: int, facts: dict[str, float], now: float) -> str:
         speed = 0.0 if self._start is None else (steps - self._begun) / max(now - self._start, 1e-9)
@@ -70,7 +70,7 @@ class Progress:
 
 
 def headline(metrics: Mapping[str, float]) -> dict[str, float]:
-    """Return the few numbers of an update that the progress line shows."""
+    """Return the metrics of an update for the progress line."""
     return {
         name.partition("/")[2] or name: value
         for name, value in metrics.items()
@@ -79,7 +79,7 @@ def headline(metrics: Mapping[str, float]) -> dict[str, float]:
 
 
 def count(number: float) -> str:
-    """Write a number short: 950, 12.3k, 4.56M."""
+    """Format a number briefly: 950, 12.3k, 4.56M."""
     for size, letter in ((1e9, "G"), (1e6, "M"), (1e3, "k")):
         if number >= size:
             return f"{number / size:.3g}{letter}"
@@ -87,7 +87,7 @@ def count(number: float) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Write a time short: 42 s, 3 min, 1 h 05."""
+    """Format a duration briefly: 42 s, 3 min, 1 h 05."""
     seconds = max(seconds, 0.0)
     if seconds < 100:
         return f"{seconds:.0f} s"

@@ -1,4 +1,4 @@
-"""What an adversary proposed, column by column of θ, beside what the program draws: from levels.csv of a run.
+"""An adversary's proposals by column of θ, compared with the program's distribution; from a run's levels.csv.
 
 Read next: `commands.inspect`, which prints it; `pictures.level_plots`, which draws it.
 """
@@ -19,16 +19,16 @@ from ued.core.cells import Cells
 from ued.core.parameters import Parameter, axis_of, choice_in
 from ued.recorder.shades import unique_names
 
-PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # of the updates of a run
+PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # shares of a run's updates
 DECILES = 10
 
 
 class ColumnOfProposals(NamedTuple):
-    """One column of θ: its K values, or tenths of its range.
+    """One column of θ, with K values or tenths of its range.
 
-    names: of the values `[K]`; choice: whether they are values; program: their shares in random levels `[K]`;
-    proposed: in the adversary's levels of each period `[P, K]`, nan where there are none; score: of all levels with the
-    value, the mean of what the adversary is rewarded with (PAIRED: regret) `[K]`, nan likewise.
+    names: of the values `[K]`; choice: False for tenths of a range; program: shares in random levels `[K]`;
+    proposed: shares in the adversary's levels of each period `[P, K]`, nan without levels; score: mean reward of the
+    adversary (PAIRED: regret) over all levels with the value `[K]`, nan without levels.
     """
 
     title: str
@@ -40,15 +40,15 @@ class ColumnOfProposals(NamedTuple):
 
 
 def read_proposals(run: Path, draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
-    """Return the columns of what a run's adversary proposed. Raises `CommandError` for a run without proposals."""
+    """Return a run's proposals by column. Raises `CommandError` for a run without proposals."""
     table, path = read_columns(run / "levels.csv"), run / "levels.csv"
     proposed = np.array([row["source"] == "proposed" for row in read_rows(path)], bool)
     if not proposed.any():
-        raise CommandError(f"{run} has no levels proposed by an adversary: {path} has none of the source 'proposed'")
+        raise CommandError(f"{run} has no levels proposed by an adversary: {path} has no row with source 'proposed'")
     columns = []
     for name, draw in zip(unique_names(draws), draws, strict=True):
         if f"theta/{name}" not in table:
-            raise CommandError(f"{path} has no column theta/{name}: it is of another program")
+            raise CommandError(f"{path} has no column theta/{name}: it belongs to another program")
         columns.append(_column(name, draw, table, proposed))
     return columns
 
@@ -70,7 +70,7 @@ def _column(title: str, draw: Parameter, table: dict[str, np.ndarray], proposed:
 
 
 def within(update: np.ndarray, period: tuple[float, float]) -> np.ndarray:
-    """Return which of these updates some part of a period of the run falls into: bool, of the same shape."""
+    """Return which updates overlap with a period of the run: bool, same shape."""
     count = update.max(initial=1.0)
     return (update > period[0] * count) & (update - 1 < period[1] * count)
 
@@ -80,7 +80,7 @@ def _shares(index: np.ndarray, count: int) -> np.ndarray:
 
 
 def _tenths(draw: Parameter) -> tuple[str, ...]:
-    """Return the ends of the tenths of a real number's range, of θ where the range is not fixed."""
+    """Return the ends of the tenths of a real parameter's range, or of θ if the range is not finite."""
     axis = axis_of(draw)
     ends = np.linspace(axis.low, axis.high, DECILES + 1)
     if not np.isfinite(ends).all():
@@ -89,8 +89,8 @@ def _tenths(draw: Parameter) -> tuple[str, ...]:
 
 
 def render_proposals(run: Path, columns: Sequence[ColumnOfProposals]) -> str:
-    """Return them as tables: of each value its share in random levels, and in each period in the adversary's."""
-    parts = [f"{run}: what the adversary proposed, beside what the program draws"]
+    """Return the columns as tables: shares of each value in random levels, and in proposals by period."""
+    parts = [f"{run}: proposals of the adversary, and the program's distribution"]
     for column in columns:
         rows = [[column.title, "program", *PERIODS, "score"]]
         for k, name in enumerate(column.names):

@@ -1,6 +1,6 @@
-"""Where numbers come from: the machine, versions of what computed them, the commit, the command.
+"""Provenance of results: machine, package versions, commit, command.
 
-Read next: `run.folder`, whose config.json holds it.
+Read next: `run.folder`, whose config.json stores it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ PACKAGES = ("regista", "numpy", "numba", "torch", "gymnasium", "rerun-sdk")
 
 
 def about() -> dict[str, Any]:
-    """Return what is kept of the beginning of a run: an id of its own, when, how, by what and where it began."""
+    """Return the provenance of a new run: a unique id, time, command, commit, versions and machine."""
     return {
         "id": secrets.token_hex(6),
         "began": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -33,7 +33,7 @@ def about() -> dict[str, Any]:
 
 
 def command() -> str:
-    """Return the command that is running, as it was typed."""
+    """Return the running command line."""
     program = Path(sys.argv[0])
     name = program.parent.name if program.name == "__main__.py" else program.name
     return shlex.join([name, *sys.argv[1:]])
@@ -41,7 +41,7 @@ def command() -> str:
 
 @cache
 def commit() -> str:
-    """Return the commit that is running, short; "" outside a checkout."""
+    """Return the short hash of the checked-out commit; "" outside a checkout."""
     words = ["git", "-C", str(Path(__file__).parent), "rev-parse", "--short", "HEAD"]
     try:
         return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
@@ -50,7 +50,7 @@ def commit() -> str:
 
 
 def versions(packages: tuple[str, ...]) -> dict[str, str]:
-    """Return the versions of those of these packages that are installed."""
+    """Return the versions of the installed packages among these."""
     installed = {}
     for name in packages:
         try:

@@ -1,4 +1,4 @@
-"""The recording of one run: what its updates brought, and what its students did on the levels of the highest scores.
+"""The recording of one run: its updates, and episodes of its students on the levels with the highest scores.
 
 Read next: `run.replays`; `ued.recorder.recorder`.
 """
@@ -23,7 +23,7 @@ from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes, titles
 
-MAX_FRAMES = 400  # of the episodes on a level that are shown
+MAX_FRAMES = 400  # of the recorded episodes on a level
 
 
 class RunRecorder:
@@ -34,7 +34,7 @@ class RunRecorder:
         env = build.make_upomdp(task.make, 1, config.seed)
         self.stage = Stage(env, task.painter(upomdp) if task.painter else None)
         if connect is not None and not viewer_answers(connect):
-            print(f"regista: no viewer answers at {connect}: nothing is shown there; see rerun --port", file=sys.stderr)
+            print(f"regista: no viewer answers at {connect}: live view disabled; see rerun --port", file=sys.stderr)
             connect = None
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
@@ -47,14 +47,14 @@ class RunRecorder:
             self._recall()
 
     def flush(self) -> None:
-        """Bring everything to the disk; end the recording where it has become larger than it may be."""
+        """Write everything to disk; end the recording if it exceeds its maximum size."""
         if self.recorder is not None:
             self.recorder.flush()
         size, most = sum(part.stat().st_size for part in self.run.recordings()), self.run.config.record_limit
         if self.recorder is not None and size > most * 1_000_000:
             self.close()
             self.recorder = None
-            print(f"regista: {most} MB are recorded, and nothing more is; see --record-limit", file=sys.stderr)
+            print(f"regista: the recording has reached {most} MB and ends; see --record-limit", file=sys.stderr)
 
     def close(self) -> None:
         """Finish the file."""
@@ -62,7 +62,7 @@ class RunRecorder:
             self.recorder.close()
 
     def _recall(self) -> None:
-        """Return the recorder the levels of the updates that an earlier part of the recording holds."""
+        """Pass the recorder the levels of updates in an earlier part of the recording."""
         levels, metrics = read_columns(self.run.levels.path), read_columns(self.run.metrics.path)
         if not levels or self.recorder is None:
             return
@@ -73,7 +73,7 @@ class RunRecorder:
             self.recorder.recall(update, int(metrics["env_steps"][update - 1]), theta[rows])
 
     def report(self, update: Update) -> None:
-        """Record an update, and what students did on the levels of the highest scores; now and then show it."""
+        """Record an update, save replays of the levels with the highest scores, and periodically show one."""
         method, levels, every = update.method, update.levels, self.run.config.record_rollouts
         if self.recorder is None or levels is None:
             return
@@ -83,21 +83,21 @@ class RunRecorder:
         for event in update.events:
             self.recorder.event(event.event, event.text)
         if every:
-            kept = replays.taken(method, update.number, TOP_LEVELS)
-            self.run.replays.append([replay.row() for replay in kept])
+            saved = replays.taken(method, update.number, TOP_LEVELS)
+            self.run.replays.append([replay.row() for replay in saved])
             if update.number == 1 or update.number % every == 0:
-                self._show([replay for replay in kept if replay.visit == kept[0].visit], update)
+                self._show([replay for replay in saved if replay.visit == saved[0].visit], update)
 
-    def _show(self, kept: Sequence[Replay], update: Update) -> None:
-        """Show the very episodes of all students on one level."""
+    def _show(self, saved: Sequence[Replay], update: Update) -> None:
+        """Record the replayed episodes of all students on one level."""
         assert update.levels is not None and self.recorder is not None
         named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
-        for replay in kept:
+        for replay in saved:
             played = self.stage.play(replay)
             said = ", ".join(f"{value:+.2f}" for value in replay.returns)
             text = f"{replay.student} in update {update.number}\n{named[replay.id]}\nreturns {said}"
             if not replays.came_out_alike(replay, played.returns):
-                text += "\nplayed again they came out otherwise: the environment draws more than its seed says"
+                text += "\nreplay differs from the recorded episodes: the environment uses randomness beyond its seed"
             episodes = Episodes(
                 np.array(played.frames[:MAX_FRAMES]),
                 [begin for begin in played.begins if begin < MAX_FRAMES],
@@ -108,7 +108,7 @@ class RunRecorder:
 
 
 def viewer_answers(address: str) -> bool:
-    """Return whether somebody listens at HOST:PORT."""
+    """Return whether a server listens at HOST:PORT."""
     host, _, port = address.rpartition(":")
     try:
         socket.create_connection((host or "127.0.0.1", int(port)), timeout=2.0).close()

@@ -1,7 +1,7 @@
-"""The very episodes that made a level's score, as a table of a run, and how they are played again.
+"""The episodes behind a level's score, saved in a table of a run, and their replay.
 
-A row is a level with its seed and what a student did on it; an environment that is put on that level and is given these
-actions plays the same episodes, whatever has become of the student since. Read next: `ued.learning.tape`.
+A row holds a level with its seed and a student's actions on it. An environment that is reset to that level and steps
+through these actions repeats the same episodes, without the student. Read next: `ued.learning.tape`.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from ued.core.level_space import level_dtype
 from ued.core.painter import ScenePainter
 from ued.core.upomdp import UPOMDP
 
-MAX_STEPS = 2_000  # of the episodes on one level
-STEP_SECONDS = 0.1  # of an environment that says nothing of it
+MAX_STEPS = 2_000  # of all saved episodes on one level
+STEP_SECONDS = 0.1  # default of environments without render_fps
 
 
 @dataclass(frozen=True)
 class Replay:
-    """What a student did on a level, in all of its episodes there.
+    """A student's actions on a level, in all of its episodes of one visit.
 
     Attributes:
-        update, id, visit: of the update that was based on the level, of the level, and of this playing of it.
-        student: whose episodes they are.
-        level: the level, a record of `level_dtype(D)` `[1]`; `visit` is the number of this visit of it.
-        actions: `[T, ...]`, as the environment was given them.
-        returns: of its episodes `[n]`, as they were.
+        update, id, visit: numbers of the update, of the level, and of the visit.
+        student: name of the student.
+        level: the level, a record of `level_dtype(D)` `[1]`.
+        actions: `[T, ...]`, as passed to the environment.
+        returns: returns of the recorded episodes `[n]`.
     """
 
     update: int
@@ -52,18 +52,18 @@ class Replay:
             "student": self.student,
             "returns": " ".join(f"{value:g}" for value in self.returns),
             "level": _spell(self.level),
-            "actions": _spell(self.actions.astype(_kept(self.actions.dtype))),
+            "actions": _spell(self.actions.astype(_saved_dtype(self.actions.dtype))),
         }
 
     @classmethod
     def of_row(cls, row: Mapping[str, str], upomdp: Any) -> Replay:
-        """Read a row of replays.csv, of these environments. Raises `CommandError` for one that is damaged."""
+        """Read a row of replays.csv for these environments. Raises `CommandError` for a damaged row."""
         dtype, space = level_dtype(upomdp.theta_dim), upomdp.single_action_space
         try:
             level = np.frombuffer(_read(row["level"], dtype.itemsize), dtype).reshape(1)
-            kept = _kept(space.dtype)
-            data = _read(row["actions"], MAX_STEPS * max(int(np.prod(space.shape)), 1) * kept.itemsize)
-            actions = np.frombuffer(data, kept).astype(space.dtype).reshape(-1, *space.shape)
+            saved = _saved_dtype(space.dtype)
+            data = _read(row["actions"], MAX_STEPS * max(int(np.prod(space.shape)), 1) * saved.itemsize)
+            actions = np.frombuffer(data, saved).astype(space.dtype).reshape(-1, *space.shape)
             returns = np.array(row["returns"].split(), float)
             update, number, visit = (int(row[name]) for name in ("update", "id", "visit"))
             return cls(update, number, visit, row["student"], level, actions, returns)
@@ -72,9 +72,9 @@ class Replay:
 
 
 def taken(method: Any, update: int, most: int) -> list[Replay]:
-    """Return what all students did on the levels of the highest scores of the last update, at most so many levels.
+    """Return replays of all students on the levels with the highest scores of the last update, at most `most` levels.
 
-    Levels of which not everything is known, because they were begun before a kill, are left out.
+    Levels with incomplete data, because they began before a kill, are skipped.
     """
     batch = method.last
     records, tapes, replays = batch.records, {}, []
@@ -95,13 +95,13 @@ def taken(method: Any, update: int, most: int) -> list[Replay]:
 
 
 class Played(NamedTuple):
-    """A level's episodes, played again.
+    """The replayed episodes of a level.
 
     Attributes:
-        frames: of all, one after the other: places `[K, 2]` in metres, or images uint8 `[height, width, 3]`; none where
-            nothing can be shown.
-        begins: which of these each episode begins with.
-        returns: of the episodes that came to their end `[n]`, n at most as many as there were.
+        frames: of all episodes in sequence: positions `[K, 2]` in meters, or images uint8 `[height, width, 3]`; empty
+            if nothing can be shown.
+        begins: index of the first frame of each episode.
+        returns: returns of the finished episodes `[n]`, n at most the recorded number.
     """
 
     frames: list[np.ndarray]
@@ -110,12 +110,12 @@ class Played(NamedTuple):
 
 
 class Stage:
-    """An environment of one in which levels are played again, and what is shown of it.
+    """An environment of size 1 for replaying levels, and its frames.
 
     Attributes:
         env: the environment.
-        painter: tells its points; None: it is shown as it renders itself, if it does.
-        step_seconds: between two frames.
+        painter: gives its points; None: frames are its rendered images, if any.
+        step_seconds: time between two frames.
     """
 
     def __init__(self, env: UPOMDP, painter: ScenePainter | None) -> None:
@@ -123,7 +123,7 @@ class Stage:
         self.step_seconds = 1 / (env.metadata.get("render_fps") or 1 / STEP_SECONDS)
 
     def play(self, replay: Replay) -> Played:
-        """Play a level's episodes again."""
+        """Replay a level's episodes."""
         self.env.reset_to_levels(replay.level, None, replay.visit)
         frames, begins, returns, total = [self._frame()], [0], list[float](), 0.0
         for action in replay.actions:
@@ -140,7 +140,7 @@ class Stage:
         return Played(shown, begins if shown else [], np.array(returns))
 
     def _frame(self) -> np.ndarray | None:
-        """Return what is shown of the environment as it stands."""
+        """Return a frame of the environment in its current state."""
         if self.painter is not None:
             return self.painter.frame(self.env)
         images: Any = self.env.render() if self.env.render_mode == "rgb_array" else None
@@ -148,12 +148,12 @@ class Stage:
 
 
 def came_out_alike(replay: Replay, returns: np.ndarray) -> bool:
-    """Return whether episodes that were played again brought the returns `[n]` that they had."""
+    """Return whether replayed episodes reproduce the recorded returns `[n]`."""
     return len(returns) == len(replay.returns) and np.allclose(returns, replay.returns, atol=1e-6)
 
 
-def _kept(dtype: np.dtype) -> np.dtype:
-    """Return how actions are kept: the numbers of choices are small."""
+def _saved_dtype(dtype: np.dtype) -> np.dtype:
+    """Return the dtype of saved actions; indices of discrete actions are small."""
     return np.dtype(np.int16) if dtype.kind in "iu" else dtype
 
 

@@ -1,8 +1,8 @@
-"""What a comparison says, as tables: in text for a terminal, in Markdown, in CSV.
+"""Results of a comparison as tables: text for a terminal, Markdown, CSV.
 
-The first table has a row for each method and a column for each scene. The second has one number for all scenes: their
-mean and IQM, and how a student does on the worst of the levels that are drawn at random. Methods with several runs are
-compared with the first of them. Read next: `run.results`, where the numbers come from.
+The first table has a row for each method and a column for each scene. The second aggregates over scenes, by mean and
+IQM, and reports the success rate on the worst of random levels. Methods with several runs are compared with the first
+of them. Read next: `run.results`, the statistics.
 """
 
 from __future__ import annotations
@@ -26,23 +26,21 @@ from ued.core.files import write_whole
 if TYPE_CHECKING:
     from ued.statistics import Interval
 
-    Write = Callable[[Interval | None], str]  # how a cell is written
+    Write = Callable[[Interval | None], str]  # formats a cell
 
 INTERVALS = (
-    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run or a baseline, "
-    "over its episodes alone, Wilson's of rates and Student's t of returns and CVaR10; none below 5 runs, or 5 episodes"
+    "95% intervals: bootstrap over runs and their episodes; for a single run or a baseline, over its episodes only, "
+    "Wilson's for rates and Student's t for returns and CVaR10; none below 5 runs, or 5 episodes"
 )
-OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow where a run plays all scenes"
-OF_PAIRS = "P(better): that the mean of a run is above that of a run of {first}"
-OF_LEVELS = (
-    "CVaR10: on the worst tenth of {levels} levels drawn at random, found by other episodes than those that count"
-)
+OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow as each run plays all scenes"
+OF_PAIRS = "P(better): probability that a run's mean exceeds that of a run of {first}"
+OF_LEVELS = "CVaR10: on the worst tenth of {levels} random levels, selected by other episodes than those that count"
 
 
 class Entry(NamedTuple):
-    """One number of a table: `measure` of a method on a scene, "" for all.
+    """One number of a table: `measure` of a method on a scene, "" for all scenes.
 
-    Without an interval its ends are nan, and `interval`, which says how it is estimated, is empty.
+    `interval` names the estimator of the interval. Without an interval, it is empty and `low` and `high` are nan.
     """
 
     method: str
@@ -55,24 +53,24 @@ class Entry(NamedTuple):
 
 
 OF_RUNS = {"IQM, stratified": "bootstrap over runs and scenes", "P(better)": "Newcombe"}
-OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # of rates: Wilson's
+OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # rates: Wilson's
 
 
 def entry(method: str, measure: str, scene: str, found: Interval, runs: int) -> Entry:
-    """Return one number of a table, estimated from so many runs."""
+    """Return one number of a table, estimated from this number of runs."""
     kind = OF_RUNS.get(measure, "bootstrap over runs") if runs > 1 else OF_ONE_RUN.get(measure, "Wilson")
     return Entry(method, measure, scene, *found, kind if found.known else "")
 
 
 @dataclass(frozen=True)
 class Report:
-    """All that was measured of some methods; every method on every scene.
+    """All results of some methods; every method is evaluated on every scene.
 
     Attributes:
         results: rows of all policies on all scenes.
-        levels: rows of all policies on levels drawn at random; none where nobody asked for them.
-        word: what successes are called.
-        simulator: the version of the simulator on which they played; None where none of ours did.
+        levels: rows of all policies on random levels; may be empty.
+        word: word for successes, such as "goals".
+        simulator: the simulator version of the episodes; None for other engines and tasks.
     """
 
     results: Sequence[Result]
@@ -146,7 +144,7 @@ class Report:
         return table
 
     def by_method(self) -> list[list[str]]:
-        """Return methods x what is said of all scenes, and of the worst levels."""
+        """Return methods x aggregates over all scenes and over random levels."""
         columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
         if self.others():
             columns |= {"mean minus first": _points, "P(better)": two_digits}
@@ -175,7 +173,7 @@ class Report:
         return [str(len(rows)), *(f"{round(np.mean(counts)):_}" if any(counts) else "–" for counts in (steps, updates))]
 
     def _notes(self) -> list[str]:
-        """Return what is to be said beneath the second table."""
+        """Return the notes below the second table."""
         notes = [f"{self.word}; {OF_SCENES}"]
         if self.others():
             notes.append(OF_PAIRS.format(first=self.first))
@@ -208,7 +206,7 @@ class Report:
             self._save(list(map(asdict, self.levels)), names, folder / "levels.csv")
 
     def save_csv(self, path: Path) -> None:
-        """Write the results as CSV, with the goal rate. Raises `CommandError` if the disk refuses."""
+        """Write the results as CSV, with the goal rate. Raises `CommandError` if the file cannot be written."""
         rows = [asdict(row) | {"goal_rate": round(row.goal_rate, 6)} for row in self.results]
         self._save(rows, [*(item.name for item in fields(Result)), "goal_rate"], path)
 
@@ -218,7 +216,7 @@ class Report:
 
 
 def as_markdown(rows: list[list[str]]) -> str:
-    """Return a table in Markdown; the first row is its head."""
+    """Return a table in Markdown; the first row is its header."""
     lines = [f"| {' | '.join(row)} |" for row in rows]
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
@@ -251,7 +249,7 @@ def _spelled(interval: Interval | None, write: Callable[[float], str]) -> str:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a file. Raises `CommandError` if the disk refuses."""
+    """Write a file. Raises `CommandError` if it cannot be written."""
     try:
         write_whole(path, text)
     except OSError as error:
@@ -259,7 +257,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def save_rows(rows: Sequence[Mapping[str, Any]], columns: Sequence[str], path: Path) -> None:
-    """Write rows as CSV. Raises `CommandError` if the disk refuses."""
+    """Write rows as CSV. Raises `CommandError` if the file cannot be written."""
     try:
         text = io.StringIO(newline="")
         writer = csv.DictWriter(text, columns)

@@ -1,7 +1,7 @@
-"""The seam between training and whoever wants to know of it: tables, terminal, recording, other people's trackers.
+"""Interface between training and its reporters: tables, terminal, recording, external trackers.
 
-The training loop says once what an update brought; every `Reporter` makes of it what it likes. All scalars have the
-names that they have in metrics.csv. Read next: `run.folder`, the tables; `run.recording`; `run.trackers`.
+The training loop passes each update once to every `Reporter`. All scalars have the names of metrics.csv columns.
+Read next: `run.folder`, the tables; `run.recording`; `run.trackers`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ued.recorder.shades import unique_names
 
 @dataclass(frozen=True)
 class Update:
-    """What an update of a method brought: `metrics` is the row of metrics.csv, `update` and `env_steps` included."""
+    """Results of an update: `metrics` is the row of metrics.csv, including `update` and `env_steps`."""
 
     method: Any
     metrics: Mapping[str, float]
@@ -42,28 +42,28 @@ class Update:
 
     @property
     def levels(self) -> LevelBatch | None:
-        """The levels on which it was based."""
+        """The levels of the update."""
         return self.method.last
 
 
 class Reporter(Protocol):
-    """Somebody who is told of every update."""
+    """Receives every update."""
 
     def report(self, update: Update) -> None:
-        """Take note of an update."""
+        """Process an update."""
 
     def flush(self) -> None:
-        """Bring what was noted to the disk: a checkpoint has been written."""
+        """Write pending data to disk; called after each checkpoint."""
 
     def close(self) -> None:
-        """End; nothing more will come."""
+        """Close; no more updates follow."""
 
 
 class Reporters:
-    """Tells all of them. One that fails says so once and is told nothing more: no run ends for its diary's sake.
+    """Passes updates to all reporters. One that fails is dropped with a message, so that training continues.
 
     Args:
-        run: whose metrics.csv, levels.csv and events.csv come first; if these cannot be written, the run ends.
+        run: its metrics.csv, levels.csv and events.csv are written first; if that fails, the run ends.
         upomdp: the environments.
     """
 
@@ -75,12 +75,12 @@ class Reporters:
             self.watch.look(row)
 
     def add(self, name: str, make: Callable[[], Reporter]) -> None:
-        """Let one more be told, which `make` gives; where it fails, "nothing more is `name`"."""
+        """Add the reporter that `make` returns; `name` completes the message "nothing more is ..." if it fails."""
         with self._excused(name):
             self.others[name] = make()
 
     def report(self, method: Any, metrics: Mapping[str, float]) -> None:
-        """Tell what an update of the method brought; wall-clock metrics come last."""
+        """Report an update of the method; wall-clock metrics come last."""
         row = {"update": method.updates, "env_steps": method.env_steps}
         rest = {name: value for name, value in metrics.items() if name not in ("updates", "env_steps")}
         row |= dict(sorted(rest.items(), key=lambda item: item[0].startswith("time/")))
@@ -89,11 +89,11 @@ class Reporters:
         self._all(lambda reporter: reporter.report(update))
 
     def flush(self) -> None:
-        """Let all bring to the disk what they noted."""
+        """Flush all reporters."""
         self._all(lambda reporter: reporter.flush())
 
     def close(self) -> None:
-        """Let all end."""
+        """Close all reporters."""
         self._all(lambda reporter: reporter.close())
 
     def _all(self, act: Callable[[Reporter], None]) -> None:
@@ -132,26 +132,26 @@ class Tables:
             columns = {"update": np.full(len(batch.theta), update.number), **facts}
             columns["program"] = self.programs[facts["program"]]
             columns |= {f"theta/{name}": batch.theta[:, d] for d, name in enumerate(self.names)}
-            self.run.levels.append_columns(columns | batch.outcomes())  # first, for it has a last word on its columns
+            self.run.levels.append_columns(columns | batch.outcomes())  # first, since it raises if its columns differ
         self.run.metrics.append([update.metrics])
         if update.events:
             self.run.events.append([place | event._asdict() for event in update.events])
 
 
 class Console:
-    """The line of progress, and what somebody should know."""
+    """Shows the progress line and warnings."""
 
     def __init__(self, progress: Progress) -> None:
         self.progress = progress
 
     def report(self, update: Update) -> None:
-        """Show how far the run is."""
+        """Show the progress of the run."""
         for event in update.events:
             self.progress.say(f"{event.event} (update {update.number}): {event.text}")
         self.progress.show(update.env_steps, headline(update.metrics))
 
     def flush(self) -> None:
-        """Do nothing: what was said was said."""
+        """Do nothing: output is not buffered."""
 
     def close(self) -> None:
-        """End; the last line is said by whoever knows why it is the last."""
+        """Do nothing: the training loop prints the last line."""

@@ -1,10 +1,10 @@
-"""Results of evaluations as rows, and what can be said of them: means with intervals, differences, robustness.
+"""Results of evaluations as rows, and their statistics: means with intervals, differences, robustness.
 
-A `Result` is one policy on one scene, a `LevelResult` one policy on levels drawn at random. Several runs of a method
-are several rows; their interval resamples whole runs, since one trained policy is tested on all scenes, and within them
-the luck of their episodes. A single run's interval is over its episodes alone: it says nothing of the next run. Fewer
-than five runs, or episodes of a single run, have no interval.
-Read next: `run.report`, which makes tables of it.
+A `Result` is one policy on one scene, a `LevelResult` one policy on random levels. Several runs of a method are several
+rows; their interval resamples whole runs, since each trained policy plays all scenes, and episodes within runs. The
+interval of a single run is over its episodes only and does not cover variation between runs. Fewer than five runs, or
+episodes of a single run, have no interval.
+Read next: `run.report`, the tables.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from ued.evaluation import Evaluation
     from ued.statistics import Interval
 
-BOOTSTRAP_SEED = 0  # a table of the same results is the same table
-WORST = 0.1  # of the levels drawn at random, in CVaR10
+BOOTSTRAP_SEED = 0  # fixed, so equal results give equal tables
+WORST = 0.1  # share of the random levels in CVaR10
 
 
 @dataclass(frozen=True)
 class Result:
-    """One policy on one scene. `goals` are the episodes that succeeded: of a defence those without a goal."""
+    """One policy on one scene. `goals` counts successful episodes: in a defense, those without a goal."""
 
     method: str
     seed: int
@@ -45,7 +45,7 @@ class Result:
 
 @dataclass(frozen=True)
 class LevelResult:
-    """One policy on levels drawn at random from the training distribution, the same ones for every policy."""
+    """One policy on random levels of the training distribution, the same levels for every policy."""
 
     method: str
     seed: int
@@ -53,7 +53,7 @@ class LevelResult:
     episodes: int  # on each level
     goal_rate: float
     cvar10: float  # goal rate on the worst tenth of the levels
-    cvar10_error: float  # its standard error: luck of the episodes and of the draw of levels
+    cvar10_error: float  # its standard error, over episodes and sampled levels
 
 
 def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
@@ -76,9 +76,8 @@ def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, traine
 def summarise_levels(evaluation: Evaluation, method: str, seed: int) -> LevelResult:
     """Make a row of an evaluation that played each of its L levels k times, k even.
 
-    Which levels are worst is said by one half of the episodes, how bad they are by the other; then the halves change
-    parts, and the mean of both is given. Levels called worst by the episodes that rate them would be so by bad luck,
-    too.
+    One half of the episodes selects the worst levels, the other half rates them; then the halves swap roles, and the
+    mean of both is reported. Selecting and rating with the same episodes would bias the rate downward.
     """
     from ued.statistics import cvar
 
@@ -112,7 +111,7 @@ def unique(values: Sequence[str]) -> list[str]:
 
 
 class Counted(NamedTuple):
-    """A run's goals, one at most in each of its episodes."""
+    """A run's goals, at most one per episode."""
 
     goals: int
     episodes: int
@@ -139,7 +138,7 @@ def mean_return(rows: Sequence[Result]) -> Interval:
 
 
 def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
-    """Estimate by how much one method's mean return on a scene exceeds another's, resampling whole runs of both."""
+    """Estimate the difference of two methods' mean returns on a scene, resampling whole runs of both."""
     return _difference(_returns(rows), _returns(reference))
 
 
@@ -175,29 +174,29 @@ def iqm_score(mine: Scores) -> Interval:
 
 
 def iqm_stratified(mine: Scores) -> Interval:
-    """Estimate the same with rliable's interval, which takes a run's scenes for independent."""
+    """Estimate the same with rliable's interval, which assumes that a run's scenes are independent."""
     from ued.statistics import stratified
 
     return stratified(mine.rates, _rng())
 
 
 def score_advantage(mine: Scores, reference: Scores) -> Interval:
-    """Estimate by how much one method's mean over the scenes exceeds another's, resampling whole runs of both."""
+    """Estimate the difference of two methods' means over the scenes, resampling whole runs of both."""
     return _difference(mine, reference)
 
 
 def chance_of_better(mine: Scores, reference: Scores) -> Interval:
-    """Estimate the probability that a run's mean over the scenes is above that of a run of the other method."""
+    """Estimate the probability that a run's mean over the scenes exceeds that of a run of the other method."""
     from ued.statistics import probability_of_improvement
 
     return probability_of_improvement(mine.rates.mean(1), reference.rates.mean(1))
 
 
-# ---------------------------------------------------------------- levels drawn at random
+# ---------------------------------------------------------------- random levels
 
 
 def level_rate(rows: Sequence[LevelResult]) -> Interval:
-    """Estimate the goal rate on levels drawn at random, resampling runs; the levels are the same for all."""
+    """Estimate the goal rate on random levels, resampling runs; all runs play the same levels."""
     from ued.statistics import bootstrap, wilson
 
     if len(rows) == 1:
@@ -207,9 +206,9 @@ def level_rate(rows: Sequence[LevelResult]) -> Interval:
 
 
 def level_cvar(rows: Sequence[LevelResult]) -> Interval:
-    """Estimate the goal rate on the worst tenth of levels drawn at random, resampling runs.
+    """Estimate the goal rate on the worst tenth of random levels, resampling runs.
 
-    Of a single run by Student's t over the levels of that tenth.
+    For a single run, use Student's t over the levels of that tenth.
     """
     from ued.statistics import bootstrap, student_t
 
@@ -226,7 +225,7 @@ def goal_rates(rows: Sequence[Result] | Sequence[Counted]) -> tuple[np.ndarray, 
     """Return each run's goal rate `[R]` and its standard error `[R]`."""
     episodes = np.array([row.episodes for row in rows])
     rates = np.array([row.goals for row in rows]) / episodes
-    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): no goal at all is not certainty
+    likely = (rates * episodes + 2) / (episodes + 4)  # Agresti and Coull (1998): zero goals do not give a zero error
     return rates, np.sqrt(likely * (1 - likely) / (episodes + 4))
 
 
@@ -246,7 +245,7 @@ def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.
 
 
 def _as_share(interval: Interval) -> Interval:
-    """Cut an interval to what a share can be; nan stays."""
+    """Clip an interval to [0, 1]; nan stays."""
     low, high = np.clip((interval.low, interval.high), 0.0, 1.0)
     return interval._replace(low=float(low), high=float(high))
 
@@ -256,7 +255,7 @@ def _rng() -> np.random.Generator:
 
 
 def align(rows: list[list[str]]) -> str:
-    """Return rows as columns of text, with a rule beneath the first."""
+    """Return rows as aligned text columns, with a line below the first row."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
     return "\n".join([lines[0], "─" * max(map(len, lines)), *lines[1:]])

@@ -1,9 +1,9 @@
-"""`regista list --solved`: what share of a game's random levels are never, sometimes and always solved.
+"""`regista list --solved`: shares of a game's random levels that are never, sometimes and always solved.
 
     regista list --solved 1v1Free Gauntlet Buildup --total-env-steps 2_000_000
 
-The same random levels are played by a random policy, and by a student at several times of its training. A curriculum
-has something to choose where most levels are never solved, but not all, and where that changes as a student learns.
+A random policy and a student at several points of its training play the same random levels. A curriculum can help if
+most but not all levels are unsolved, and if this changes as the student learns.
 Read next: `regista.minigames.suites`; `commands.compare`.
 """
 
@@ -26,26 +26,26 @@ from regista.experiments.run.report import save_rows
 from regista.experiments.run.results import align
 from ued.config import Checked, setting
 
-SEED = 30_000  # of the levels and of how they are played
+SEED = 30_000  # of the levels and of the episodes
 ENVIRONMENTS = 64
-CHOSEN = ("minigame",)  # settings of a run that are not typed as flags of training
-HEAD = ["game", "D", "who", "env_steps", "solved", "levels never", "sometimes", "always"]
+CHOSEN = ("minigame",)  # settings of a run without a training flag
+HEAD = ["game", "D", "policy", "env_steps", "solved", "levels never", "sometimes", "always"]
 
 
 @dataclass(frozen=True)
 class SolvedConfig(Checked):
-    """What is typed after `regista list --solved GAMES`."""
+    """Arguments of `regista list --solved GAMES`."""
 
-    levels: int = setting(150, "random levels", ">=1", most=1_000_000)
+    levels: int = setting(150, "number of random levels", ">=1", most=1_000_000)
     episodes: int = setting(4, "episodes on each level", ">=1", most=10_000)
-    tests: int = setting(4, "evaluations of a student, evenly spaced over its training", ">=1", most=10_000)
+    tests: int = setting(4, "evaluations during training, evenly spaced", ">=1", most=10_000)
     csv: Path | None = setting(None, "also write the rows to this CSV file")
-    train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "the students", without=CHOSEN)
+    train: TrainConfig = group(lambda: TrainConfig(method="dr", seed=1000), "training of the students", without=CHOSEN)
 
 
 @dataclass(frozen=True)
 class Row:
-    """What became of the levels of a game: shares of 1."""
+    """Shares of a game's levels by outcome."""
 
     game: str
     dim: int
@@ -55,7 +55,7 @@ class Row:
     never: float
     sometimes: float
     always: float
-    simulator: str  # the version that was played, as `versions.spelled` has it
+    simulator: str  # the simulator version, formatted by `versions.spelled`
 
     def cells(self) -> list[str]:
         """Return the row of the table."""
@@ -64,9 +64,9 @@ class Row:
 
 
 def report(names: Sequence[str], config: SolvedConfig, typed: Mapping[str, Any]) -> None:
-    """Measure games, and print a row for each evaluation; `typed` are the settings of training that were typed.
+    """Measure games and print a row for each evaluation; `typed` holds the given training settings.
 
-    Raises `UsageError` for no game and for unknown ones.
+    Raises `UsageError` without a game and for unknown ones.
     """
     if not names:
         raise UsageError("list --solved needs at least one game, such as 1v1Free")
@@ -83,7 +83,7 @@ def report(names: Sequence[str], config: SolvedConfig, typed: Mapping[str, Any])
 
 
 def measure(config: SolvedConfig, game: Game, train: TrainConfig) -> Iterator[Row]:
-    """Train a student on a game, and yield how many levels a random policy solves, then the student."""
+    """Train a student on a game; yield a row for a random policy, then rows for the student."""
     task, version = game.task(train), versions.present_version(train)
     test = build.make_upomdp(task.make, min(ENVIRONMENTS, config.levels), SEED)
     levels = test.sample_levels(config.levels)
@@ -103,7 +103,7 @@ def measure(config: SolvedConfig, game: Game, train: TrainConfig) -> Iterator[Ro
 
 
 def solved_shares(policy: Any, upomdp: Any, levels: np.ndarray, episodes: int) -> tuple[float, float, float, float]:
-    """Return the share of episodes that succeed, and of levels `[L]` that do never, sometimes and always."""
+    """Return the share of successful episodes, and of levels `[L]` that are never, sometimes and always solved."""
     from ued.evaluation import evaluate
 
     success = evaluate(policy, upomdp, len(levels) * episodes, SEED, levels).success

@@ -1,6 +1,6 @@
-"""The settings that a command line begins with, before its flags: those of its preset and of its game.
+"""Base settings of a command line, before its flags: those of its preset and its game.
 
-Read next: `run.config`, the presets; `run.games`, what a game changes in them.
+Read next: `run.config`, the presets; `run.games`, settings of games.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ TAKING_TEXT = (  # flags of train and compare whose value may look like a game
 
 
 def settings_for(argv: Sequence[str]) -> Any:
-    """Return the settings that a command line begins with."""
+    """Return the base settings of a command line."""
     from regista.experiments.run.config import TrainConfig
 
     return find_game(_named(argv) or TrainConfig().minigame).start(preset_of(argv))
 
 
 def preset_of(argv: Sequence[str]) -> str:
-    """Return the preset that is typed, `fast` where none is."""
+    """Return the preset on the command line, by default `fast`."""
     from regista.experiments.run.config import presets
 
     pairs = [*itertools.pairwise(argv), *(word.partition("=")[::2] for word in argv)]
@@ -36,7 +36,7 @@ def preset_of(argv: Sequence[str]) -> str:
 
 
 def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
-    """Return by case what a command line would begin with if something else were typed, for its help."""
+    """Return the base settings for other presets and games, by case, for the help."""
     from regista.experiments.run.config import TrainConfig, presets, task_presets
 
     typed, game, usual = preset_of(argv), _named(argv), TrainConfig().minigame

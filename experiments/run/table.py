@@ -1,6 +1,6 @@
 """An append-only CSV table that survives a kill: whole rows, flushed, cut back to the checkpoint on resume.
 
-Read next: `run.folder`, whose metrics and levels are such tables.
+Read next: `run.folder`, which holds several such tables.
 """
 
 from __future__ import annotations
@@ -17,15 +17,14 @@ from regista.experiments.run.errors import CommandError
 from ued.core.files import write_whole
 from ued.core.renamed import present_names
 
-EXACT = "theta/"  # the beginning of the names of columns whose numbers are not cut
-WORDS = ("source", "program", "event", "text")  # columns of a run's tables that hold no numbers
+EXACT = "theta/"  # prefix of columns whose numbers are not rounded
+WORDS = ("source", "program", "event", "text")  # text columns of a run's tables
 
 
 class Table:
-    """Rows that belong to updates: the first column is `update`. Numbers are written so that they read back equal.
+    """Rows of updates: the first column is `update`. Numbers are written so that they read back equal.
 
-    The columns are those of the first row. A later row may leave some out; one with a column more widens the table,
-    which rewrites the file once.
+    The first row determines the columns. Later rows may omit some; a row with a new column rewrites the file once.
     """
 
     def __init__(self, path: Path) -> None:
@@ -33,7 +32,7 @@ class Table:
         self.columns: list[str] = read_header(path)
 
     def append(self, rows: Iterable[Mapping[str, Any]]) -> None:
-        """Add rows and flush them. Raises `CommandError` if the disk refuses; what was there stays."""
+        """Append rows and flush them. Raises `CommandError` if the file cannot be written; existing rows stay."""
         rows = list(rows)
         new = [name for row in rows for name in row if name not in self.columns]
         if new:
@@ -48,27 +47,27 @@ class Table:
             raise cannot_write(self.path, error) from error
 
     def append_columns(self, columns: Mapping[str, np.ndarray]) -> None:
-        """Add rows that are given by column, `[R]` each, and flush them.
+        """Append rows given by column, `[R]` each, and flush them.
 
-        Real numbers are cut to 5 decimals, but for θ: a level is what its row says. Raises `CommandError` if the disk
-        refuses, or where the table has other columns.
+        Floats are rounded to 5 decimals, except θ, which must reproduce the level. Raises `CommandError` if the file
+        cannot be written, or for other columns than those of the table.
         """
         if self.columns and self.columns != list(columns):
-            raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, and not {', '.join(columns)}")
+            raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, expected {', '.join(columns)}")
         if not self.columns:
             self._widen(list(columns))
         cells = [_spell_all(values, 5 if not name.startswith(EXACT) else None) for name, values in columns.items()]
         self._write("".join(",".join(row) + "\n" for row in zip(*cells, strict=True)))
 
     def until(self, update: int) -> list[str]:
-        """Return its lines without later updates, and without a last one that was cut off in the middle."""
+        """Return the lines up to an update, without an incomplete last line."""
         if not self.path.exists():
             return []
         header, lines = _lines(self.path)
         return [header, *(line for line, cells in lines if _number(cells[0]) <= update)]
 
     def keep_until(self, update: int) -> None:
-        """Drop the rows of later updates, and a last one that was cut off in the middle."""
+        """Drop the rows after an update, and an incomplete last line."""
         self.replace(self.until(update))
 
     def _widen(self, names: list[str]) -> None:
@@ -81,7 +80,7 @@ class Table:
         return ",".join(_quote(spell(row.get(name))) for name in self.columns) + "\n"
 
     def replace(self, lines: list[str]) -> None:
-        """Replace the file in one step, so that a kill leaves either the old or the new one; by nothing, not at all."""
+        """Replace the file atomically, so that a kill leaves the old or the new one. Without lines, do nothing."""
         if not lines:
             return
         try:
@@ -91,12 +90,12 @@ class Table:
 
 
 def read_header(path: Path) -> list[str]:
-    """Return the names of the columns, none if there is no table yet; old names as the present ones."""
+    """Return the names of the columns, empty without a file; old names are converted to present ones."""
     return present_names(next(csv.reader([_lines(path)[0]]), [])) if path.exists() else []
 
 
 def read_rows(path: Path) -> list[dict[str, str]]:
-    """Return the whole rows as text by column; a last row without its newline is left out."""
+    """Return the complete rows as text by column; a last row without its newline is skipped."""
     if not path.exists():
         return []
     names = read_header(path)
@@ -104,9 +103,9 @@ def read_rows(path: Path) -> list[dict[str, str]]:
 
 
 def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
-    """Return the header and the whole lines of a table, each with its cells; a last one without its end is left out.
+    """Return the header and the complete lines of a table, each with its cells; an incomplete last line is skipped.
 
-    Raises `CommandError` where it is damaged: what is no text, lines of other lengths, cells that are no numbers.
+    Raises `CommandError` for a damaged table: not text, wrong number of cells, or cells that are not numbers.
     """
     try:
         with open(path, newline="") as file:
@@ -118,12 +117,12 @@ def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
         raise CommandError(f"{path} is damaged: {error}") from error
     for number, cells in enumerate(rows, 2):
         if len(cells) != width or (header.startswith("update,") and not cells[0].isdecimal()):
-            raise CommandError(f"{path} is damaged: line {number} is no row of {width} cells")
+            raise CommandError(f"{path} is damaged: line {number} is not a row of {width} cells")
     return header, list(zip(whole, rows, strict=True))
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns as float64 arrays, NaN where a cell is empty; those of WORDS are left out."""
+    """Return the columns as float64 arrays, NaN for empty cells; columns in WORDS are skipped."""
     rows, names = read_rows(path), [name for name in read_header(path) if name not in WORDS]
     try:
         return {name: np.array([_number(row[name]) for row in rows]) for name in names}
@@ -132,10 +131,10 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
 
 
 def check_files(folder: Path) -> None:
-    """Raise `CommandError` where a folder holds what would be read without end: a pipe, a device, a link to one."""
+    """Raise `CommandError` if a folder holds a pipe or a device, from which reading might never end."""
     for entry in folder.iterdir() if folder.is_dir() else ():
         if entry.exists() and not entry.is_file() and not entry.is_dir():
-            raise CommandError(f"{entry} is damaged: it is no regular file")
+            raise CommandError(f"{entry} is damaged: it is not a regular file")
 
 
 def cannot_write(path: Path, error: Exception) -> CommandError:
@@ -145,7 +144,7 @@ def cannot_write(path: Path, error: Exception) -> CommandError:
 
 
 def spell(value: Any) -> str:
-    """Write a number so that it reads back equal; nothing for None and NaN."""
+    """Format a number so that it reads back equal; empty for None and NaN."""
     if value is None or (isinstance(value, float | np.floating) and math.isnan(value)):
         return ""
     if isinstance(value, float | np.floating):
@@ -154,7 +153,7 @@ def spell(value: Any) -> str:
 
 
 def _spell_all(values: np.ndarray, decimals: int | None) -> list[str]:
-    """Write numbers or words `[R]` as cells: real numbers with so many decimals at most, nothing for NaN."""
+    """Format numbers or words `[R]` as cells: floats rounded to `decimals`, empty for NaN."""
     if values.dtype.kind != "f":
         return [_quote(str(value)) for value in values.tolist()]
     numbers = values.astype(np.float64)

@@ -1,7 +1,7 @@
 """Tasks in Python on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
-The file is imported, so it is code that runs: `run.trust` says whose. Read next: `ued.core.task`; `run.games`, of
-football.
+Importing the file executes its code; `run.trust` decides whether it may run. Read next: `ued.core.task`; `run.games`,
+football games.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from ued.core.task import Make, Task
     from ued.core.upomdp import UPOMDP
 
-NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of a task; no minigame's name has a colon
+NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of a task; names of minigames contain no colon
 
 
 class PythonTask:
-    """A task in a Python file or module as a game: it has the methods of `run.games.Game`.
+    """A task in a Python file or module, with the interface of `run.games.Game`.
 
-    The file is imported when its settings or its environments are needed; see `load_task`.
+    The file is imported when its settings or environments are needed; see `load_task`.
     """
 
     def __init__(self, name: str) -> None:
@@ -60,7 +60,7 @@ class PythonTask:
         return changed(task_presets()[preset], defaults, where)
 
     def task(self, config: Any, env: Any = None) -> Task:
-        """Return the task; errors of its functions name their line."""
+        """Return the task; errors in its functions report their line."""
         task = self._loaded[0]
         tests, held_out = (
             {key: _checked(test, f"the test '{key}': ") for key, test in part.items()}
@@ -73,7 +73,7 @@ class PythonTask:
         )
 
     def source(self, config: Any) -> Source:
-        """Return the text of the file, which is code and may change while a run goes on."""
+        """Return the text of the file, which may change during a run."""
         return Source("task.py", self._loaded[1], False)
 
     def of_level(self, level: np.ndarray, config: Any) -> tuple[Game, np.ndarray]:
@@ -145,21 +145,21 @@ class CheckedPainter:
 
 
 def canonical(name: str) -> str:
-    """Return a task's name as a run keeps it: the path of its file holds in every working directory."""
+    """Return a task's name with the absolute path of its file, valid in every working directory."""
     place, _, attribute = name.rpartition(":")
     return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
 
 
 def short(name: str) -> str:
-    """Return what a task is called in the names of folders and on pictures."""
+    """Return the short name of a task for folders and pictures."""
     place, _, attribute = name.rpartition(":")
     return f"{Path(place).stem if place.endswith('.py') else place.rpartition('.')[2]}-{attribute}"
 
 
 def name_of(task: Any) -> str:
-    """Return the name under which a task, or a function that makes environments, is found again.
+    """Return the name `file.py:name` of a task, or of a function that makes environments.
 
-    Raises `UsageError` for one that has none: it must stand at the top of a file.
+    Raises `UsageError` unless it is a global name of a file.
     """
     from ued.core.task import Task
 
@@ -174,9 +174,9 @@ def name_of(task: Any) -> str:
 
 
 def load_task(name: str) -> tuple[Task, str]:
-    """Return the task of a name, and the text of its file.
+    """Return the task with a name, and the text of its file.
 
-    Raises `UsageError` where there is none, `TrustError` for one that only a run folder names.
+    Raises `UsageError` for an unknown name, `TrustError` for a task that only a run folder names.
     """
     from ued.core.task import Task
 
@@ -207,7 +207,7 @@ def user_code(what: str) -> Iterator[None]:
 
 
 def _line_of(error: Exception) -> str:
-    """Return the last line of an error's traceback that is in no installed package and not ours, or nothing."""
+    """Return the last traceback line in the user's own code, or an empty string."""
     import ued
 
     others = ("<", sysconfig.get_path("stdlib"), *(str(Path(file).parent) for file in (ued.__file__, __file__)))
@@ -221,17 +221,17 @@ def _line_of(error: Exception) -> str:
 def _import(place: str) -> ModuleType:
     if not place.endswith(".py"):
         if "" not in sys.path:
-            sys.path.insert(0, "")  # as `python -m` has it
+            sys.path.insert(0, "")  # like `python -m`
         try:
             return importlib.import_module(place)
         except ModuleNotFoundError as error:
-            raise UsageError(f"there is no module {error.name}, which {place} needs or is") from error
+            raise UsageError(f"there is no module {error.name} (importing {place})") from error
     path = Path(place).expanduser().resolve()
     if not path.is_file():
         raise UsageError(f"there is no file {place}")
     main = sys.modules.get("__main__")
     if main is not None and Path(getattr(main, "__file__", None) or "").resolve() == path:
-        return main  # a script that trains on a task of its own
+        return main  # a script that trains on its own task
     if str(path.parent) not in sys.path:
         sys.path.insert(0, str(path.parent))  # as Python does for a script
     known = sys.modules.get(path.stem)
@@ -245,6 +245,6 @@ def _import(place: str) -> ModuleType:
         spec.loader.exec_module(module)
     except BaseException:
         if sys.modules[path.stem] is module:
-            del sys.modules[path.stem]  # half of it: the next attempt reads the file again
+            del sys.modules[path.stem]  # incomplete module: the next attempt imports it again
         raise
     return module

@@ -1,7 +1,7 @@
 """TensorBoard and Weights & Biases as reporters: `--report tensorboard wandb`. Each needs its extra.
 
-Both keep what they have in the run folder; W&B stays offline unless WANDB_MODE says otherwise. Read next:
-`run.reporting`, the seam; `docs/files.md`, what the scalars are.
+Both write to the run folder; W&B is offline unless WANDB_MODE is set. Read next: `run.reporting`, the interface;
+`docs/files.md`, the scalars.
 """
 
 from __future__ import annotations
@@ -25,30 +25,30 @@ class TensorBoard:
     def __init__(self, run: RunFolder, env_steps: int) -> None:
         from torch.utils.tensorboard import SummaryWriter
 
-        # What a killed run told after its checkpoint is taken back
+        # Remove the logs of a killed run after its checkpoint
         purge = env_steps + 1 if env_steps else None
         self.writer: Any = SummaryWriter(str(run.path / "tensorboard"), purge_step=purge)
 
     def report(self, update: Update) -> None:
-        """Write all scalars at their env_steps, and events as text."""
+        """Log all scalars at their env_steps, and events as text."""
         for name, value in finite(update.metrics).items():
             self.writer.add_scalar(name, value, update.env_steps)
         for event in update.events:
             self.writer.add_text(f"events/{event.event}", event.text, update.env_steps)
 
     def flush(self) -> None:
-        """Write out what is pending."""
+        """Write pending data."""
         self.writer.flush()
 
     def close(self) -> None:
-        """End the file."""
+        """Close the file."""
         self.writer.close()
 
 
 class WeightsAndBiases:
-    """A run of the project `regista`; a run that is continued goes on under its id. `wandb sync` sends what is offline.
+    """A run of the W&B project `regista`; a resumed run keeps its id. `wandb sync` uploads offline data.
 
-    W&B takes no step twice: of what a killed run told after its checkpoint, the first telling stays.
+    W&B accepts each step once: after a kill, the first log of a repeated step stays.
     """
 
     def __init__(self, run: RunFolder) -> None:
@@ -68,23 +68,23 @@ class WeightsAndBiases:
         )
 
     def report(self, update: Update) -> None:
-        """Write all scalars at their env_steps; events as alerts."""
+        """Log all scalars at their env_steps, and events as alerts."""
         self.run.log(finite(update.metrics), step=update.env_steps)
         for event in update.events:
             self.run.alert(event.event, event.text)
 
     def flush(self) -> None:
-        """Do nothing: a process of its own writes."""
+        """Do nothing: W&B writes in its own process."""
 
     def close(self) -> None:
-        """End the run."""
+        """Finish the W&B run."""
         self.run.finish()
 
 
 def make_tracker(name: str, run: RunFolder, env_steps: int) -> Reporter:
-    """Return a tracker by the name in the settings; so many env_steps have been told before.
+    """Return the tracker with a name; `env_steps` are logged already.
 
-    Raises `CommandError` where it is not installed.
+    Raises `CommandError` if it is not installed.
     """
     if find_spec(name) is None:
         raise CommandError(f"--report {name} needs an extra: pip install 'regista[{name}]'")

@@ -1,9 +1,9 @@
-"""Which tasks may be run: a task of one's own is Python code, and anybody can write its name into a run folder.
+"""Which Python tasks may run: a task is code, and a run folder from somebody else can name any file.
 
-A task is run if this user names it: on the command line that is running, from Python, or on an earlier command line of
-this machine, which is remembered below `$XDG_STATE_HOME/regista/tasks`. Whatever else a run folder, a checkpoint or a
-comparison names is refused, unless `--trust` is typed. Names are compared by the file that they lead to, links and `..`
-resolved. Read next: `run.tasks`, which asks before it imports anything.
+A task may run if this user names it: on the current command line, from Python, or on an earlier command line on this
+machine, recorded in `$XDG_STATE_HOME/regista/tasks`. Other tasks, named by a run folder, a checkpoint or a comparison,
+are rejected without `--trust`. Names are compared by their resolved file, following links and `..`.
+Read next: `run.tasks`, which checks before it imports anything.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from pathlib import Path
 from regista.experiments.run.errors import CommandError
 from ued.core.files import write_whole
 
-FLAG = "--trust"  # of every command
+FLAG = "--trust"  # available for every command
 
-_named: set[str] = set()  # in this process, by this user
-_all = False  # whether --trust was typed
+_named: set[str] = set()  # tasks named by this user in this process
+_all = False  # whether --trust was given
 
 
 class TrustError(CommandError):
-    """A task that only a file names."""
+    """A task that only a file names, not the user."""
 
 
 @contextmanager
 def of_command(words: Sequence[str]) -> Iterator[list[str]]:
-    """Trust what a command line names while it runs; give its words without `--trust`."""
+    """Trust the tasks on a command line while it runs; yield its words without `--trust`."""
     global _all, _named
     before = _all, _named
-    typed = {word for word in words if not os.path.isdir(word)}  # a run folder's name may look like a task's
+    typed = {word for word in words if not os.path.isdir(word)}  # the name of a run folder may look like a task
     _all, _named = _all or FLAG in words, _named | typed
     try:
         yield [word for word in words if word != FLAG]
@@ -44,7 +44,7 @@ def of_command(words: Sequence[str]) -> Iterator[list[str]]:
 
 
 def allow(name: str) -> None:
-    """Trust a task that a program of this user names."""
+    """Trust a task named by Python code of this user."""
     _named.add(name)
 
 
@@ -53,23 +53,23 @@ def check(name: str) -> None:
     if allows(name):
         return
     raise TrustError(
-        f"a file names the task {name}, which is Python code that would be run now, and you have not named it on a "
-        f"command line before; read {file_of(name) or 'it'}, and add {FLAG} if it is to be run"
+        f"a file names the task {name}, which is Python code that this command would run, and you have never named it "
+        f"on a command line; read {file_of(name) or 'it'}, and add {FLAG} to run it"
     )
 
 
 def allows(name: str) -> bool:
-    """Return whether a task may be run."""
+    """Return whether a task may run."""
     return _all or _is_named(name) or _is_remembered(identity(name))
 
 
 def flags(name: str) -> list[str]:
-    """Return what a command that another process runs needs so that it trusts what this one does."""
+    """Return the flags with which a command in another process trusts the same task."""
     return [FLAG] if ":" in name and allows(name) else []
 
 
 def remember(name: str) -> None:
-    """Note a task that was named, and could be imported, for later commands; where that is impossible, do not."""
+    """Record a task that was named and imported, for later commands; ignore errors of the disk."""
     if not _is_named(name) or _is_remembered(identity(name)):
         return
     place = _note(identity(name))
@@ -79,13 +79,13 @@ def remember(name: str) -> None:
 
 
 def identity(name: str) -> str:
-    """Return a task's name with the file that it leads to, the same for all names of one task."""
+    """Return a task's name with its resolved file, the same for all spellings of one task."""
     file = file_of(name)
     return name if file is None else f"{file}:{name.rpartition(':')[2]}"
 
 
 def file_of(name: str) -> Path | None:
-    """Return the file of a task, None where there is none; nothing is imported for it."""
+    """Return the file of a task or None, without importing anything."""
     place = name.rpartition(":")[0]
     if place.endswith(".py"):
         return Path(place).expanduser().resolve()
@@ -108,7 +108,7 @@ def _is_named(name: str) -> bool:
 
 
 def _is_remembered(name: str) -> bool:
-    """Return whether a name was noted, by us: nobody else may write there."""
+    """Return whether this user recorded a name; a record writable by others does not count."""
     place = _note(name)
     try:
         ours = all(
@@ -120,6 +120,6 @@ def _is_remembered(name: str) -> bool:
 
 
 def _note(name: str) -> Path:
-    """Return where a task is noted."""
+    """Return the path of a task's record."""
     home = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
     return home / "regista" / "tasks" / hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest()

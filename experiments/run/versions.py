@@ -1,8 +1,8 @@
-"""On which version of the football simulator a run plays, and whether that is the version of this code.
+"""Simulator version of a run, and its comparison with the version of this code.
 
-What a run leaves carries the number: its folder, checkpoint, recording, demonstrations and rows of tables. A task of
-one's own and Google Research Football have none: what they play does not depend on it. Old folders without a number
-are of an unnumbered simulator. Read next: `envs.football.version`, the number; `run.folder`, which keeps it.
+Run folders, checkpoints, recordings, demonstrations and rows of tables carry the version. Python tasks and Google
+Research Football have none, since they do not use the simulator. Folders without a number come from an unnumbered
+simulator. Read next: `envs.football.version`, the number; `run.folder`, which stores it.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from regista.envs.football.version import SIMULATOR_VERSION, UNNUMBERED, simulat
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.notes import warn
 
-KEY = "simulator"  # under which files carry the version
-NO_SIMULATOR = "none"  # in tables: of a task of one's own, or of the real engine
+KEY = "simulator"  # key of the version in files
+NO_SIMULATOR = "none"  # in tables: for a Python task, or for GRF
 
 
 def present_version(config: Any) -> int | None:
-    """Return the version on which settings are played by this code; None for a task and for the real engine."""
+    """Return the simulator version of this code for a run's settings; None for a Python task and for GRF."""
     env = getattr(config, "env", None)
     return None if env is None else version_on(env.engine)
 
 
-def saved_version(config: Any, kept: Mapping[str, Any], where: str) -> int | None:
-    """Return the version on which what has these settings was played, by what is `kept` of it, in the file `where`.
+def saved_version(config: Any, saved: Mapping[str, Any], where: str) -> int | None:
+    """Return the simulator version in `saved` data with these settings; `where` names their file.
 
-    Raises `CommandError` for what is no version.
+    Raises `CommandError` for an invalid version.
     """
     if present_version(config) is None:
         return None
-    version = kept.get(KEY, UNNUMBERED)
-    if isinstance(version, str):  # a digest of source files, from before version 1
+    version = saved.get(KEY, UNNUMBERED)
+    if isinstance(version, str):  # a digest of source files, from an unnumbered simulator
         return UNNUMBERED
     if type(version) is not int or version < 0:
         raise CommandError(f"{where}: '{KEY}' must be a whole number from 0 on, got {version!r}")
@@ -41,34 +41,34 @@ def saved_version(config: Any, kept: Mapping[str, Any], where: str) -> int | Non
 
 
 def stamp(config: Any) -> dict[str, int]:
-    """Return what a file carries of the version, an entry or nothing."""
+    """Return the version entry of a file, empty without a simulator."""
     version = present_version(config)
     return {} if version is None else {KEY: version}
 
 
 def spelled(version: int | None) -> str:
-    """Return a version as tables have it."""
+    """Return a version as in tables."""
     return NO_SIMULATOR if version is None else str(version)
 
 
 def check_present(version: int | None, what: str, refused: str) -> None:
     """Raise `CommandError` unless a version is that of this code.
 
-    The sentence is "`what` that version; on this version `refused`": "x was trained on", "it cannot be resumed".
+    The message is "`what` VERSION; on version PRESENT `refused`": "x was trained on", "it cannot be resumed".
     """
     if version not in (None, SIMULATOR_VERSION):
         raise CommandError(f"{what} {simulator_name(version)}; on version {SIMULATOR_VERSION} {refused}")
 
 
 def check_alike(trained: Mapping[Path, int | None]) -> None:
-    """Raise `CommandError` where runs that would share a table were trained on different versions, given by path."""
+    """Raise `CommandError` if runs in one table were trained on different versions, given by path."""
     found = {version: path for path, version in trained.items() if version is not None}
     if len(found) > 1:
         named = ", ".join(f"{path} on {simulator_name(version)}" for version, path in found.items())
-        raise CommandError(f"these runs were trained on different simulators: {named}; evaluate them apart")
+        raise CommandError(f"these runs were trained on different simulators: {named}; evaluate them separately")
 
 
 def warn_of_age(path: Path, version: int | None) -> None:
-    """Warn where a run was trained on another version than that of this code."""
+    """Warn if a run was trained on another version than that of this code."""
     if version not in (None, SIMULATOR_VERSION):
         warn(f"warning: {path} was trained on {simulator_name(version)}; this is version {SIMULATOR_VERSION}")

@@ -1,4 +1,4 @@
-"""How far an evaluation is: episodes that have ended and the time that is left, once that is worth a line.
+"""Progress of an evaluation: finished episodes and remaining time, shown for long evaluations.
 
 Read next: `run.evaluator`.
 """
@@ -10,15 +10,15 @@ import time
 
 from regista.experiments.run.progress import Progress, duration
 
-PATIENCE_SECONDS = 3.0  # after which progress is shown
+PATIENCE_SECONDS = 3.0  # before progress is shown
 
 
 class Watch:
-    """Counts the episodes that end, and shows on stderr how many they are and what remains.
+    """Counts finished episodes, and shows them on stderr with the remaining time.
 
     Args:
-        total: how many there will be, at most.
-        seconds: after which no more should begin, so that fewer may be played; None: all are.
+        total: maximum number of episodes.
+        seconds: time limit after which no new episodes begin; None: no limit.
     """
 
     def __init__(self, total: int, seconds: float | None = None) -> None:
@@ -28,13 +28,13 @@ class Watch:
 
     @property
     def spent(self) -> float:
-        """Seconds since it began."""
+        """Seconds since the start."""
         return time.monotonic() - self._began
 
     def ended(self, count: int) -> None:
-        """Note that so many episodes have ended."""
+        """Add a number of finished episodes."""
         self.done += count
-        if self.seconds is not None:  # as many as fit, at this pace
+        if self.seconds is not None:  # as many as fit into the time limit
             self.total = min(self.most, max(self.done, int(self.seconds * self.done / max(self.spent, 1e-9))))
         if self.spent < PATIENCE_SECONDS:
             return
@@ -44,7 +44,7 @@ class Watch:
         self._progress.show(self.done)
 
     def go_on(self, count: int) -> bool:
-        """Note that a batch of so many episodes has ended; return whether there is time for another."""
+        """Add a batch of finished episodes; return whether there is time for another batch."""
         self.ended(count)
         if self.seconds is None or self.spent * (1 + count / self.done) <= self.seconds:
             return True
@@ -52,6 +52,6 @@ class Watch:
         return False
 
     def finish(self) -> None:
-        """Leave the number of episodes, where a line was shown."""
+        """Print the number of episodes if progress was shown."""
         if self._progress is not None:
             self._progress.finish(f"{self.done:_} episodes, {duration(self.spent)}")

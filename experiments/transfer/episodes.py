@@ -1,6 +1,6 @@
-"""Episodes of a program played by keys or by a policy, on our simulator or on the real engine, and what was seen.
+"""Episodes of a program under given actions or a policy, in our simulator or in GRF.
 
-Read next: `transfer.replaying`, which plays the same on both.
+Read next: `transfer.replaying`, which plays the same episodes in both.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ ENDINGS = ("scored", "conceded", *(WORDS[end] for end in (OUT_OF_PLAY, POSSESSIO
 
 @dataclass(frozen=True)
 class Episodes:
-    """E episodes of P players, T steps of the longest; row 0 is the start, what has ended stays as it was.
+    """E episodes of P players, T steps in the longest; row 0 is the start, ended episodes repeat their last state.
 
-    Places are in m, y upwards. `observations` are those on which actions were chosen; empty unless they were kept. Of
-    several agents both have an axis of agents, `[E, T, A, ...]`.
+    Positions are in m, y upwards. `observations` are those on which actions were chosen; empty unless saved. For
+    several agents, actions and observations have an agent axis, `[E, T, A, ...]`.
     """
 
     ball: np.ndarray  # [E, T + 1, 3]
@@ -48,7 +48,7 @@ class Episodes:
 
     @property
     def scored(self) -> np.ndarray:
-        """Whether the left team has scored, `[E]`."""
+        """Whether the left team scored, `[E]`."""
         return self.score[:, 0] > 0
 
     def endings(self) -> np.ndarray:
@@ -58,19 +58,19 @@ class Episodes:
         return np.where(self.ended == GOAL, goals, words)
 
     def points(self) -> np.ndarray:
-        """Return the places of all players, then of the ball, `[E, T + 1, P + 1, 2]` m, as painters have them."""
+        """Return the positions of all players, then of the ball, in the order of painters: `[E, T + 1, P + 1, 2]` m."""
         return np.concatenate([self.places, self.ball[:, :, None, :2]], axis=2)
 
 
 def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes, row: int) -> SideBySide:
-    """Return episode number `row` of both engines, each up to its end, for a recording."""
+    """Return episode `row` in both engines, each up to its end, for a recording."""
     from regista.experiments.pictures.side_by_side import SideBySide
 
     both = ours, grf
     points = [episodes.points()[row, : episodes.lengths[row] + 1] for episodes in both]
     ends = [str(episodes.endings()[row]) for episodes in both]
     keys = max(both, key=lambda episodes: episodes.lengths[row]).actions[row]
-    keys = keys.reshape(len(keys), -1)[:, 0]  # of several agents the first one's
+    keys = keys.reshape(len(keys), -1)[:, 0]  # actions of the first agent
     return SideBySide(name, painter, ENGINES, (points[0], points[1]), keys[keys != NO_ACTION], (ends[0], ends[1]))
 
 
@@ -82,10 +82,10 @@ def play(
     observed: bool = False,
     go_on: Callable[[int], bool] | None = None,
 ) -> Episodes:
-    """Play one episode on each of these levels `[E]`, to its end or for so many steps; `observed` keeps observations.
+    """Play one episode on each level `[E]`, for at most this many steps; `observed` saves observations.
 
-    `env` is reset. `go_on` is called with the number of episodes of each batch that has ended; where it returns False,
-    the levels that are left are not played.
+    `env` is reset. `go_on` is called after each batch with its number of episodes; if it returns False, the remaining
+    levels are not played.
     """
     parts = []
     for at in range(0, len(levels), env.num_envs):
@@ -96,9 +96,9 @@ def play(
 
 
 def play_keys(env: FootballVectorEnv, keys: np.ndarray, levels: np.ndarray) -> Episodes:
-    """Play the same keys `[T]`, or keys of its own for each `[E, T]`, on each of these levels `[E]`.
+    """Play the same actions `[T]`, or actions by episode `[E, T]`, on each level `[E]`.
 
-    Several agents have keys of their own, `[E, T, A]`.
+    For several agents, actions are `[E, T, A]`.
     """
     keys = np.broadcast_to(keys, (len(levels), len(keys))) if keys.ndim == 1 else keys
     parts = []
@@ -111,7 +111,7 @@ def play_keys(env: FootballVectorEnv, keys: np.ndarray, levels: np.ndarray) -> E
 
 
 def join(parts: list[Episodes]) -> Episodes:
-    """Return all episodes in one, the shorter ones held where they ended."""
+    """Concatenate episodes; shorter ones repeat their last state."""
     longest = max(part.actions.shape[1] for part in parts)
     joined = {}
     for field in fields(Episodes):
@@ -125,7 +125,7 @@ def join(parts: list[Episodes]) -> Episodes:
 
 
 def _longer(array: np.ndarray, steps: int, filling: float) -> np.ndarray:
-    """Fill an array `[E, T, ...]` up to so many steps."""
+    """Pad an array `[E, T, ...]` to this many steps."""
     shape = (len(array), steps - array.shape[1], *array.shape[2:])
     return np.concatenate([array, np.full(shape, filling, array.dtype)], 1)
 
@@ -133,7 +133,7 @@ def _longer(array: np.ndarray, steps: int, filling: float) -> np.ndarray:
 def _play_batch(
     env: FootballVectorEnv, choose: Choose, levels: np.ndarray, steps: int | None, observed: bool
 ) -> Episodes:
-    """Play at most N episodes side by side; environments that have none, or are through, are idle."""
+    """Play at most N episodes in parallel; environments without an episode, or with an ended one, idle."""
     count, n = len(levels), env.num_envs
     observation, _ = env.reset_to_levels(np.resize(levels, n))
     running = np.arange(n) < count
@@ -168,7 +168,7 @@ def _held(running: np.ndarray, new: np.ndarray, old: np.ndarray | float) -> np.n
 
 
 def _frame(matches: np.ndarray) -> list[np.ndarray]:
-    """Return ball `[N, 3]`, places `[N, 22, 2]`, owner `[N]` and score `[N, 2]` of matches."""
+    """Return ball `[N, 3]`, positions `[N, 22, 2]`, owner `[N]` and score `[N, 2]` of matches."""
     ball, players = matches["ball"], matches["players"]
     return [
         np.stack([ball[axis] for axis in "xyz"], -1),
@@ -179,5 +179,5 @@ def _frame(matches: np.ndarray) -> list[np.ndarray]:
 
 
 def seconds(step: int) -> str:
-    """Return the time of a step in words."""
+    """Return the time of a step as text."""
     return f"{step * STEP:g} s"

@@ -1,6 +1,6 @@
-"""Where goals come from: how far out the last kick was, and where the keeper stood, so that exploits can be seen.
+"""Origin of goals: distance of the last kick and position of the keeper, to reveal exploits.
 
-A goal of which nine in ten are shot from 35 m past a keeper who has run out is none of football's. Read next:
+If nine in ten goals are shot from 35 m past a keeper far off the line, the policy exploits the simulator. Read next:
 `transfer.replaying`, which compares both engines.
 """
 
@@ -18,17 +18,17 @@ from regista.envs.football.kick_off import Roster
 from regista.experiments.transfer.episodes import Episodes
 
 FAR = (11.0, 20.0, 30.0)  # m from the middle of the goal: penalty spot, edge of the box, beyond
-JOLT = 4.0  # m/s by which a ball's velocity changes within a step where somebody has played it
-REACH = 2.0  # m off the ball of who has
-OUT = (2.0, 5.5, 16.5)  # m of the keeper off his line: on it, in the goal area, in the box, beyond
+JOLT = 4.0  # m/s, change of the ball's velocity within a step that indicates a touch
+REACH = 2.0  # m, maximum distance of a player who touched the ball
+OUT = (2.0, 5.5, 16.5)  # m from the keeper to the goal line: on it, in the goal area, in the box, beyond
 
 
 @dataclass(frozen=True)
 class Goals:
-    """The left team's goals, G of them, at the moment when one of it played the ball last.
+    """The left team's G goals, at the last touch of the left team.
 
-    `keeper_out` and `keeper_wide` are the right keeper's place, in m off his goal line and off the middle; nan where
-    there is none.
+    `keeper_out` and `keeper_wide` are the right keeper's distances from the goal line and from the middle, in m; nan
+    without a keeper.
     """
 
     distance: np.ndarray  # [G] m of the ball from the middle of the goal
@@ -39,7 +39,7 @@ class Goals:
         return len(self.distance)
 
     def summary(self) -> dict[str, Any]:
-        """Return medians, and shares by distance and by the keeper's place; of no goal nothing."""
+        """Return medians, and shares by distance and by the keeper's position; empty without goals."""
         if not len(self):
             return {"goals": 0}
         return {
@@ -53,7 +53,7 @@ class Goals:
 
 
 def goals_of(episodes: Episodes, roster: Roster) -> Goals:
-    """Find the left team's goals, the last of each episode, and what they came from."""
+    """Find the left team's goals, the last of each episode, and the touch that led to each."""
     teams, roles = np.asarray(roster.teams), np.asarray(roster.roles)
     keepers = np.flatnonzero((teams == RIGHT) & (roles == GK))
     rows = np.flatnonzero(episodes.scored)
@@ -66,9 +66,9 @@ def goals_of(episodes: Episodes, roster: Roster) -> Goals:
 
 
 def last_kick(episodes: Episodes, row: int, teams: np.ndarray) -> int:
-    """Return the step of an episode in which the left team, by the players' `teams` `[P]`, played the ball last.
+    """Return the step of the left team's last touch in an episode; `teams` `[P]` gives the team of each player.
 
-    Who kicks first time never owns the ball: it is seen by the jolt that it gets beside him.
+    A first-time kick never owns the ball, so touches are detected from the ball's change of velocity near a player.
     """
     length = int(episodes.lengths[row])
     owner, ball = episodes.owner[row, : length + 1], episodes.ball[row, : length + 1, :2]
@@ -81,7 +81,7 @@ def last_kick(episodes: Episodes, row: int, teams: np.ndarray) -> int:
 
 
 def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:
-    """Return which share of the values lies up to each limit, and beyond the last; nan counts nowhere."""
+    """Return the share of the values up to each limit, and beyond the last; nan is ignored."""
     edges = (-np.inf, *limits, np.inf)
     between = [f"{low:g} to {high:g}" for low, high in pairwise(limits)]
     words = [f"<{limits[0]:g}", *between, f">{limits[-1]:g}"]
@@ -90,14 +90,14 @@ def shares(values: np.ndarray, limits: Sequence[float]) -> dict[str, float]:
 
 
 def line(goals: dict[str, Any]) -> str:
-    """Return a summary of goals in a line."""
+    """Return a summary of goals as one line."""
     if not goals["goals"]:
         return "no goal"
     far = f"{goals['median_distance']:.0f} m ({_spelled(goals['distance_shares'])})"
     if goals["median_keeper_out"] is None:
         return f"{goals['goals']} goals from {far}, no keeper"
     keeper = f"{goals['median_keeper_out']:.1f} m ({_spelled(goals['keeper_shares'])})"
-    return f"{goals['goals']} goals from {far}, keeper off his line by {keeper}"
+    return f"{goals['goals']} goals from {far}, keeper off the line by {keeper}"
 
 
 def _median(values: np.ndarray) -> float | None:

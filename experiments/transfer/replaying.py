@@ -1,6 +1,6 @@
-"""A trained policy in our simulator and in the real engine: the same weights on the same levels, and what became of it.
+"""Replays of a trained policy in our simulator and in GRF, on the same levels.
 
-Read next: `transfer.goals`, where goals come from; `transfer.report`, the tables.
+Read next: `transfer.goals`, the origin of goals; `transfer.report`, the tables.
 """
 
 from __future__ import annotations
@@ -30,24 +30,24 @@ if TYPE_CHECKING:
     from regista.experiments.pictures.side_by_side import SideBySide
     from regista.experiments.run.folder import RunFolder
 
-SEED = 20_100  # of levels and actions: all runs of a game meet the same
-SLACK = 0.1  # of a feature's unit, by which it may leave what was seen
-FAR = 5.0  # standard deviations, beyond which training has not shown it
-NAMED = 3  # features that are named
+SEED = 20_100  # of levels and actions, the same for all runs of a game
+SLACK = 0.1  # tolerance around the observed range, in a feature's unit
+FAR = 5.0  # standard deviations from the training mean that count as outside of training
+NAMED = 3  # number of features in the report
 POLICIES = ("sampled", "greedy")
-EPISODES = 500, 200  # in ours and in the other engine
+EPISODES = 500, 200  # in our simulator and in the other engine
 
 
 @dataclass(frozen=True)
 class Leaving:
-    """When features leave a range: in which share of the episodes, at which step (median), which ones first."""
+    """When features leave a range: share of episodes, median first step, and the first features to leave."""
 
     share: float
     step: float | None  # None: never
     first: tuple[str, ...]
 
     def line(self) -> str:
-        """Return the same in words."""
+        """Return this as text."""
         if self.step is None:
             return "never"
         return f"in {self.share:.0%} of the episodes, at step {self.step:g}: {', '.join(self.first)}"
@@ -55,9 +55,9 @@ class Leaving:
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one run's policy in both engines, as plain numbers; `ours` and `grf` are `summary`'s.
+    """Results of one run's policy in both engines, as plain numbers; `ours` and `grf` come from `summary`.
 
-    `game`, `representation` and `method` are those of the run: runs that share them are told of together.
+    `game`, `representation` and `method` are those of the run; the report groups runs by them.
     """
 
     run: str
@@ -67,7 +67,7 @@ class Result:
     policy: str
     ours: dict[str, Any]
     grf: dict[str, Any]
-    leaves_ours: dict[str, Any]  # a Leaving, as is the other
+    leaves_ours: dict[str, Any]  # a Leaving, like leaves_training
     leaves_training: dict[str, Any]
 
     @property
@@ -77,8 +77,8 @@ class Result:
 
 @dataclass(frozen=True)
 class Played:
-    """One run's policy as both engines have played it; `unit` and `names` are those of the features `[F]`, and `mean`
-    and `deviation` those of its normaliser.
+    """Episodes of one run's policy in both engines; `unit` and `names` belong to the features `[F]`, `mean` and
+    `deviation` to the observation normalizer.
     """
 
     ours: Episodes
@@ -90,7 +90,7 @@ class Played:
     deviation: np.ndarray
 
     def numbers(self) -> dict[str, Any]:
-        """Return what a Result says of it."""
+        """Return the Result of these episodes."""
         return {
             "ours": summary(self.ours, self.roster),
             "grf": summary(self.grf, self.roster),
@@ -99,23 +99,23 @@ class Played:
         }
 
     def leaves_ours(self) -> Leaving:
-        """Return when features leave what they are in our episodes."""
+        """Return when features leave their range in our episodes."""
         return leaving(self._outside_ours(), self.names)
 
     def leaves_training(self) -> Leaving:
-        """Return when they also are FAR standard deviations from their mean in training."""
+        """Return when features also are FAR standard deviations from their training mean."""
         far = np.abs(self.grf.observations - self.mean) > FAR * self.deviation
         return leaving(far & self._outside_ours(), self.names)
 
     def _outside_ours(self) -> np.ndarray:
-        """Return which features of the engine's episodes are outside, as these are."""
+        """Return which features of the other engine's episodes are outside of our range: bool, same shape."""
         seen = self.ours.observations.reshape(-1, len(self.unit))
         low, high = np.nanmin(seen, 0) - SLACK * self.unit, np.nanmax(seen, 0) + SLACK * self.unit
         return (self.grf.observations < low) | (self.grf.observations > high)
 
 
 def leaving(outside: Any, names: Sequence[str]) -> Leaving:
-    """Return when features `[E, T, F]`, of a team `[E, T, A, F]`, are outside: the first step of an episode counts."""
+    """Return when features `[E, T, F]`, for a team `[E, T, A, F]`, first are outside in each episode."""
     outside = outside.reshape(*outside.shape[:2], -1, outside.shape[-1]).any(2)
     at = np.asarray(outside.any(2))
     rows = np.flatnonzero(at.any(1))
@@ -128,7 +128,7 @@ def leaving(outside: Any, names: Sequence[str]) -> Leaving:
 
 
 def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
-    """Return what became of some episodes, as plain numbers."""
+    """Summarize episodes as plain numbers."""
     pressed = episodes.actions[episodes.actions >= 0]
     endings = episodes.endings()
     return {
@@ -148,9 +148,9 @@ def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is played: episodes in ours and in the other engine, of which policies, and how many are recorded.
+    """What to play: episodes in our simulator and in the other engine, policies, and number of recorded episodes.
 
-    `seconds`: of each policy in the other engine, after which no more episodes begin there; None: all are played.
+    `seconds`: time limit of each policy in the other engine; None: no limit.
     """
 
     other: EngineConfig
@@ -160,8 +160,8 @@ class Plan:
     threads: int = 1
     seconds: float | None = None
 
-    def asked(self, run: RunFolder) -> dict[str, Any]:
-        """Return what this asks of a run, as JSON gives it back: what was asked before need not be played again."""
+    def settings(self, run: RunFolder) -> dict[str, Any]:
+        """Return the settings that identify saved results of a run, in the form that JSON gives back."""
         trained = run.env_steps()
         return {
             "trained": trained,
@@ -174,13 +174,13 @@ class Plan:
 
 
 def play_run(run: RunFolder, plan: Plan) -> tuple[list[Result], list[SideBySide]]:
-    """Play a run's policies in both engines; return what became of them, and what is to be recorded."""
+    """Play a run's policies in both engines; return the results and the episodes to record."""
     with BothEngines(run, plan) as engines:
         return engines.results()
 
 
 class BothEngines:
-    """A run's policy and its game in both engines. Close it when it is no longer needed."""
+    """A run's policy and its game in both engines. Close it after use."""
 
     def __init__(self, run: RunFolder, plan: Plan) -> None:
         config, self.run, self.plan = run.config, run, plan
@@ -195,7 +195,7 @@ class BothEngines:
         self.envs = [self._make(program, env, count) for env, count in zip(engines, plan.episodes, strict=True)]
         space = self.envs[0].agent_observation_space
         if space.shape is None or len(space.shape) != 1:
-            raise CommandError(f"{run.path}: transfer tells of agents that see features, not {space}")
+            raise CommandError(f"{run.path}: transfer supports agents that observe feature vectors, not {space}")
         self.levels = self.envs[0].sample_levels(max(plan.episodes))
 
     def _make(self, program: Any, config: FootballConfig, count: int) -> FootballVectorEnv:
@@ -209,7 +209,7 @@ class BothEngines:
         self._stack.close()
 
     def results(self) -> tuple[list[Result], list[SideBySide]]:
-        """Play the policies; return what became of them, and what is to be recorded."""
+        """Play the policies; return the results and the episodes to record."""
         config = self.run.config
         of_run = (self.run.path.name, self.game.short, config.env.representation, config.method)
         results: list[Result] = []
@@ -235,7 +235,7 @@ class BothEngines:
         return Played(ours, grf, env.lineup.roster, names, unit, normaliser.mean.numpy(), deviation)
 
     def _recorded(self, ours: Episodes) -> list[SideBySide]:
-        """Play the keys of some of our episodes in the other engine."""
+        """Replay the actions of some of our episodes in the other engine."""
         from regista.envs.football.view.render import FootballPainter
 
         painter = FootballPainter(self.envs[0].lineup)

@@ -1,4 +1,4 @@
-"""What transfers say, as tables: games over their runs, then each run, then what differs in it; and rows for files.
+"""Results of transfers as tables: by game, by run, and differences within a run; and rows for files.
 
 Read next: `transfer.replaying`, where the numbers come from; `run.results`, what the intervals mean.
 """
@@ -23,14 +23,14 @@ from regista.experiments.transfer.replaying import SEED, Leaving, Result
 from ued import statistics
 from ued.statistics import Interval, bootstrap, student_t
 
-KEYS = (
+ACTIONS = (
     *("idle", "left", "top left", "top", "top right", "right", "bottom right", "bottom", "bottom left"),
     *("long pass", "high pass", "short pass", "shot", "sprint", "release direction", "release sprint", "slide"),
     *("dribble", "release dribble"),
 )
-SHOWN_KEYS = 6  # of the actions, those that differ most
-SAMPLES = 4000  # of an interval
-WANTED, LEAST = 0.8, 0.5  # of the ratios
+SHOWN_ACTIONS = 6  # number of actions shown, those that differ most
+SAMPLES = 4000  # random samples for an interval
+WANTED, LEAST = 0.8, 0.5  # thresholds of the ratio: good transfer, poor transfer
 INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run, over its "
     "episodes alone, Wilson's of rates, Jeffreys' of ratios, Student's t of returns; none below 5 runs, or 5 episodes"
@@ -38,7 +38,7 @@ INTERVALS = (
 
 
 class Group(NamedTuple):
-    """The same policy of all runs of a game that see the same and were trained alike."""
+    """The runs of one game, representation and method, with one policy (sampled or greedy)."""
 
     game: str
     representation: str
@@ -51,18 +51,18 @@ class Group(NamedTuple):
         return goal_rate(counts(self.results, engine))
 
     def ratio(self) -> Interval:
-        """Estimate the engine's goal rate as a multiple of ours."""
+        """Estimate the goal rate in the other engine divided by ours."""
         return rate_ratio(self.results)
 
     def numbers(self) -> dict[str, Any]:
-        """Return all of it as JSON can hold it."""
+        """Return the estimates in a form that JSON supports."""
         intervals = {"ours": self.rate("ours"), "grf": self.rate("grf"), "ratio": self.ratio()}
         plain = {name: [None if value != value else value for value in ends] for name, ends in intervals.items()}
         return {name: getattr(self, name) for name in self._fields[:4]} | {"runs": len(self.results)} | plain
 
 
 def groups(results: Sequence[Result]) -> list[Group]:
-    """Return the results by game, representation, method and policy."""
+    """Group the results by game, representation, method and policy."""
     by_key: dict[tuple[str, str, str, str], list[Result]] = {}
     for result in results:
         by_key.setdefault((result.game, result.representation, result.method, result.policy), []).append(result)
@@ -75,10 +75,10 @@ def counts(results: Sequence[Result], engine: str) -> list[Counted]:
 
 
 def rate_ratio(results: Sequence[Result]) -> Interval:
-    """Estimate the ratio of the goal rates, the engine's by ours; nan where nothing is scored here.
+    """Estimate the goal rate in the other engine divided by ours; nan if no goal was scored in ours.
 
-    One run: over its episodes, each rate drawn from Jeffreys' posterior. Several: of their means, resampling whole runs
-    and the luck of their episodes. Fewer than five runs, or episodes of one run, have no interval.
+    For one run, each rate is sampled from Jeffreys' posterior over its episodes. For several runs, the ratio of the
+    means is bootstrapped over runs and episodes. Fewer than five runs, or episodes of one run, give no interval.
     """
     rng = np.random.default_rng(SEED)
     grf, ours = (counts(results, engine) for engine in ("grf", "ours"))
@@ -88,10 +88,10 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
         estimate = grf[0].goals / grf[0].episodes / (ours[0].goals / ours[0].episodes)
         if min(grf[0].episodes, ours[0].episodes) < statistics.LEAST:
             return Interval(estimate, np.nan, np.nan)
-        there, here = (
+        grf_rate, our_rate = (
             rng.beta(count[0].goals + 0.5, count[0].episodes - count[0].goals + 0.5, SAMPLES) for count in (grf, ours)
         )
-        low, high = np.quantile(there / here, [0.025, 0.975])
+        low, high = np.quantile(grf_rate / our_rate, [0.025, 0.975])
         return Interval(estimate, float(low), float(high))
     rates, errors = (np.stack(rate, 1) for rate in zip(goal_rates(grf), goal_rates(ours), strict=True))  # [R, 2]
     interval = bootstrap(rates, rng, _ratio, errors, SAMPLES).interval()
@@ -115,7 +115,7 @@ def by_game(results: Sequence[Result]) -> list[list[str]]:
 
 
 def verdict(results: Sequence[Result]) -> str:
-    """Return how many games carry over, policy by policy, in a line each."""
+    """Return for each policy, in one line, how many games transfer."""
     lines = []
     for policy in dict.fromkeys(result.policy for result in results):
         ratios = [group.ratio().estimate for group in groups(results) if group.policy == policy]
@@ -140,23 +140,23 @@ def by_run(results: Sequence[Result]) -> list[list[str]]:
 
 
 def details(result: Result) -> str:
-    """Return what differs in one policy's episodes, in lines."""
+    """Return the differences between the engines in the episodes of one policy, as lines."""
     ours, grf = (numbers["actions"] for numbers in result.engines.values())
-    most = sorted(range(len(KEYS)), key=lambda key: -abs(ours[key] - grf[key]))[:SHOWN_KEYS]
-    keys = ", ".join(f"{KEYS[key]} {ours[key]:.0%} ({grf[key]:.0%})" for key in most)
+    most = sorted(range(len(ACTIONS)), key=lambda a: -abs(ours[a] - grf[a]))[:SHOWN_ACTIONS]
+    actions = ", ".join(f"{ACTIONS[a]} {ours[a]:.0%} ({grf[a]:.0%})" for a in most)
     return "\n".join(
         [
             f"{result.run}, {result.policy}",
-            f"  keys, ours (grf): {keys}",
-            f"  features leave what ours shows: {Leaving(**result.leaves_ours).line()}",
-            f"  and what training showed, too: {Leaving(**result.leaves_training).line()}",
+            f"  actions, ours (grf): {actions}",
+            f"  features outside the range of our episodes: {Leaving(**result.leaves_ours).line()}",
+            f"  and outside the range of training: {Leaving(**result.leaves_training).line()}",
             *(f"  goals, {engine}: {goals.line(numbers['goals_from'])}" for engine, numbers in result.engines.items()),
         ]
     )
 
 
 def text(results: Sequence[Result], with_details: bool) -> str:
-    """Return all tables for a terminal: of games where there are several runs, of runs, and details of each."""
+    """Return all tables for a terminal: by game if there are several runs, by run, and details of each run."""
     parts = [align(by_run(results))]
     if len(results) > len({result.policy for result in results}):
         parts.insert(0, f"{align(by_game(results))}\n[{INTERVALS}]\n{verdict(results)}")
@@ -172,12 +172,12 @@ def spelled(ratio: Interval) -> str:
 
 
 def as_json(results: Sequence[Result]) -> dict[str, Any]:
-    """Return everything: each run's policies, and the groups."""
+    """Return all results and groups in a form that JSON supports."""
     return {"runs": [asdict(result) for result in results], "groups": [result.numbers() for result in groups(results)]}
 
 
 def csv_rows(result: Result) -> list[dict[str, Any]]:
-    """Return a row for each engine."""
+    """Return a CSV row for each engine."""
     ratio = dict(zip(("ratio", "ratio_low", "ratio_high"), rate_ratio([result]), strict=True))
     of_run = {name: getattr(result, name) for name in ("run", "game", "representation", "method", "policy")}
     rows = []
@@ -190,20 +190,20 @@ def csv_rows(result: Result) -> list[dict[str, Any]]:
         row |= dict(zip(("goal_rate", "goal_rate_low", "goal_rate_high"), rate, strict=True)) | ratio
         row |= {name: numbers[name] for name in ("mean_return", "return_error", "median_length")}
         row |= {f"ended/{word}": share for word, share in numbers["endings"].items()}
-        row |= {f"action/{key}": share for key, share in zip(KEYS, numbers["actions"], strict=True)}
+        row |= {f"action/{key}": share for key, share in zip(ACTIONS, numbers["actions"], strict=True)}
         rows.append(row | {name: numbers["goals_from"].get(name) for name in ("median_distance", "median_keeper_out")})
     return rows
 
 
-def keep(path: Path, asked: dict[str, Any], results: Sequence[Result]) -> None:
-    """Keep the results of a run beside what was asked for. Raises OSError if it cannot be written."""
-    path.write_text(json.dumps({"asked": asked, "results": [asdict(result) for result in results]}, indent=1))
+def save_results(path: Path, settings: dict[str, Any], results: Sequence[Result]) -> None:
+    """Save the results of a run with the settings of the plan. Raises OSError if the file cannot be written."""
+    path.write_text(json.dumps({"asked": settings, "results": [asdict(result) for result in results]}, indent=1))
 
 
-def kept(path: Path, asked: dict[str, Any]) -> list[Result]:
-    """Return the results of a run that have been kept, none unless the same was asked for."""
+def load_saved(path: Path, settings: dict[str, Any]) -> list[Result]:
+    """Return the saved results of a run; empty unless they were played with these settings."""
     try:
         stored = json.loads(path.read_text())
-        return [Result(**result) for result in stored["results"]] if stored["asked"] == asked else []
+        return [Result(**result) for result in stored["results"]] if stored["asked"] == settings else []
     except (OSError, ValueError, KeyError, TypeError):
         return []

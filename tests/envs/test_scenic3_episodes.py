@@ -276,12 +276,12 @@ def test_inspect_shows_what_scenic_reads(load, capsys):
     assert main(["inspect", path, "--engine", "scenic3"]) == 0
     told = capsys.readouterr().out
     assert "D = 2 free parameters" in told and "100.0% of 512" in told and "Wander" in told
-    assert "drawn from the level's seed: ego.color, other.color" in told
+    assert "sampled from the level's seed: ego.color, other.color" in told
     assert main(["inspect", path, "--engine", "scenic3", "--show", "scenes", "--theta", "0", "1"]) == 0
     assert "10.00" in capsys.readouterr().out
     Path(path).write_text("ego = new Nothing")
     assert main(["inspect", path, "--engine", "scenic3"]) == 1
-    assert "Scenic refuses it" in capsys.readouterr().err
+    assert "Scenic rejects it" in capsys.readouterr().err
 
 
 @needed

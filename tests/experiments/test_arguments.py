@@ -146,8 +146,8 @@ def test_a_group_with_topics_has_a_page_of_its_own(capsys):
     first = page(capsys)
     assert "--out PATH" in first and "--teacher" not in first
     assert first.endswith(
-        "more settings, each on a page: regista play --help TOPIC\n"
-        "  teacher         the teacher\n  guide           a guide\n  all             every flag there is\n"
+        "more settings: regista play --help TOPIC\n"
+        "  teacher         the teacher\n  guide           a guide\n  all             every flag\n"
     )
     for topic in ("teacher", "guide"):
         text = page(capsys, topic)

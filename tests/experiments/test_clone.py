@@ -132,7 +132,7 @@ def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsy
     assert all(torch.equal(ours[name], theirs[name]) for name in ours)
     capsys.readouterr()
     assert main(["clone", str(demos / "one"), "--out", str(killed), *FEW, "--seed", "4"]) == 1
-    assert "holds a clone of other settings" in capsys.readouterr().err
+    assert "holds a clone with other settings" in capsys.readouterr().err
 
 
 def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
@@ -163,7 +163,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     clone, run = tmp_path / "clone", tmp_path / "run"
     assert "holds no demonstrations: it has no" in refused(capsys, "clone", tmp_path, "--out", clone)
     text = refused(capsys, "clone", demos / "one", "--minigame", "1v1Free", "--out", clone)
-    assert "the demonstrations are of another game" in text and not clone.exists()
+    assert "the demonstrations belong to another game" in text and not clone.exists()
     assert main(["clone", str(demos / "one"), "--out", str(clone), *FEW]) == 0
     one, two = demos / "one.scenic", demos / "two.scenic"
     begin = ["train", "--method", "dr", "--from", clone, "--out", run, *SHORT]
@@ -171,12 +171,12 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     assert "--ppo.memory must be none, got gru" in refused(capsys, "clone", demos / "one", "--out", clone, *gru)
     assert "a student of ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
     text = refused(capsys, *begin, "--representation", "simple115")
-    assert "a student of env.representation = features; this run cannot begin with it, for it has simple115" in text
+    assert "a student with env.representation = features; this run cannot start from it, since it has simple115" in text
     assert "a student of env.control = 1" in refused(capsys, *begin, two, "--control", "2")
     assert not run.exists()
-    assert "who sees something else than" in refused(capsys, *begin, "1v1Free")
+    assert "which observes something other than" in refused(capsys, *begin, "1v1Free")
     assert main([*map(str, begin), str(one)]) == 0  # the name is still free
-    assert "is a clone; train on from it in a folder of its own" in refused(capsys, "train", "--resume", clone)
+    assert "is a clone; start a new run from it" in refused(capsys, "train", "--resume", clone)
     assert "no checkpoint" in refused(capsys, "train", "--from", demos / "one.scenic")
     assert main(["train", str(one), "--kl-to-clone", "1"]) == 2
 
@@ -200,7 +200,11 @@ def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
                     file["summary/kept"][0], file["summary/lengths"][0] = True, -3
         else:
             (part if damage == "part" else copy / "data" / "metadata.json").unlink()
-        words = ("is damaged or cut short; delete it", "is cut short: of its 100 episodes there are", "is not finished")
+        words = (
+            "is damaged or incomplete; delete it",
+            "is incomplete: of its 100 episodes it holds",
+            "is not finished",
+        )
         out = tmp_path / f"clone of {damage}"
         assert (*words, words[0], words[0])[number] in refused(capsys, "clone", copy, "--out", out)
         assert damage == "actions" or not out.exists()

@@ -312,7 +312,7 @@ def test_a_small_comparison_stopped_and_continued(tmp_path):
     first.send_signal(signal.SIGINT)
     out, error = first.communicate(timeout=120)
     assert first.returncode == 130, error
-    assert "finished runs are kept" in out
+    assert "finished runs are skipped" in out
     assert main(command[3:]) == 0
     for name in (
         "results.csv",

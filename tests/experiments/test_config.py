@@ -78,7 +78,7 @@ def changed(**changes):
         (changed(num_envs=True), "c.json: 'num_envs' must be int, got true"),
         (changed(ppo=3), "c.json: ppo must be an object, got 3"),
         (changed(num_envs=0), "c.json: num_envs must be at least 1, got 0"),
-        ([], "c.json: the whole must be an object, got []"),
+        ([], "c.json: the file must be an object, got []"),
     ],
 )
 def test_what_is_refused_and_how(data, sentence):

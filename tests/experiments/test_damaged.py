@@ -100,7 +100,7 @@ def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
     ):
         shutil.copy(begun / "checkpoint.pt", tmp_path)
         altered(tmp_path / "checkpoint.pt", *keys, value=value)
-        with pytest.raises(CheckpointError, match="is damaged: its student or its spaces are none"):
+        with pytest.raises(CheckpointError, match="is damaged: its student or its spaces are invalid"):
             load_policy(tmp_path)
 
 

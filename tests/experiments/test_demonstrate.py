@@ -64,7 +64,7 @@ def test_successes_are_kept_as_records_and_as_a_minari_data_set(program, tmp_pat
     assert len(moments) == record.lengths.max() + 1 and record.scripted
     assert main(["play", "--replay", str(out / "records" / "0000.npz"), "--match", "7"]) == 0
     steps, matches = record.lengths[7], len(record.lengths)
-    words = f"{steps} steps came out as they were recorded, match 7 of {matches}; 1 : 0 in the end\n"
+    words = f"{steps} steps replayed exactly as recorded, match 7 of {matches}; final score 1 : 0\n"
     assert capsys.readouterr().out == words
     assert main(["play", "--replay", str(out / "records" / "0000.npz"), "--match", "999"]) == 2
     metadata = list(data.storage.get_episode_metadata(range(60)))
@@ -164,7 +164,7 @@ def test_a_damaged_part_is_named_and_can_be_played_anew(program, tmp_path, capsy
     part.write_bytes(part.read_bytes()[:5000])
     capsys.readouterr()
     assert demonstrate(program, out, "--episodes", "400") == 1
-    assert capsys.readouterr().err.startswith(f"regista: {part} is damaged or cut short; delete it and give")
+    assert capsys.readouterr().err.startswith(f"regista: {part} is damaged or incomplete; delete it and run")
     part.unlink()
     assert demonstrate(program, out, "--episodes", "400") == 0
     assert same_folder(out, copy)
@@ -191,9 +191,12 @@ def test_a_full_disk_loses_nothing(program, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (["--representation", "simple115"], "was made with env.representation = features; it cannot go on with simple"),
-        (["--seed", "3"], "was made with seed = 0; it cannot go on with 3"),
-        (["--keep", "all"], "was made with keep = successful; it cannot go on with all"),
+        (
+            ["--representation", "simple115"],
+            "was made with env.representation = features; it cannot continue with simple",
+        ),
+        (["--seed", "3"], "was made with seed = 0; it cannot continue with 3"),
+        (["--keep", "all"], "was made with keep = successful; it cannot continue with all"),
     ],
 )
 def test_a_folder_holds_one_kind(program, tmp_path, capsys, flags, message):
@@ -218,7 +221,7 @@ def test_who_never_succeeds_gives_up(tmp_path, capsys):
     program.write_text(RUN.replace("SetDirection(5)", "SetDirection(1)"))
     assert demonstrate(program, tmp_path / "demos", "--episodes", "3", "--max-played", "300") == 1
     captured = capsys.readouterr()
-    assert "only 0 of 512 episodes were successful, 3 were asked for" in captured.err
+    assert "only 0 of 512 episodes were successful, 3 were requested" in captured.err
     assert "0 episodes, 512 played, success 0.00 [0.00, 0.01]" in captured.out
     assert json.loads((tmp_path / "demos" / "data" / "metadata.json").read_text())["total_episodes"] == 0
 
@@ -236,7 +239,7 @@ def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     assert main(["demonstrate", str(program), "--run", str(run)]) == 2
     assert "exclude each other" in capsys.readouterr().err
     assert main(["demonstrate", "--run", str(run), "--control", "all"]) == 2
-    assert "--control and --run exclude each other: a run plays as it was trained" in capsys.readouterr().err
+    assert "--control and --run exclude each other: a run acts as it was trained" in capsys.readouterr().err
 
 
 def test_the_environment_is_recovered_from_the_data(program, tmp_path):

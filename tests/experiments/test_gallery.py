@@ -169,7 +169,7 @@ def test_a_page_is_not_an_evaluation(run, flags, message, capsys):
 
 
 def test_no_run_no_page(tmp_path, capsys):
-    assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "no run folder" in capsys.readouterr().err
+    assert main(["evaluate", "--gallery", str(tmp_path)]) == 1 and "not a run folder" in capsys.readouterr().err
     assert main(["gallery"]) == 2 and "regista evaluate RUN --gallery" in capsys.readouterr().err
 
 
@@ -185,4 +185,4 @@ def test_a_run_without_a_finished_level_has_no_page(run, tmp_path, capsys):
     short = tmp_path / "short"
     shutil.copytree(run.path, short, ignore=shutil.ignore_patterns("gallery.html", "replays.csv"))
     (short / "levels.csv").write_text((run.path / "levels.csv").read_text().splitlines()[0] + "\n")
-    assert main(["evaluate", "--gallery", str(short)]) == 1 and "has no level yet" in capsys.readouterr().err
+    assert main(["evaluate", "--gallery", str(short)]) == 1 and "has no level on which" in capsys.readouterr().err

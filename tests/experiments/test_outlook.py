@@ -70,7 +70,7 @@ def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
         ("paired", PairedConfig(adversary=AdversaryConfig(min_batch=32)), "a smaller --paired.adversary.min-batch"),
         ("alp_gmm", ALPGMMConfig(), "the first mixture is fitted only after 250 levels"),
         ("sfl", SFLConfig(), "levels are chosen only after 1_024 levels"),
-        ("paired_literal", PairedLiteralConfig(), "may be longer than a rollout of 64 steps"),
+        ("paired_literal", PairedLiteralConfig(), "can be longer than a rollout of 64 steps"),
     ],
 )
 def test_a_budget_that_is_too_small_is_warned_of(name, settings, words):
@@ -83,7 +83,7 @@ def test_a_limit_that_nobody_knows_is_said(capsys):
     said = []
     method = SimpleNamespace(upomdp=SimpleNamespace(max_episode_steps=None))
     tell(SimpleNamespace(), method, said.append)
-    assert said == ["the environment declares no limit of steps: how many levels this run plays is not known"]
+    assert said == ["the environment declares no step limit: the number of levels in this run is unknown"]
 
 
 def trained(tmp_path, limit, *words):

@@ -176,7 +176,7 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     recorder.flush()
     recorder.flush()
     assert ended == [True] and recorder.recorder is None
-    assert capsys.readouterr().err == "regista: 1 MB are recorded, and nothing more is; see --record-limit\n"
+    assert capsys.readouterr().err == "regista: the recording has reached 1 MB and ends; see --record-limit\n"
 
 
 @pytest.mark.parametrize("hangs", [False, True])
@@ -194,7 +194,7 @@ def test_a_stream_that_its_disk_has_failed_is_left_to_itself(monkeypatch, hangs)
     monkeypatch.setattr(rerun, "unregister_shutdown", lambda: left.append(True))
     monkeypatch.setattr("ued.recorder.writer.PATIENCE", 0.5 if hangs else 60.0)
     writer = Writer(Stream())
-    with pytest.raises(RuntimeError, match="has not answered for" if hangs else "Flush timed out"):
+    with pytest.raises(RuntimeError, match="did not respond within" if hangs else "Flush timed out"):
         writer.finish()
     del writer
     gc.collect()

@@ -199,9 +199,9 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert {row["method"] for row in rows(out / "results.csv")} == {"dr", "sfl", "random"}
     capsys.readouterr()
     assert main([*command, "--hidden-size", "12"]) == 1
-    assert "cannot go on as if with a new student" in capsys.readouterr().err
+    assert "cannot continue with a new student" in capsys.readouterr().err
     assert main([*command, "--from", str(out)]) == 1
-    assert "holds 2 runs of seed 0: give --from a run, or a comparison of one method" in capsys.readouterr().err
+    assert "holds 2 runs of seed 0: --from takes a run, or a comparison of one method" in capsys.readouterr().err
     assert main([*command, "--kl-to-clone", "1"]) == 2
 
 

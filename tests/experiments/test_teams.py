@@ -41,7 +41,7 @@ def test_a_team_is_trained_gone_on_with_tested_and_carried_over(tmp_path, capsys
     asked = ["--engine", "regista", "--episodes", "2", "--grf-episodes", "2", "--policies", "greedy"]
     traces = ["--traces", str(tmp_path / "traces.rrd"), "--trace-episodes", "1"]
     assert main(["transfer", str(whole), *asked, *traces]) == 0
-    assert "features leave what ours shows: never" in capsys.readouterr().out  # both engines are ours
+    assert "features outside the range of our episodes: never" in capsys.readouterr().out  # both engines are ours
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,7 @@ def test_an_existing_run_is_not_overwritten(probe, tmp_path, capsys):
     before = (tmp_path / "run" / "metrics.csv").read_bytes()
     assert main(command) == 1
     path = f"{tmp_path}/run"
-    sentence = f"regista: {path} holds a run already; continue it with --resume {path}, or choose another --out\n"
+    sentence = f"regista: {path} already holds a run; continue it with --resume {path}, or choose another --out\n"
     assert capsys.readouterr().err == sentence
     assert (tmp_path / "run" / "metrics.csv").read_bytes() == before
 
@@ -149,7 +149,7 @@ def test_a_run_that_never_began_leaves_the_name_free(probe, tmp_path, monkeypatc
 def test_a_foreign_folder_is_left_alone(probe, tmp_path, capsys):
     (tmp_path / "thesis.txt").write_text("ten years of work")
     assert main(["train", "1v1Restricted", "--out", str(tmp_path), *SHORT]) == 1
-    assert capsys.readouterr().err == f"regista: {tmp_path} exists and is no run folder; choose another --out\n"
+    assert capsys.readouterr().err == f"regista: {tmp_path} exists and is not a run folder; choose another --out\n"
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
@@ -215,7 +215,7 @@ def test_a_killed_run_resumes_from_its_checkpoint(probe, tmp_path, monkeypatch, 
             file.write("8,80")
         monkeypatch.setattr(ProbeMethod, "update", update)
         assert main(["train", "--resume", str(path)]) == 0
-        said = f"{path} got to 7k env_steps, but not to its first checkpoint: it begins anew"
+        said = f"{path} stopped at 7k env_steps, before its first checkpoint: it restarts from zero"
         assert (said in capsys.readouterr().err) == (seconds == "1000")
         assert without_time(path / "metrics.csv") == without_time(tmp_path / "whole" / "metrics.csv")
         assert without_time(path / "levels.csv") == without_time(tmp_path / "whole" / "levels.csv")

@@ -178,14 +178,18 @@ def test_the_tables_can_be_read_and_what_was_played_is_kept(run, capsys, tmp_pat
     assert main(["transfer", str(run), str(run), *twice]) == 0
     shown = capsys.readouterr()
     assert "pass_and_shoot_with_keeper  simple115  dr      sampled  2 " in shown.out
-    assert "features leave what ours shows" in shown.out and "goals, grf:" in shown.out and "nan" not in shown.out
+    assert (
+        "features outside the range of our episodes" in shown.out
+        and "goals, grf:" in shown.out
+        and "nan" not in shown.out
+    )
     assert (tmp_path / "t.md").read_text().count("| academy/pass_and_shoot_with_keeper | simple115 |") == 2
     assert main(["transfer", str(run), str(run), *twice, "--kept"]) == 0
     again = capsys.readouterr()
-    assert again.out == shown.out and again.err.count("kept") == 2
+    assert again.out == shown.out and again.err.count("saved results") == 2
     assert main(["transfer", str(run), "--kept", "--policies", "greedy", "--no-details", *twice]) == 0
     other = capsys.readouterr()
-    assert "kept" not in other.err and "sampled" not in other.out and "features" not in other.out
+    assert "saved" not in other.err and "sampled" not in other.out and "features" not in other.out
 
 
 def test_a_run_of_a_simulator_that_kept_its_matches_otherwise_can_still_be_played(run, capsys, tmp_path):
@@ -210,7 +214,7 @@ def test_a_student_of_other_observations_is_refused_in_a_sentence(run, capsys, t
     config = (other / "config.json").read_text()
     (other / "config.json").write_text(config.replace('"simple115"', '"features"'))
     assert main(["transfer", str(other), "--engine", "regista"]) == 1
-    assert "a student of other observations" in capsys.readouterr().err
+    assert "a student with observations other" in capsys.readouterr().err
 
 
 def test_without_runs_or_without_the_engine_it_says_so(run, capsys, tmp_path):

@@ -112,7 +112,7 @@ def test_however_it_is_named(run, place, tmp_path, capsys):
     folder = forged(run, names[place])
     shutil.copy(downloads / "evil_task.py", folder / "task.py")
     assert main(["evaluate", str(folder), "--episodes", "2", "--levels", "0"]) == 1
-    assert "add --trust if it is to be run" in capsys.readouterr().err and not marker.exists()
+    assert "add --trust to run it" in capsys.readouterr().err and not marker.exists()
 
 
 def test_a_folder_called_as_its_task_is_not_a_task_that_was_named(run, tmp_path):
@@ -196,7 +196,7 @@ def test_a_home_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
 
 def test_demonstrations_are_of_football_alone(run, capsys):
     assert main(["demonstrate", "--run", str(run), "--out", "demos"]) == 2
-    assert "is a Python task; here a game of football is needed" in capsys.readouterr().err
+    assert "is a Python task; this command needs a football game" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
@@ -209,7 +209,7 @@ def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):
         (run / name).symlink_to("/dev/zero")
     for words in (["evaluate", "--gallery"], ["evaluate"], ["train", "--resume"]):
         assert main([*words, str(run)]) == 1
-        assert f"{name} is damaged: it is no regular file" in capsys.readouterr().err
+        assert f"{name} is damaged: it is not a regular file" in capsys.readouterr().err
 
 
 def test_settings_that_are_too_long_are_refused(run, capsys):

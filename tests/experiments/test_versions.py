@@ -81,7 +81,7 @@ def test_no_run_begins_with_a_student_of_another_version(run, tmp_path, capsys):
     old = of_version(run, tmp_path / "old", None)
     command = ["train", GAME, "--method", "dr", "--from", str(old), "--out", str(tmp_path / "new"), *SHORT]
     assert main(command) == 1
-    assert f"{old} was trained on {UNNUMBERED}; on version 1 no run can begin with it" in capsys.readouterr().err
+    assert f"{old} was trained on {UNNUMBERED}; on version 1 no run can start from it" in capsys.readouterr().err
     assert not (tmp_path / "new" / "config.json").exists()
 
 
@@ -97,7 +97,7 @@ def test_an_old_policy_is_evaluated_with_a_warning(run, tmp_path, capsys):
     said = capsys.readouterr()
     assert "warning" not in said.err and json.loads(said.out)["simulator"] == 1
     assert main(["evaluate", str(run), str(old), *flags]) == 1
-    told = f"different simulators: {run} on simulator version 1, {old} on {UNNUMBERED}; evaluate them apart"
+    told = f"different simulators: {run} on simulator version 1, {old} on {UNNUMBERED}; evaluate them separately"
     assert told in capsys.readouterr().err
 
 

@@ -143,7 +143,7 @@ def test_a_file_cut_short(tmp_path, keep):
     path.write_bytes(content[: int(len(content) * keep) if isinstance(keep, float) else keep])
     with pytest.raises(CheckpointError) as error:
         checkpoint.load(path)
-    assert str(error.value) == f"{path} is no checkpoint, or one that was cut short or damaged"
+    assert str(error.value) == f"{path} is not a checkpoint, or it is truncated or damaged"
 
 
 def test_files_of_others(tmp_path):
@@ -154,10 +154,10 @@ def test_files_of_others(tmp_path):
         checkpoint.load(tmp_path)
     for foreign in ("some text\n", "{}", "\x00\x01"):
         path.write_text(foreign)
-        with pytest.raises(CheckpointError, match="is no checkpoint, or one that was cut short or damaged"):
+        with pytest.raises(CheckpointError, match="is not a checkpoint, or it is truncated or damaged"):
             checkpoint.load(path)
     torch.save({"model": torch.ones(2)}, path)
-    with pytest.raises(CheckpointError, match="is no checkpoint of this program"):
+    with pytest.raises(CheckpointError, match="is not a checkpoint of this program"):
         checkpoint.load(path)
     torch.save({"format": checkpoint.FORMAT, "version": 99, "state": {}}, path)
     with pytest.raises(CheckpointError, match="has version 99 of the checkpoint format; this program reads 3"):

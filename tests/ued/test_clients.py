@@ -144,7 +144,7 @@ def test_torchrl_resets_some_environments_and_plays_no_team():
     before = begun["theta"].clone()
     after = env.reset(begun.set("_reset", some))["theta"]
     assert ((before != after).all(1, keepdim=True) == some).all()
-    with pytest.raises(ValueError, match="plays one agent, the environments have 3"):
+    with pytest.raises(ValueError, match="supports one agent, the environments have 3"):
         TorchRLEnv(Roles(4))
 
 

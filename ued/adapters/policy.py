@@ -1,6 +1,6 @@
-"""A trained student to be used elsewhere: `policy = load_policy("runs/x")`, `action = policy.act(observation)`.
+"""A trained student for deployment: `policy = load_policy("runs/x")`, `action = policy.act(observation)`.
 
-Read next: `learning.student`, what plays.
+Read next: `learning.student`, the student.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ KINDS = {"Box": Box, "Discrete": Discrete, "MultiDiscrete": MultiDiscrete, "Mult
 
 
 class LoadedPolicy:
-    """A student that plays: `act` for one observation or for a batch.
+    """A policy: `act` for one observation or for a batch.
 
-    One with a memory (`--memory gru`) goes on from what it remembers: tell it by `begin` of each episode that begins.
+    A student with memory (`--memory gru`) keeps its state between calls: call `begin` at the start of each episode.
 
     Args:
-        student: what plays.
-        shape: of one observation as the student reads it: `(size,)` or that of an image; of a team `(A, ...)`.
-        observation_space: of one environment, whose observations are flattened to `(size,)` where they are no arrays;
-            None: they are what the student reads.
-        seed: of the actions drawn.
+        student: the trained student.
+        shape: shape of one observation of the student: `(size,)` or that of an image; for a team `(A, ...)`.
+        observation_space: space of one environment; observations that are not arrays are flattened to `(size,)`;
+            None: observations have the student's shape.
+        seed: seed for sampling actions.
     """
 
     def __init__(self, student: Student, shape: tuple[int, ...], observation_space: Space | None, seed: int) -> None:
@@ -42,8 +42,8 @@ class LoadedPolicy:
     def act(self, observation: Any, greedy: bool = False) -> Any:
         """Return an action for an observation, or actions `[N, ...]` for observations `[N, *shape]`.
 
-        Of a team it is an action for each agent, `[A, ...]`. It is drawn from the policy, or its most likely one if
-        `greedy`. Raises `ValueError` for another shape.
+        For a team, return an action for each agent, `[A, ...]`. Actions are sampled from the policy, or the most likely
+        ones if `greedy`. Raises `ValueError` for another shape.
         """
         if self.observation_space is not None and not isinstance(observation, np.ndarray):
             observation = flatten(self.observation_space, observation)
@@ -56,15 +56,15 @@ class LoadedPolicy:
         return actions[0] if single else actions
 
     def begin(self, where: np.ndarray | None = None) -> None:
-        """Forget what was: an episode begins; of a batch in the environments `where`, bool `[N]`."""
+        """Reset the memory at the start of an episode; for a batch, in the environments `where`, bool `[N]`."""
         self.player.begin(where)
 
 
 def load_policy(path: str | Path, observation_space: Space | None = None, seed: int = 0) -> LoadedPolicy:
-    """Return the first student of a run folder or a checkpoint, ready to play in one environment or in many.
+    """Return the first student of a run folder or a checkpoint as a policy for one or many environments.
 
-    Give the `observation_space` of your environment if it is a `Dict` or the like: training flattened it. Raises
-    `CheckpointError` where there is no student, or one of before spaces were kept.
+    Pass the `observation_space` of your environment if it is a `Dict` or similar, since training flattened it. Raises
+    `CheckpointError` for a checkpoint without a student or without saved spaces.
     """
     path = Path(path)
     file = path / "checkpoint.pt" if path.is_dir() else path
@@ -73,28 +73,28 @@ def load_policy(path: str | Path, observation_space: Space | None = None, seed: 
         spaces, saved = state["spaces"], state["method"]["learners"][0]["ppo"]["student"]
         ppo = state["config"]["ppo"]
     except (KeyError, IndexError, TypeError) as error:
-        raise CheckpointError(f"{file} holds no student with its spaces; train it on for an update") from error
+        raise CheckpointError(f"{file} holds no student with its spaces; resume its training for one update") from error
     try:
         seen, done = (space_from(spaces[name]) for name in ("observation", "action"))
         config = PPOConfig(**{item.name: ppo[item.name] for item in fields(PPOConfig) if item.name in ppo})
         agents = int(spaces["agents"])
         student = Student(seen, done, config, torch_generator(0), None, agents)
         student.load_state_dict(saved)
-    except Exception as error:  # whatever values that no training wrote make of it
-        raise CheckpointError(f"{file} is damaged: its student or its spaces are none") from error
+    except Exception as error:  # any error that damaged values can cause
+        raise CheckpointError(f"{file} is damaged: its student or its spaces are invalid") from error
     student.requires_grad_(False)
     shape = seen.shape or ()
     return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)
 
 
 def spaces_of(upomdp: UPOMDP) -> dict[str, Any]:
-    """Return what a checkpoint keeps of what an agent sees and does."""
+    """Return the observation and action spaces in the form of checkpoints."""
     seen, done = upomdp.agent_observation_space, upomdp.agent_action_space
     return {"observation": space_data(seen), "action": space_data(done), "agents": upomdp.num_agents}
 
 
 def space_data(space: Space) -> dict[str, Any]:
-    """Return a space as plain data. Raises `ValueError` for one that no student knows."""
+    """Return a space as plain data. Raises `ValueError` for a space that students do not support."""
     if isinstance(space, Box):
         return {"kind": "Box", "low": space.low, "high": space.high, "dtype": str(space.dtype)}
     if isinstance(space, Discrete):
@@ -103,11 +103,11 @@ def space_data(space: Space) -> dict[str, Any]:
         return {"kind": "MultiDiscrete", "nvec": space.nvec, "start": space.start}
     if isinstance(space, MultiBinary):
         return {"kind": "MultiBinary", "n": list(space.shape)}
-    raise ValueError(f"students know nothing of the space {space}")
+    raise ValueError(f"students do not support the space {space}")
 
 
 def space_from(data: dict[str, Any]) -> Space:
-    """Return the space that `space_data` gave `data` for."""
+    """Return the space from data of `space_data`."""
     about = dict(data)
     kind = KINDS[about.pop("kind")]
     if kind is Box:

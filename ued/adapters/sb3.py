@@ -1,7 +1,7 @@
 """A UPOMDP as Stable-Baselines3's `VecEnv`: `PPO("MlpPolicy", SB3VecEnv(upomdp)).learn(100_000)`.
 
-Each episode plays a random level, or one of `upomdp.level_sampler`; `info["theta"]` and `info["level_seed"]` of an
-episode that ended say which it was. Read next: `examples/with_stable_baselines3.py`, which lets a curriculum choose.
+Each episode plays a random level, or one of `upomdp.level_sampler`; `info["theta"]` and `info["level_seed"]`
+identify the level of an ended episode. Read next: `examples/with_stable_baselines3.py`, which uses a curriculum.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from ued.core.upomdp import UPOMDP
 
 
 class SB3VecEnv(VecEnv):
-    """N environments for Stable-Baselines3. What it asks of single environments is the same for all of them."""
+    """N environments for Stable-Baselines3. Queries to single environments give the same answer for all of them."""
 
     def __init__(self, upomdp: UPOMDP) -> None:
         if upomdp.num_agents > 1:
-            raise ValueError(f"Stable-Baselines3 plays one agent; the environments have {upomdp.num_agents}")
+            raise ValueError(f"Stable-Baselines3 supports one agent; the environments have {upomdp.num_agents}")
         self.upomdp = upomdp
         self._seed: int | None = None
         if upomdp.level_sampler is None:
@@ -42,7 +42,7 @@ class SB3VecEnv(VecEnv):
         self._actions = actions
 
     def step_wait(self) -> tuple[Any, np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Step all environments; the info of one that ended tells its last observation, its return and its level."""
+        """Step all environments; the info of an ended episode has its last observation, return and level."""
         levels = self.upomdp.levels.copy()
         observations, rewards, terminated, truncated, info = self.upomdp.step(self._actions)
         self.returns += rewards

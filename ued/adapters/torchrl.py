@@ -1,6 +1,6 @@
-"""A UPOMDP as TorchRL's batched environment, as VMAS has it: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
+"""A UPOMDP as a batched TorchRL environment, like VMAS: `TorchRLEnv(upomdp).rollout(100)` has `batch_size` `[N]`.
 
-Each episode plays a random level, or one of `upomdp.level_sampler`; "theta" says on which. TorchRL sees the last
+Each episode plays a random level, or one of `upomdp.level_sampler`; "theta" is its level. TorchRL receives the last
 observation of an episode, then resets.
 Read next: `sb3`, the same for Stable-Baselines3.
 """
@@ -23,14 +23,14 @@ from ued.core.upomdp import UPOMDP
 class TorchRLEnv(EnvBase):
     """N environments of one agent for TorchRL, whose discrete actions count from 0.
 
-    Raises `ValueError` for a team, and for spaces that TorchRL has no word for.
+    Raises `ValueError` for a team, and for spaces that TorchRL does not support.
     """
 
     def __init__(self, upomdp: UPOMDP) -> None:
         if upomdp.num_agents > 1:
             raise ValueError(
-                f"TorchRLEnv plays one agent, the environments have {upomdp.num_agents}; a team of football is a "
-                "PettingZoo environment, which TorchRL wraps: examples/with_torchrl.py"
+                f"TorchRLEnv supports one agent, the environments have {upomdp.num_agents}; use TorchRL's wrapper "
+                "of the PettingZoo environment for a football team: examples/with_torchrl.py"
             )
         super().__init__(device="cpu", batch_size=torch.Size([upomdp.num_envs]))
         if upomdp.level_sampler is None:
@@ -70,7 +70,7 @@ class TorchRLEnv(EnvBase):
 
 
 def spec_of(space: Space, num_envs: int) -> TensorSpec:
-    """Return TorchRL's word for a space of one environment, for N of them."""
+    """Return the TorchRL spec of N environments for the space of one."""
     shape = (num_envs, *(space.shape or ()))
     if isinstance(space, Discrete):
         return Categorical(int(space.n), shape=[num_envs], dtype=torch.int64)
@@ -83,4 +83,4 @@ def spec_of(space: Space, num_envs: int) -> TensorSpec:
         if not (low.isfinite() & high.isfinite()).all():
             return Unbounded(shape, dtype=low.dtype)
         return Bounded(low, high, shape=shape, dtype=low.dtype)
-    raise ValueError(f"TorchRL has no word for the space {space}")
+    raise ValueError(f"TorchRL does not support the space {space}")

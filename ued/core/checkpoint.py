@@ -1,8 +1,8 @@
-"""Checkpoints: everything a run needs to go on, in one file that is either the old one or the new one, never half.
+"""Checkpoints: the full state of a run in one file, written atomically.
 
-The file is written under another name, forced to the disk and renamed. It is read with `weights_only=True`: a file from
-a stranger cannot run code. What torch does not store by itself (numpy arrays, structured ones too, and integers of more
-than 64 bits, as in the states of generators) is spelled out in tensors, numbers and strings. Read next: `methods`.
+The file is written to a temporary name, synced and renamed. It is read with `weights_only=True`, so a file from a
+stranger cannot execute code. Types that torch does not support there (numpy arrays and integers of more than 64 bits,
+as in generator states) are encoded as tensors, numbers and strings. Read next: `methods`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ued.core.files import write_whole
 from ued.core.renamed import present_fields, present_keys
 
 FORMAT = "regista checkpoint"
-VERSION = 3  # 1: before methods held learners; 2: before normalisers had a floor
+VERSION = 3  # 1: methods without learners; 2: normalizers without a floor
 ARRAY, INTEGER, TUPLE, RESERVED = "__array__", "__integer__", "__tuple__", ("__array__", "__integer__", "__tuple__")
 
 
@@ -29,13 +29,13 @@ class CheckpointError(Exception):
 
 
 def save(path: str | Path, state: dict[str, Any]) -> None:
-    """Write a checkpoint in one stroke: whatever happens, `path` holds the old one or the new one.
+    """Write a checkpoint atomically: `path` holds the old one or the new one.
 
     `state` may hold dicts, lists, tuples, tensors, numpy arrays, numbers, strings and None.
-    Raises `CheckpointError` for anything else in it, and if the disk is full or the folder cannot be written.
+    Raises `CheckpointError` for other types, and if the file cannot be written.
     """
     path = Path(path)
-    content = io.BytesIO()  # torch writing to a full disk itself would tell of its archive, not of the disk
+    content = io.BytesIO()  # torch reports an archive error, not a full disk, if it writes the file itself
     torch.save({"format": FORMAT, "version": VERSION, "state": encode(state)}, content)
     try:
         write_whole(path, content.getbuffer())
@@ -45,12 +45,12 @@ def save(path: str | Path, state: dict[str, Any]) -> None:
 
 
 def load(path: str | Path) -> dict[str, Any]:
-    """Read what `save` wrote. Raises `CheckpointError` for a file that is missing, cut short, foreign or too new."""
+    """Read a checkpoint. Raises `CheckpointError` for a file that is missing, truncated, foreign or too new."""
     return _entry(Path(path), None)
 
 
 def load_entry(path: str | Path, key: str) -> Any:
-    """Read one entry of what `save` wrote; the arrays of the others stay on the disk. Raises as `load`."""
+    """Read one entry of a checkpoint without loading the arrays of others. Raises like `load`."""
     return _entry(Path(path), key)
 
 
@@ -59,12 +59,12 @@ def _entry(path: Path, key: str | None) -> Any:
     content = _content(path, mapped=key is not None)
     try:
         return decode(content if key is None else content[key])
-    except Exception as error:  # whatever values that `encode` never wrote make of it
+    except Exception as error:  # any error that damaged values can cause
         raise CheckpointError(_damaged(path)) from error
 
 
 def _damaged(path: Path) -> str:
-    return f"{path} is no checkpoint, or one that was cut short or damaged"
+    return f"{path} is not a checkpoint, or it is truncated or damaged"
 
 
 def _content(path: Path, mapped: bool) -> dict[str, Any]:
@@ -80,10 +80,10 @@ def _content(path: Path, mapped: bool) -> dict[str, Any]:
         raise CheckpointError(f"cannot read {path}: {_reason(error)}") from error
     except CheckpointError:
         raise
-    except Exception as error:  # whatever a damaged archive makes torch stumble over
+    except Exception as error:  # any error of torch with a damaged archive
         raise CheckpointError(damaged) from error
     if not isinstance(content, dict) or content.get("format") != FORMAT:
-        raise CheckpointError(f"{path} is no checkpoint of this program")
+        raise CheckpointError(f"{path} is not a checkpoint of this program")
     if content.get("version") != VERSION:
         raise CheckpointError(
             f"{path} has version {content.get('version')} of the checkpoint format; this program reads {VERSION}"
@@ -94,7 +94,7 @@ def _content(path: Path, mapped: bool) -> dict[str, Any]:
 
 
 def encode(value: Any, where: str = "state") -> Any:
-    """Return `value` in terms of dicts, lists, tensors, strings and numbers of at most 64 bits."""
+    """Encode `value` as dicts, lists, tensors, strings and numbers of at most 64 bits."""
     if isinstance(value, dict):
         _check_keys(value, where)
         return {key: encode(item, f"{where}[{key!r}]") for key, item in value.items()}
@@ -114,7 +114,7 @@ def encode(value: Any, where: str = "state") -> Any:
 
 
 def decode(value: Any) -> Any:
-    """Undo `encode`; old names of keys and fields become the present ones, see `renamed`."""
+    """Decode the output of `encode`; old names of keys and fields become the present ones, see `renamed`."""
     if isinstance(value, list):
         return [decode(item) for item in value]
     if not isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Files that are there whole or as they were, whatever happens while they are written.
+"""Atomic writes: a file has its new content or its old one, even after a crash.
 
 Read next: `checkpoint`, the largest of them.
 """
@@ -13,9 +13,9 @@ PARTIAL = ".partial"  # the end of the name of a file that is being written
 
 
 def write_whole(path: Path, content: bytes | memoryview | str) -> None:
-    """Write a file in one stroke: beside, forced to the disk, renamed.
+    """Write a file atomically: to a temporary file, synced, renamed.
 
-    Raises OSError with its name; then it is as it was. What a process that was killed has left of it is removed.
+    Raises OSError with its name; the file then stays unchanged. Removes temporary files of killed processes.
     """
     _tidy(path)
     partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
@@ -25,21 +25,21 @@ def write_whole(path: Path, content: bytes | memoryview | str) -> None:
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)
-    except OSError as error:  # an error of writing has no name of itself
+    except OSError as error:  # errors of writing carry no file name
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        with suppress(OSError):  # there is none after the renaming, nor where there is no folder
+        with suppress(OSError):  # missing after the renaming, or without the folder
             partial.unlink()
     _sync_folder(path.parent)
 
 
 def is_partial(name: str) -> bool:
-    """Return whether a file of this name was being written when its process ended, or is."""
+    """Return whether this is the name of a temporary file."""
     return name.startswith(".") and name.endswith(PARTIAL)
 
 
 def _tidy(path: Path) -> None:
-    """Remove what processes that are no more have left of a file."""
+    """Remove the temporary files of ended processes for a file."""
     with suppress(OSError):
         for left in path.parent.iterdir():
             number = left.name.removeprefix(f".{path.name}.").removesuffix(PARTIAL)
@@ -54,11 +54,11 @@ def _lives(process: int) -> bool:
         return False
     except PermissionError:
         pass
-    return process != os.getpid()  # ours are removed when they fail
+    return process != os.getpid()  # this process removes its own on failure
 
 
 def _sync_folder(folder: Path) -> None:
-    """Force the renaming itself to the disk, where the system can."""
+    """Sync the renaming to the disk, if the system supports it."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

@@ -1,4 +1,4 @@
-"""What a domain supplies so that its levels can be drawn. Read next: `core.task`, which holds one."""
+"""Interface for drawing the levels of a domain. Read next: `core.task`, which holds a painter."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ Colour = tuple[int, int, int]
 
 
 class ScenePainter(Protocol):
-    """What a domain tells the recorder of its looks. Places are in metres, +y up."""
+    """Look of a domain's levels. Positions are in meters, +y up."""
 
-    bounds: tuple[float, float, float, float]  # of where levels are: x low, x high, y low, y high
-    reach: tuple[float, float, float, float]  # of where things get while a level is played, likewise
+    bounds: tuple[float, float, float, float]  # of initial positions: x low, x high, y low, y high
+    reach: tuple[float, float, float, float]  # of positions during an episode, in the same order
     background: Colour
     line_colour: Colour
-    markers: Sequence[tuple[str, Colour, float]]  # by class: name, colour, radius (m)
+    markers: Sequence[tuple[str, Colour, float]]  # by class: name, color, radius (m)
     classes: np.ndarray  # [K] the class of each point of a scene
-    focus: int  # the point that stands for the whole level on a map
+    focus: int  # index of the point that represents a level on maps
 
     def lines(self) -> list[np.ndarray]:
         """Return the strips of the ground, each `[n, 2]`."""
@@ -28,4 +28,4 @@ class ScenePainter(Protocol):
         """Return the points of the scenes of θ `[L, D]`: `[L, K, 2]`."""
 
     def frame(self, env: Any) -> np.ndarray:
-        """Return the points of the first environment of `env` as it stands: `[K, 2]`."""
+        """Return the current points of the first environment of `env`: `[K, 2]`."""

@@ -1,7 +1,6 @@
-"""How much memory settings need, and how much this machine has: what cannot fit is refused before it is allocated.
+"""Memory checks: settings that cannot fit into memory are rejected before allocation.
 
-Needs are estimated from below, so settings that fit are never refused. Read next: `methods.method`, which adds
-learners.
+Estimates are lower bounds, so settings that fit are never rejected. Read next: `methods.method`, which adds learners.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ if TYPE_CHECKING:
     from ued.config import PPOConfig
 
 UNITS = ("B", "kB", "MB", "GB", "TB", "PB")
-WEIGHT_BYTES = 16  # of a weight: itself, its gradient, and two moments of Adam, float32 each
-ENTRY_BYTES = 20  # of a step of one agent: action, log_prob, value, reward, final_value
-FEATURES = 32 * 5 * 8  # at least what convolutions leave of a large image
+WEIGHT_BYTES = 16  # per weight: value, gradient, and two moments of Adam, float32 each
+ENTRY_BYTES = 20  # per step of one agent: action, log_prob, value, reward, final_value
+FEATURES = 32 * 5 * 8  # minimum output size of the convolutions for a large image
 
 
 class RoomError(ValueError):
@@ -34,16 +33,16 @@ class RoomError(ValueError):
 
 @cache
 def machine_bytes() -> int:
-    """Return the memory of this machine, or of the container that we are in."""
+    """Return the memory of this machine, or of the container."""
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
     for file in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
-        with suppress(OSError, ValueError):  # there is none, or it says "max"
+        with suppress(OSError, ValueError):  # no such file, or its content is "max"
             limits.append(int(Path(file).read_text()))
     return min(limits)
 
 
 def check_environments(num_envs: int, each: int) -> None:
-    """Raise `RoomError` where so many environments of `each` bytes do not fit."""
+    """Raise `RoomError` if `num_envs` environments of `each` bytes do not fit."""
     if num_envs * each > machine_bytes():
         raise RoomError(
             f"{num_envs:_} environments of {size(each)} each need {size(num_envs * each)}; {_has()}", ("num_envs",)
@@ -51,9 +50,9 @@ def check_environments(num_envs: int, each: int) -> None:
 
 
 def check_learners(config: PPOConfig, space: Space, num_envs: int, agents: int, learners: int) -> None:
-    """Raise `RoomError` where the rollouts or the networks of so many learners do not fit.
+    """Raise `RoomError` if the rollouts or the networks of this number of learners do not fit.
 
-    `space` is of what one agent observes in one of the `num_envs` environments.
+    `space` is the observation space of one agent in one of the `num_envs` environments.
     """
     rollouts = learners * num_envs * config.num_steps * agents * (space_bytes(space) + ENTRY_BYTES)
     if rollouts > machine_bytes():
@@ -72,7 +71,7 @@ def check_learners(config: PPOConfig, space: Space, num_envs: int, agents: int, 
 
 
 def weights(config: PPOConfig, space: Space, agents: int) -> int:
-    """Return how many weights the hidden layers of a student have at least."""
+    """Return a lower bound on the weights in a student's hidden layers."""
     shape, hidden = space.shape or (), config.hidden_size
     image = len(shape) == 3
     inputs = FEATURES if image else math.prod(shape)
@@ -83,7 +82,7 @@ def weights(config: PPOConfig, space: Space, agents: int) -> int:
 
 
 def space_bytes(space: Space) -> int:
-    """Return the bytes of one observation as rollouts keep it: bytes as bytes, other numbers as float32."""
+    """Return the bytes of one observation in a rollout: uint8 stays, other numbers are float32."""
     return math.prod(space.shape or ()) * (1 if str(space.dtype) == "uint8" else 4)
 
 

@@ -1,13 +1,13 @@
-"""Behavior cloning (Pomerleau 1991): a student learns to do what was done in demonstrations.
+"""Behavior cloning (Pomerleau 1991): a student learns to imitate demonstrations.
 
-    repeat until the loss on held-out episodes has not fallen for a while
+    repeat until the loss on held-out episodes stops falling
         for each minibatch of shuffled steps
-            one step of Adam on  - log π(what was done | what was seen)  +  the error of the value
+            one step of Adam on  - log π(action | observation)  +  value loss
     keep the student of the best epoch
 
-Of several agents each has its own policy, and the loss is over all of them. The critic learns what came of the
-demonstrations, so that PPO need not begin with one that knows nothing. Demonstrations come in chunks, which are read
-again in every epoch: they need not fit into memory. Read next: `learning.student`; `learning.ppo`, which goes on.
+For several agents, the loss is over all of their policies. The critic is trained on the returns of the demonstrations,
+so that PPO does not start with an untrained one. Demonstrations are read in chunks in every epoch and need not fit into
+memory. Read next: `learning.student`; `learning.ppo`, which continues training.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ class Demonstrated:
     Attributes:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
-        told: bool, like `action`: False where the action is unknown; such steps are not learned from.
-        returns: `[B]`, discounted, from this step on.
+        told: bool, like `action`: False for unknown actions; these steps are not used.
+        returns: `[B]`, discounted return from this step on.
     """
 
     observation: Tensor
@@ -51,12 +51,12 @@ class Demonstrated:
 
 @dataclass(frozen=True)
 class Agreement:
-    """What a student makes of demonstrations that it has not learned from.
+    """Evaluation of a student on held-out demonstrations.
 
     Attributes:
         loss: mean of - log π, in nats.
         value_loss: half the squared error of the value.
-        counts: `[n, n]`, how often which action was done (row) and which one the student thinks most likely (column).
+        counts: `[n, n]`, confusion matrix: demonstrated actions (rows), the student's most likely actions (columns).
     """
 
     loss: float
@@ -65,42 +65,42 @@ class Agreement:
 
     @property
     def accuracy(self) -> float:
-        """Share of the steps in which the student would have done the same; nan of none."""
+        """Share of the steps in which the student's most likely action is correct; nan without steps."""
         return float(np.trace(self.counts) / self.counts.sum()) if self.counts.sum() else float("nan")
 
     @property
     def recall(self) -> np.ndarray:
-        """The same for each action `[n]`; nan of those that were never done."""
+        """The same for each demonstrated action `[n]`; nan for actions without demonstrations."""
         return self._agreed(self.counts.sum(1))
 
     @property
     def precision(self) -> np.ndarray:
-        """Share of the steps in which the student would do an action where it was done `[n]`; nan if it never would."""
+        """Share of correct predictions of each action `[n]`; nan for actions that are never predicted."""
         return self._agreed(self.counts.sum(0))
 
     def _agreed(self, steps: np.ndarray) -> np.ndarray:
-        """Return in which share of the steps of each action `[n]` both were it; nan of no step."""
+        """Return the diagonal divided by the given number of steps of each action `[n]`; nan for 0 steps."""
         return np.divide(np.diag(self.counts), steps, out=np.full(len(steps), np.nan), where=steps > 0)
 
     @property
     def balanced_accuracy(self) -> float:
-        """Mean of the recalls of all actions that were done: what most steps are does not decide it."""
+        """Mean recall over all demonstrated actions, independent of their frequencies."""
         recall = self.recall
         return float(np.nanmean(recall)) if np.isfinite(recall).any() else float("nan")
 
 
 class Cloner(Resumable):
-    """Lets a student learn from demonstrations, an epoch at a time; `generator` shuffles.
+    """Trains a student on demonstrations, one epoch at a time; `generator` shuffles.
 
     Attributes:
-        epoch: epochs so far; `best_epoch` is the one with the smallest loss on held-out steps, `best` its student.
+        epoch: number of epochs; `best_epoch` has the smallest loss on held-out steps, `best` is its student.
     """
 
     state_fields = ("student", "optimizer", "generator", "epoch", "best_epoch", "best_loss", "best")
 
     def __init__(self, student: Student, config: CloningConfig, generator: torch.Generator) -> None:
         if student.memory_width:
-            raise ValueError("cloning teaches single steps: it needs a student that remembers nothing, memory = none")
+            raise ValueError("cloning supports no memory: use a student with memory = none")
         self.student, self.config, self.generator = student, config, generator
         self.optimizer = Adam(student.parameters(), config.learning_rate, 1e-5)
         self.weights = torch.ones(num_actions(student))
@@ -108,16 +108,16 @@ class Cloner(Resumable):
         self.best: dict[str, Any] = {}
 
     def look_through(self, chunks: Iterable[Demonstrated]) -> None:
-        """Go through the demonstrations once before the first epoch: how they look, and how often what was done."""
+        """Read the demonstrations once before the first epoch, for observation statistics and action frequencies."""
         counts = torch.zeros(num_actions(self.student), dtype=torch.float64)
         for chunk in chunks:
-            if self.epoch == 0:  # a student that goes on has seen them
+            if self.epoch == 0:  # a resumed student has the statistics
                 self.student.normaliser.track(chunk.observation)
             counts += torch.bincount(chunk.action[chunk.told], minlength=len(counts))
         power = {"none": 0.0, "sqrt": 0.5, "balanced": 1.0}[self.config.class_weights]
         share = counts / counts.sum().clamp(min=1)
         weights = torch.where(counts > 0, share.clamp(min=1e-4) ** -power, 0.0)
-        self.weights = (weights / (weights * share).sum().clamp(min=1e-12)).float()  # 1 in the mean
+        self.weights = (weights / (weights * share).sum().clamp(min=1e-12)).float()  # mean 1
 
     def learn(self, chunks: Iterable[Demonstrated]) -> dict[str, float]:
         """Pass over the demonstrations once; return the mean losses."""
@@ -129,7 +129,7 @@ class Cloner(Resumable):
             total.backward()
             norm = self.optimizer.clip_norm(self.config.max_grad_norm)
             if not torch.isfinite(norm):
-                raise FloatingPointError("the gradient of cloning is not finite: look for observations that are not")
+                raise FloatingPointError("the gradient of cloning is not finite: check the observations for nan")
             self.optimizer.step()
             sums += len(batch.returns) * np.array([loss.item(), value_loss.item()])
             steps += len(batch.returns)
@@ -138,7 +138,7 @@ class Cloner(Resumable):
 
     @torch.inference_mode()
     def evaluate(self, chunks: Iterable[Demonstrated]) -> Agreement:
-        """Compare the student with demonstrations; all actions count the same."""
+        """Evaluate the student on demonstrations, without weights of actions."""
         size = num_actions(self.student)
         counts, sums, told, steps = torch.zeros(size * size, dtype=torch.int64), np.zeros(2), 0, 0
         for chunk in chunks:
@@ -154,14 +154,14 @@ class Cloner(Resumable):
         return Agreement(float(loss), float(value_loss), counts.reshape(size, size).numpy())
 
     def keep_if_best(self, loss: float) -> bool:
-        """Keep the student if its loss is the smallest so far; return whether to go on."""
+        """Store the student if its loss is the smallest so far; return whether to continue."""
         if loss < self.best_loss or not self.best:
             self.best_loss, self.best_epoch = loss, self.epoch
             self.best = {name: value.clone() for name, value in self.student.state_dict().items()}
         return self.epoch < self.config.epochs and self.epoch - self.best_epoch < self.config.patience
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises ValueError, KeyError, or RuntimeError for another student."""
+        """Restore the state of `state_dict`. Raises ValueError, KeyError or RuntimeError for another student."""
         super().load_state_dict(state)
         if self.best or self.epoch:
             copy.deepcopy(self.student).load_state_dict(self.best)
@@ -173,7 +173,7 @@ class Cloner(Resumable):
                 yield chunk.rows(rows)
 
     def _losses(self, batch: Demonstrated) -> tuple[Tensor, Tensor]:
-        """Return the weighted loss of the policy and the loss of the value."""
+        """Return the weighted policy loss and the value loss."""
         policy, value = self.student(batch.observation)
         weight = self.weights[batch.action] * batch.told
         loss = -(policy.log_prob(batch.action) * weight).sum() / weight.sum().clamp(min=1e-8)
@@ -186,15 +186,15 @@ def value_error(value: Tensor, returns: Tensor) -> Tensor:
 
 
 def num_actions(student: Student) -> int:
-    """Return how many actions each agent of a student chooses among. Raises ValueError where they are no choice."""
+    """Return the number of actions of each agent. Raises ValueError for actions that are not discrete."""
     space = student.action_space
     if not isinstance(space, Discrete):
-        raise ValueError(f"cloning needs actions that are a choice, got {space}")
+        raise ValueError(f"cloning needs discrete actions, got {space}")
     return int(space.n)
 
 
 def discounted(rewards: np.ndarray, gamma: float) -> np.ndarray:
-    """Return for each step of an episode with these rewards `[T]` the discounted return from there on `[T]`."""
+    """Return the discounted return from each step `[T]` of an episode with these rewards `[T]`."""
     returns, running = np.zeros(len(rewards)), 0.0
     for step in reversed(range(len(rewards))):
         running = rewards[step] + gamma * running

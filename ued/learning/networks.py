@@ -1,7 +1,7 @@
-"""The networks: torsos that read observations, and heads that turn what they read into policies and values.
+"""The networks: torsos that encode observations, and heads for policies and values.
 
-A policy here is a small object made anew from each forward pass: `sample`, `mode`, `log_prob`, `entropy`, `kl`.
-All weights are initialised from an explicit generator. Read next: `learning.student`, which puts the parts together.
+A policy is a small object created by each forward pass: `sample`, `mode`, `log_prob`, `entropy`, `kl`.
+All weights are initialized from an explicit generator. Read next: `learning.student`, which combines the parts.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
 from torch import Tensor, nn
 
 LOG_2_PI = math.log(2 * math.pi)
-IMPOSSIBLE = -1e9  # logit of what cannot be chosen: finite, for 0 times infinity is not a number
+IMPOSSIBLE = -1e9  # logit of invalid choices: finite, since 0 times infinity is nan
 
 
 class Policy(Protocol):
     """A distribution over actions for each row of a batch.
 
-    `sample` and `mode` return actions `[B]` or `[B, K]`; `log_prob` of such, `entropy` in nats and the divergence
-    `kl` from this to another distribution are `[B]`. Of a team all of these have an axis of agents: `[B, A]`.
+    `sample` and `mode` return actions `[B]` or `[B, K]`; `log_prob`, `entropy` in nats and the divergence `kl` from
+    this to another distribution are `[B]`. For a team, all of them have an agent axis: `[B, A]`.
     """
 
     def sample(self, generator: torch.Generator) -> Tensor: ...
@@ -56,7 +56,7 @@ class Categorical:
 
 
 class MultiCategorical(Categorical):
-    """K independent choices, each of its own number of values, from logits `[B, sum of those]`.
+    """K independent choices with their own numbers of values, from logits `[B, sum of those]`.
 
     Actions are int64 `[B, K]`, counted from 0.
     """
@@ -82,7 +82,7 @@ class MultiCategorical(Categorical):
 
 
 class Gaussian:
-    """K independent normal numbers: mean `[B, K]`, log_std `[K]` or `[B, K]`. Actions are float32 `[B, K]`."""
+    """K independent normal variables: mean `[B, K]`, log_std `[K]` or `[B, K]`. Actions are float32 `[B, K]`."""
 
     def __init__(self, mean: Tensor, log_std: Tensor) -> None:
         self.mean, self.log_std = mean, log_std.expand_as(mean)
@@ -107,10 +107,10 @@ class Gaussian:
 
 
 class Team(NamedTuple):
-    """Whom a network serves: so many agents, with one policy for all of them, or with one each.
+    """The agents of a network: their number, and whether they share one policy or have one each.
 
-    What it reads and gives is `[B, ...]` for one agent and `[B, A, ...]` for several. Where each agent has a policy of
-    its own, all weights of the network have an axis of policies, the first one: one pass serves all.
+    Inputs and outputs are `[B, ...]` for one agent and `[B, A, ...]` for several. If each agent has its own policy, all
+    weights have a leading policy axis, so that one forward pass computes all of them.
     """
 
     agents: int = 1
@@ -135,7 +135,7 @@ class Linears(nn.Linear):
 
 def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator, policies: int = 1) -> nn.Linear:
     """Return a linear layer, or one for each policy, with orthogonal weights scaled by `gain` and zero bias."""
-    # `skip_init`, for the usual initialisation draws from torch's global stream
+    # `skip_init`, since the default initialization uses torch's global generator
     if policies == 1:
         layer = nn.utils.skip_init(nn.Linear, inputs, outputs)
     else:
@@ -164,15 +164,15 @@ def mlp(
 
 
 CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, stride (thesis, Fig. 4.10)
-SMALL_CONVOLUTIONS = ((16, 3, 1), (32, 3, 1))  # of images that are smaller than LARGE
-LARGE = 36  # what CONVOLUTIONS need at least, in both directions
-LEAST = 5  # what SMALL_CONVOLUTIONS need; smaller images are read as vectors
+SMALL_CONVOLUTIONS = ((16, 3, 1), (32, 3, 1))  # for images smaller than LARGE
+LARGE = 36  # minimum height and width for CONVOLUTIONS
+LEAST = 5  # minimum for SMALL_CONVOLUTIONS; smaller images are flattened
 
 
 class ChannelsFirst(nn.Module):
-    """Images `[B, height, width, channels]`, as most environments give them, to `[B, channels, height, width]`.
+    """Convert images `[B, height, width, channels]`, the usual layout, to `[B, channels, height, width]`.
 
-    Those of a team, `[B, A, ...]`, become further rows where one policy serves all agents, else further channels.
+    Images of a team, `[B, A, ...]`, become additional rows if agents share a policy, otherwise additional channels.
     """
 
     def __init__(self, team: Team) -> None:
@@ -189,8 +189,8 @@ class ChannelsFirst(nn.Module):
 def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> nn.Sequential:
     """Return the convolutional torso of the thesis (Fig. 4.10): images in [0, 1] -> `[B, hidden_size]`.
 
-    Planes of 72 × 96 come down to 32 of 5 × 8; images that are small have small convolutions. Raises `ValueError` for
-    a team whose images have their channels first.
+    Planes of 72 × 96 are reduced to 32 planes of 5 × 8; small images use small convolutions. Raises `ValueError` for a
+    team with channels-first images.
     """
     agents, policies = team
     first = channels_first(space)
@@ -206,7 +206,7 @@ def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = O
         channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
     features = channels * height * width
     layers.append(nn.Flatten())
-    if agents > 1:  # their rows, or their channels, apart again
+    if agents > 1:  # separate their rows or channels again
         layers.append(nn.Unflatten(0, (-1, agents)) if policies == 1 else nn.Unflatten(1, (agents, features)))
     return nn.Sequential(*layers, linear(features, hidden_size, math.sqrt(2), generator, policies), nn.ReLU())
 
@@ -226,10 +226,9 @@ def channels_first(space: Box) -> bool:
 def torso(
     space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator, team: Team = ONE_AGENT
 ) -> nn.Sequential:
-    """Return the torso that fits an agent's observations: an MLP for a flat vector of features, convolutions for an
-    image.
+    """Return the torso for an agent's observations: an MLP for a flat feature vector, convolutions for an image.
 
-    Raises `ValueError` for observations that are neither.
+    Raises `ValueError` for other observations.
     """
     if is_image(space):
         assert isinstance(space, Box)
@@ -249,7 +248,7 @@ def torso(
 
 
 def choices_of(space: Space) -> np.ndarray:
-    """Return among how many values each entry of an action is chosen: int `[K]`; none for actions that are numbers."""
+    """Return the number of values of each entry of an action: int `[K]`; empty for continuous actions."""
     if isinstance(space, Discrete):
         return np.array([space.n])
     if isinstance(space, MultiDiscrete):
@@ -261,7 +260,7 @@ class PolicyHead(nn.Module):
     """The last layer of a policy: a categorical for `Discrete`, one for each entry of `MultiDiscrete` and
     `MultiBinary`, a diagonal Gaussian for `Box`.
 
-    Its small gain (0.01) makes the first policy nearly uniform whatever the observation.
+    Its small gain (0.01) makes the initial policy nearly uniform for every observation.
     """
 
     def __init__(self, space: Space, inputs: int, generator: torch.Generator, policies: int = 1) -> None:

@@ -12,7 +12,7 @@ from collections import OrderedDict
 import numpy as np
 
 NONE = -1  # no visit; visits are numbered from 0
-MOST_VISITS = 4096  # kept if nobody calls `pop`
+MOST_VISITS = 4096  # maximum number stored without calls of `pop`
 
 
 class ActionTape:

@@ -1,8 +1,8 @@
-"""What the critic thought during each episode: the raw material of scores that need values (max_mc, value losses).
+"""Statistics of the critic per episode, for scores that need values (max_mc, value losses).
 
-Episodes run on from one rollout to the next, so the sums of an open episode are carried over. What an advantage is
-worth is said by the critic of the update in which the step was taken, as in the reference implementations of PLR, which
-merge the pieces of an episode by their numbers of steps. Read next: `levels.scores`.
+Episodes can span several rollouts, so the sums of an open episode carry over. Advantages come from the critic at the
+update of each step, as in the reference implementations of PLR, which merge the parts of an episode weighted by their
+numbers of steps. Read next: `levels.scores`.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ class EpisodeValues(Resumable):
     state_fields = ("sums", "steps")
 
     def __init__(self, num_envs: int) -> None:
-        self.sums = np.zeros((len(NAMES), num_envs))  # over the steps so far of the open episodes
+        self.sums = np.zeros((len(NAMES), num_envs))  # over the steps of open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
     def reset(self) -> None:
-        """Forget the open episodes: all environments have begun anew."""
+        """Discard the open episodes, after a reset of all environments."""
         self.sums[:] = 0.0
         self.steps[:] = 0
 
     def track(self, rollout: Rollout, advantages: Tensor) -> dict[str, np.ndarray]:
-        """Take a rollout in; return means over the steps of each of the E episodes that ended in it: `[E]` by name.
+        """Add a rollout; return means over the steps of each of the E episodes that ended in it: `[E]` by name.
 
-        Episodes are in the order in which they ended: by step, then by environment.
+        Episodes are ordered by their last step, then by environment.
         """
         per_step = torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
         per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
@@ -42,7 +42,7 @@ class EpisodeValues(Resumable):
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
         env, step = np.nonzero(ended.T)  # [E] each, by environment, then by step
-        first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] of its environment in this rollout
+        first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] first of its environment in this rollout
         previous = np.roll(np.arange(len(env)), 1)
         totals = running[:, step, env]  # [3, E]
         sums = np.where(first, totals + self.sums[:, env], totals - totals[:, previous])

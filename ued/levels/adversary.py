@@ -1,9 +1,9 @@
 """The adversary: a learned teacher that proposes θ in one step, a bandit with a random vector z as its context.
 
-The vector z lets the same weights propose many different levels. What a proposal earns is its score, and the bonus for
-entropy: less, the more often it is proposed than the program would draw it. So without a difference in scores the
-program's own distribution is best, for choices as for real numbers, and the bonus needs no formula for the entropy.
-Read next: `levels.theta_distribution`, what it draws from; `levels.teacher`, what it is part of.
+The vector z lets the same weights propose many different levels. The reward of a proposal is its score plus an entropy
+bonus, the negative log-density relative to the program's distribution. So with equal scores the program's distribution
+is optimal, for choices and real numbers, and no closed form of the entropy is needed.
+Read next: `levels.theta_distribution`, the distribution; `levels.teacher`, which contains the adversary.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from ued.learning.fast_adam import Adam
 from ued.levels.theta_distribution import ThetaDistribution
 from ued.levels.unimodal import Unimodal
 
-MOST_LOG_RATIO = 20.0  # of thousands of columns together: the exponential stays finite
+MOST_LOG_RATIO = 20.0  # over thousands of columns, keeps the exponential finite
 LOSSES = ("policy_loss", "value_loss", "grad_norm")
 
 
 class Proposals(NamedTuple):
-    """What the adversary proposed, with what it needs in order to learn from it: arrays of float32.
+    """Proposals of the adversary with the data for learning: float32 arrays.
 
-    z `[n, Z]` the context; raw `[n, D]` what was drawn, see `ThetaDistribution`; log_prob `[n]` the logarithm of how
-    much denser raw is than in the program's own distribution.
+    z `[n, Z]`: context; raw `[n, D]`: samples, see `ThetaDistribution`; log_prob `[n]`: log-density of raw relative to
+    the program's distribution.
     """
 
     z: np.ndarray
@@ -40,16 +40,16 @@ class Proposals(NamedTuple):
 
 
 class Adversary(Resumable):
-    """Proposes levels and learns from the score that they caused, by PPO's clipped objective on one-step episodes.
+    """Proposes levels and learns from their scores, by PPO's clipped objective on one-step episodes.
 
     Args:
-        draws: the columns of θ; a number D: as many real numbers.
+        draws: the columns of θ; an integer D means D real numbers.
         config: its distribution, network and learning.
-        generator: of its weights and draws.
-        context_size: entries of the context where this is no random vector; see `propose`.
-        program_parameters: of a mixture, the columns of each program.
+        generator: random generator of weights and samples.
+        context_size: size of the context if it is not a random vector; see `propose`.
+        program_parameters: for a mixture, the columns of each program.
 
-    Raises `ValueError` where there is nothing to propose (D = 0).
+    Raises `ValueError` without free parameters (D = 0).
     """
 
     state_fields = ("network", "optimizer", "generator", "scale")
@@ -65,7 +65,7 @@ class Adversary(Resumable):
         columns = numbered("theta", draws) if isinstance(draws, int) else draws
         if not columns:
             raise ValueError(
-                "there is nothing for an adversary to choose: the environment has no free parameters (theta has 0 "
+                "an adversary has nothing to choose: the environment has no free parameters (theta has 0 "
                 "columns); use domain randomization, or give the program a random value"
             )
         self.dim, self.config, self.generator = len(columns), config, generator
@@ -81,7 +81,7 @@ class Adversary(Resumable):
 
     @torch.inference_mode()
     def propose(self, count: int, context: np.ndarray | None = None) -> Proposals:
-        """Draw `count` proposals, from random vectors or from this context `[count, context_size]`."""
+        """Sample `count` proposals, from random vectors or from this context `[count, context_size]`."""
         if context is None:
             context = torch.empty(count, self.context_size).normal_(generator=self.generator).numpy()
         z = np.asarray(context, np.float32)
@@ -93,9 +93,9 @@ class Adversary(Resumable):
         return self.network.theta(proposals.raw)
 
     def learn(self, proposals: Proposals, score: np.ndarray) -> dict[str, float]:
-        """Learn from the score `[n]` of these proposals; return losses, means over the epochs, and the entropy of θ.
+        """Update on the scores `[n]` of these proposals; return losses, averaged over epochs, and the entropy of θ.
 
-        The entropy is estimated from the proposals, in nats: D log 2 is the program's own distribution.
+        The entropy is estimated from the proposals, in nats; the program's distribution has D log 2.
         """
         self.scale.track(score)
         earned = self.scale(score) - self.config.ent_coef * proposals.log_prob
@@ -105,7 +105,7 @@ class Adversary(Resumable):
         return dict(zip(LOSSES, np.mean(logs, 0).tolist(), strict=True)) | {"entropy": entropy}
 
     def _epoch(self, z: Tensor, raw: Tensor, before: Tensor, earned: Tensor) -> tuple[float, ...]:
-        """Take a step down the gradient of: policy_loss + vf_coef * value_loss. `before` `[n]`: as proposed."""
+        """Take a gradient step on policy_loss + vf_coef * value_loss. `before` `[n]`: log-densities when proposed."""
         config = self.config
         self.optimizer.zero_grad()
         now, value = self.network(z, raw)
@@ -121,7 +121,7 @@ class Adversary(Resumable):
         return policy_loss.item(), value_loss.item(), norm.item()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Take back what `state_dict` returned. Raises `ValueError` for another distribution or other columns."""
+        """Restore the state of `state_dict`. Raises `ValueError` for another distribution or other columns."""
         own = {name: tuple(weight.shape) for name, weight in self.network.state_dict().items()}
         saved = {name: tuple(weight.shape) for name, weight in state["network"].items()}
         if own != saved:
@@ -133,16 +133,16 @@ class Adversary(Resumable):
 
 
 class RunningScale(Resumable):
-    """Shift and scale numbers by mean and deviation of the recent past, which forgets as students change."""
+    """Normalize numbers by a decaying mean and standard deviation, which adapts as students change."""
 
     DECAY = 0.9  # per batch
     state_fields = ("mean", "square", "weight")
 
     def __init__(self) -> None:
-        self.mean = self.square = self.weight = 0.0  # of an average that starts at 0 and is corrected for that
+        self.mean = self.square = self.weight = 0.0  # moving averages, initialized at 0 with bias correction
 
     def track(self, values: np.ndarray) -> None:
-        """Take a batch into the statistics."""
+        """Update the statistics with a batch."""
         self.mean = self.DECAY * self.mean + (1 - self.DECAY) * float(values.mean())
         self.square = self.DECAY * self.square + (1 - self.DECAY) * float((values**2).mean())
         self.weight = self.DECAY * self.weight + (1 - self.DECAY)

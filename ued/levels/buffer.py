@@ -66,7 +66,7 @@ class LevelBuffer(Resumable):
         self._rows_by_id: dict[int, int] = {}
         self._score_weights: np.ndarray | None = None  # until a score changes
         self._by_rank = np.arange(1.0, config.capacity + 1) ** (-1 / config.temperature)
-        self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores have changed since it was asked
+        self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores changed since the last ranking
         self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
         self.replays = False  # whether replay has begun, where the budget says when

@@ -1,11 +1,11 @@
-"""Mixtures of Gaussians, fitted by expectation maximisation (Dempster et al. 1977), several mixtures at a time.
+"""Gaussian mixtures, fitted by expectation maximization (Dempster et al. 1977), several mixtures at once.
 
-The steps are those of scikit-learn, which takes a dozen calls for each Gaussian; for a few hundred rows these calls are
-nearly all of the time. Densities are quadratic forms of a row, and moments are sums over rows: with the products of a
-row's entries at hand, each of the two is one product of matrices.
+The algorithm is that of scikit-learn, whose many small calls per Gaussian dominate the time for a few hundred rows.
+Here, log densities are quadratic forms of a row and moments are sums over rows, so with precomputed products of a row's
+entries, each of the two is one matrix product.
 
-Covariances are full as in the paper's code, as long as a Gaussian has as many rows as columns to learn them from; else
-they are singular, and diagonal ones take their place (scikit-learn's "diag"): of D² products of a row D are left.
+Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns; otherwise they would
+be singular, and diagonal covariances are used (scikit-learn's "diag"), which need D instead of D² products of a row.
 Read next: `methods.alp_gmm`.
 """
 
@@ -19,10 +19,10 @@ from functools import cached_property
 import numpy as np
 
 MOST_STEPS = 100
-TOLERANCE = 1e-3  # of the mean log-likelihood, below which another step is not worth it
-REGULARISER = 1e-5  # added to variances: none is 0
-LEAST_LOG_SHARE = -50.0  # of a Gaussian in a row: below, numpy's exponential takes ten times as long
-MOST_FULL = 64  # columns with full covariances, however many rows there are: products of a row are 4,225 numbers
+TOLERANCE = 1e-3  # minimum change of the mean log-likelihood per step
+REGULARISER = 1e-5  # added to variances to keep them positive
+LEAST_LOG_SHARE = -50.0  # lower limit, since numpy's exponential is ten times slower below
+MOST_FULL = 64  # maximum number of columns for full covariances: 4,225 products of a row
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,16 @@ class GaussianMixture:
     covariances: np.ndarray
 
     def __getitem__(self, which: np.ndarray) -> GaussianMixture:
-        """Return these of its Gaussians: bool `[K]`."""
+        """Select Gaussians by a mask: bool `[K]`."""
         return GaussianMixture(self.weights[which], self.means[which], self.covariances[which])
 
     @property
     def full(self) -> bool:
-        """Whether columns depend on each other."""
+        """Whether covariances are full."""
         return self.covariances.ndim == 3
 
     def marginal(self, dim: int) -> GaussianMixture:
-        """Return its distribution over the first columns alone."""
+        """Return the marginal distribution of the first columns."""
         inner = (slice(None), *[slice(dim)] * (self.covariances.ndim - 1))
         return GaussianMixture(self.weights, self.means[:, :dim], self.covariances[inner])
 
@@ -52,13 +52,13 @@ class GaussianMixture:
         return np.linalg.cholesky(self.covariances) if self.full else np.sqrt(self.covariances)
 
     def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
-        """Draw rows `[count, D]`."""
+        """Sample rows `[count, D]`."""
         which = rng.choice(len(self.weights), count, p=self.weights)
         noise, roots = rng.standard_normal((count, self.means.shape[1])), self._roots[which]
         return self.means[which] + ((roots @ noise[:, :, None])[:, :, 0] if self.full else roots * noise)
 
     def log_densities(self, products: np.ndarray) -> np.ndarray:
-        """Return for each row, given its products `[n, P]`, the logarithm of what each Gaussian adds to its density,
+        """Return the log of each Gaussian's weighted density for each row, given its products `[n, P]`:
         `[K, n]`.
         """
         count, dim = self.means.shape
@@ -76,8 +76,8 @@ class GaussianMixture:
 
 
 def products_of(data: np.ndarray, full: bool) -> np.ndarray:
-    """Return the products of all pairs of entries of (1, row) for each row of data `[n, D]`, `[n, (1 + D)²]`, or only
-    the entries of 1, row and row², `[n, 1 + 2 D]`.
+    """Return the products of all pairs of entries of (1, row) for each row of data `[n, D]`: `[n, (1 + D)²]`, or for
+    diagonal covariances 1, row and row²: `[n, 1 + 2 D]`.
     """
     rows = np.concatenate([np.ones((len(data), 1)), data], 1)
     if not full:
@@ -86,7 +86,7 @@ def products_of(data: np.ndarray, full: bool) -> np.ndarray:
 
 
 def aic(mixtures: Sequence[GaussianMixture], data: np.ndarray) -> np.ndarray:
-    """Return Akaike's criterion `[M]` of mixtures, all full or none, on data `[n, D]`: the smaller, the better."""
+    """Return Akaike's criterion `[M]` of mixtures with one type of covariance on data `[n, D]`; smaller is better."""
     counts, dim = np.array([len(mixture.weights) for mixture in mixtures]), data.shape[1]
     together = _joined(mixtures)
     parameters = counts * (dim * (dim + 1) // 2 if together.full else dim) + counts * dim + counts - 1
@@ -95,18 +95,18 @@ def aic(mixtures: Sequence[GaussianMixture], data: np.ndarray) -> np.ndarray:
 
 
 def fit(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> list[GaussianMixture]:
-    """Fit a mixture of each of these numbers of Gaussians to data `[n, D]`, from clusters on.
+    """Fit one mixture for each of these numbers of Gaussians to data `[n, D]`, initialized by clusters.
 
-    They take their steps together, K Gaussians in all, each mixture until it is good enough.
+    All mixtures, with K Gaussians in total, are updated together; each stops when it has converged.
     """
     products = products_of(data, data.shape[1] <= min(MOST_FULL, len(data) // max(counts)))
     share, dim = _clusters(data, counts, rng), data.shape[1]  # [K, n]
-    owner = np.repeat(np.arange(len(counts)), counts)  # [K] the mixture that each belongs to
+    owner = np.repeat(np.arange(len(counts)), counts)  # [K] the mixture of each Gaussian
     fitted, before = dict[int, GaussianMixture](), np.full(len(counts), -math.inf)
-    mixtures = _maximise(products, share, dim)
+    mixtures = _maximize(products, share, dim)
     for step in range(1, MOST_STEPS + 1):
         share, likelihood = _share(mixtures.log_densities(products), owner)
-        mixtures = _maximise(products, share, dim)
+        mixtures = _maximize(products, share, dim)
         left = np.unique(owner)
         good = abs(likelihood - before[left]) < TOLERANCE
         before[left] = likelihood
@@ -127,8 +127,8 @@ def _joined(mixtures: Sequence[GaussianMixture]) -> GaussianMixture:
 
 
 def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the share `[K, n]` of each Gaussian in the density of each row under its mixture, from what it adds
-    `[K, n]`, and the mean logarithm of that density, for each of the mixtures that occur in `owner` `[K]`.
+    """Return the responsibilities `[K, n]` of Gaussians for rows, given their log weighted densities `[K, n]`, and the
+    mean log-likelihood of each mixture in `owner` `[K]`.
     """
     starts, sizes = np.unique(owner, return_index=True, return_counts=True)[1:]
     largest = np.maximum.reduceat(parts, starts)
@@ -139,9 +139,9 @@ def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return share, (largest + np.log(total)).mean(1)
 
 
-def _maximise(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
-    """Return the likeliest mixtures where each Gaussian has this share `[K, n]` of the rows with these products, which
-    are of D = `dim` columns.
+def _maximize(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
+    """Return the maximum-likelihood mixtures for these responsibilities `[K, n]` and products of rows with D = `dim`
+    columns.
     """
     moments = share @ products  # [K, P]
     total = moments[:, 0] + 10 * np.finfo(float).eps  # [K]
@@ -155,14 +155,14 @@ def _maximise(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixt
 
 
 def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
-    """Return the share `[K, n]` of each cluster in each row of data `[n, D]`, for each of these numbers of clusters.
+    """Return the membership `[K, n]` of rows of data `[n, D]` in clusters, for each of these numbers of clusters.
 
-    k-means from k-means++. Rows as near to two clusters belong to both.
+    k-means with k-means++ initialization. Rows equally close to two clusters belong to both.
     """
     centres, starts = _far_apart(data, counts, rng), np.array([0, *counts]).cumsum()[:-1]  # [K, D]
     share = np.zeros((len(centres), len(data)))
     for _ in range(MOST_STEPS):
-        distance = 0.5 * (centres**2).sum(1)[:, None] - centres @ data.T  # half its square, but for a term of the row's
+        distance = 0.5 * (centres**2).sum(1)[:, None] - centres @ data.T  # half the squared distance + a row constant
         mine = distance == np.repeat(np.minimum.reduceat(distance, starts), counts, 0)
         before, share = share, mine / np.repeat(np.add.reduceat(mine, starts, dtype=float), counts, 0)
         if (share == before).all():
@@ -173,8 +173,8 @@ def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator)
 
 
 def _far_apart(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> np.ndarray:
-    """Return for each of these numbers so many rows of data `[n, D]`, one after the other `[K, D]`: each of a number's
-    likely far from those before it (Arthur and Vassilvitskii 2007), drawn for each number apart.
+    """Return initial centers `[K, D]` from the rows of data `[n, D]` by k-means++ (Arthur and Vassilvitskii 2007),
+    sampled separately for each number of clusters.
     """
     squares, chosen = (data**2).sum(1), [rng.integers(len(data), size=len(counts))]  # [M] rows
     far = np.full((len(counts), len(data)), math.inf)

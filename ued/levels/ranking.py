@@ -9,7 +9,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-FEW = 64  # times as many scores stay as change: then the order is mended, else made anew
+FEW = 64  # minimum ratio of unchanged to changed scores for updating the order instead of sorting
 
 
 class Ranking:

@@ -1,18 +1,18 @@
-"""The adversary's distribution over θ: it begins as what the program draws, and can put its mass anywhere.
+"""The adversary's distribution over θ: initially that of the program, but flexible enough for any region.
 
-    h = tanh(W z + c)                                       z: a random vector, or what a student sees
-    choice_j ~ softmax(log weights_j + A_j h_j)             one after another: h_j also sees the choices before j
-    real_d   ~ sum over k of share_dk · bump(mean_dk, scale_dk)     all at once: they see z and every choice
+    h = tanh(W z + c)                                       z: a random vector, or a context
+    choice_j ~ softmax(log weights_j + A_j h_j)             in sequence: h_j also depends on choices before j
+    real_d   ~ sum over k of share_dk · bump(mean_dk, scale_dk)     in parallel, given z and all choices
 
-A choice is a column that stands for one of a few values: `Uniform`, `Discrete`, an integer, the program of a mixture.
-Its categorical begins at the program's own weights, so no option is hard to reach because of its place in a list. A
-real number has COMPONENTS bumps, logistic distributions cut off at -1 and 1, which together begin nearly uniform; the
-shares can move mass to a distant bump at once, and several bumps can stay. A_j, and all that makes shares, means and
-scales differ from where they begin, are 0 at first.
+A choice is a column with a few values: `Uniform`, `Discrete`, an integer, the program of a mixture. Its categorical
+distribution is initialized with the program's weights, so the position of an option in the list does not matter. A
+real number has COMPONENTS bumps, logistic distributions truncated to [-1, 1], initially nearly uniform in sum; the
+shares can move mass to a distant bump directly, and the distribution can stay multimodal. A_j and the output weights
+for shares, means and scales are initialized with 0.
 
-Densities are relative to the program's: log pi(θ) / pi_0(θ), where pi_0 is what domain randomization draws, uniform in
-θ. So they are 0 at the beginning, and the mean of their negatives is -KL(pi, pi_0) ≤ 0, whatever the columns are.
-Read next: `levels.adversary`, which learns it; `levels.unimodal`, the thesis's Gaussian in its place.
+Log-densities are relative to the program's: log pi(θ) / pi_0(θ), where pi_0 is domain randomization, uniform in θ. So
+they are initially 0, and their negative mean is -KL(pi, pi_0) ≤ 0 for every kind of column.
+Read next: `levels.adversary`, which trains it; `levels.unimodal`, the Gaussian of the thesis as an alternative.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from ued.core.cells import Cells
 from ued.core.parameters import Parameter, choice_in
 from ued.learning.networks import IMPOSSIBLE, linear
 
-# The bumps of each real number as they begin: together uniform within a few percent, and symmetric.
+# The initial bumps of each real number: symmetric, and in sum uniform within a few percent.
 FIRST_MEANS = (-0.98, -0.49, 0.0, 0.49, 0.98)
-FIRST_SHARES = (0.7, 1.0, 1.0, 1.0, 0.7)  # with any sum
+FIRST_SHARES = (0.7, 1.0, 1.0, 1.0, 0.7)  # unnormalized
 FIRST_SCALE = 0.2
 COMPONENTS = len(FIRST_MEANS)
-MOST_MEAN = 1.05  # a mean stays within this on either side
-LOG_SCALE_RANGE = (math.log(0.01), math.log(3.0))  # from 2 % of [-1, 1] to all of it
-SMALL = 1e-9  # a density where there is no bump: its logarithm stays finite
+MOST_MEAN = 1.05  # limit of the absolute value of a mean
+LOG_SCALE_RANGE = (math.log(0.01), math.log(3.0))  # from 2% of [-1, 1] to all of it
+SMALL = 1e-9  # minimum density, to keep its logarithm finite
 
 
 class Drawn(NamedTuple):
-    """A column as it is drawn: where in θ, only for which program of a mixture (-1: always), and its cells if any."""
+    """A sampled column: its index in θ, its program in a mixture (-1: all), and its cells, if discrete."""
 
     column: int
     program: int
@@ -48,7 +48,7 @@ class Drawn(NamedTuple):
 
 
 def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Parameter]] = ()) -> list[Drawn]:
-    """Return what is to be drawn for the columns of θ; on a mixture column 0, then each program's own columns."""
+    """Return the sampled columns of θ; for a mixture, column 0 and then the columns of each program."""
     if not program_parameters:
         return [Drawn(column, -1, choice_in(draw)) for column, draw in enumerate(draws)]
     drawn = [Drawn(0, -1, choice_in(draws[0]))]
@@ -58,16 +58,16 @@ def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Par
 
 
 class ThetaDistribution(nn.Module):
-    """z `[B, Z]` -> a distribution over θ for each row, and the score to expect.
+    """z `[B, Z]` -> a distribution over θ for each row, and the expected score.
 
-    What is drawn, `raw` `[B, D]`, is θ itself where a column is a real number and the index of the value where it is a
-    choice; 0 in columns that the chosen program of a mixture does not have.
+    A sample `raw` `[B, D]` holds θ itself for real columns and the index of the value for choices; 0 for columns that
+    the chosen program of a mixture does not have.
 
     Args:
         draws, program_parameters: the columns of θ, see `layout`.
         context_size: Z.
         hidden: units of each of the two layers.
-        generator: of the first weights.
+        generator: random generator of the initial weights.
     """
 
     def __init__(
@@ -88,15 +88,15 @@ class ThetaDistribution(nn.Module):
         self.first, self.second = (linear(size, hidden, math.sqrt(2), generator) for size in (context_size, hidden))
         self.value = linear(hidden, 1, 0.0, generator)
         self.logits = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # A
-        self.seen = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # what a choice adds to later h
+        self.seen = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # contribution of a choice to later h
         self.bumps = linear(hidden, 3 * len(self.reals) * COMPONENTS, 0.0, generator) if self.reals else None
         self.first_shares = torch.tensor(FIRST_SHARES).log()
         self.first_means = torch.atanh(torch.tensor(FIRST_MEANS) / MOST_MEAN)
 
-    # ------------------------------------------------------------ both ways
+    # ------------------------------------------------------------ sampling and densities
 
     def sample(self, z: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
-        """Draw `raw` `[B, D]`; return it with its relative log-density `[B]`."""
+        """Sample `raw` `[B, D]`; return it with its relative log-density `[B]`."""
         h, raw = self._read(z), z.new_zeros(len(z), self.dim)
         for j, logits in enumerate(self._each_choice(h, raw)):
             noise = -torch.empty_like(logits).exponential_(generator=generator).log()  # Gumbel's
@@ -107,7 +107,7 @@ class ThetaDistribution(nn.Module):
         return raw, self(z, raw)[0]
 
     def forward(self, z: Tensor, raw: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the score to expect `[B]`, normalized."""
+        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the expected normalized score `[B]`."""
         h = self._read(z)
         seen = self._all_seen(h, raw)  # [B, C + 1, H]
         density = z.new_zeros(len(z))
@@ -123,7 +123,7 @@ class ThetaDistribution(nn.Module):
         return density, self.value(torch.tanh(h))[:, 0]
 
     def theta(self, raw: np.ndarray) -> np.ndarray:
-        """Return θ float64 `[n, D]` for what was drawn: of a choice the middle of its cell."""
+        """Return θ float64 `[n, D]` of samples; a choice gives the middle of its cell."""
         theta = raw.astype(np.float64)
         for column, program, cells in self.choices:
             mine = self._of(torch.as_tensor(raw), program).numpy()
@@ -137,14 +137,14 @@ class ThetaDistribution(nn.Module):
         return self.second(torch.tanh(self.first(z)))  # [B, H], before its tanh
 
     def _each_choice(self, h: Tensor, raw: Tensor) -> Iterator[Tensor]:
-        """Yield the logits `[B, most values]` of each choice, which the caller then puts into `raw`."""
+        """Yield the logits `[B, most values]` of each choice; the caller writes the choice into `raw` in between."""
         for j, (column, program, _) in enumerate(self.choices):
             yield self.log_weights[j] + torch.tanh(h) @ self.logits[j].T
             added = self.seen[j][raw[:, column].long()]
             h = h + (added * self._of(raw, program)[:, None] if self.mixed else added)
 
     def _all_seen(self, h: Tensor, raw: Tensor) -> Tensor:
-        """Return what each choice sees, and last what all real numbers see: `[B, C + 1, H]`."""
+        """Return the inputs of each choice, and last the input of all real numbers: `[B, C + 1, H]`."""
         if not self.choices:
             return torch.tanh(h)[:, None]
         added = self.seen[torch.arange(len(self.choices)), raw[:, self.choice_at].long()]  # [B, C, H]
@@ -154,7 +154,7 @@ class ThetaDistribution(nn.Module):
     # ------------------------------------------------------------ real numbers
 
     def _draw_reals(self, seen: Tensor, raw: Tensor, generator: torch.Generator) -> None:
-        """Draw the real numbers into `raw`, each from one of its bumps by the inverse of its distribution."""
+        """Sample the real numbers into `raw`, each from one of its bumps by inverse transform sampling."""
         shares, means, scales = self._bumps(seen)  # [B, R, K]
         bump = torch.multinomial(shares.flatten(0, 1), 1, generator=generator).view(*means.shape[:2], 1)
         mean, scale = means.gather(2, bump)[..., 0], scales.gather(2, bump)[..., 0]  # [B, R]
@@ -177,7 +177,7 @@ class ThetaDistribution(nn.Module):
 
     @staticmethod
     def _log_bumps(x: Tensor, shares: Tensor, means: Tensor, scales: Tensor) -> Tensor:
-        """Return log of twice the density of x `[B, R]`: relative to the uniform on [-1, 1]."""
+        """Return the log-density of x `[B, R]` relative to the uniform on [-1, 1]."""
         ends = torch.stack([x, torch.ones_like(x), -torch.ones_like(x)])[..., None]
         at, high, low = torch.sigmoid((ends - means) / scales)  # logistic cumulative distributions [B, R, K]
         density = at * (1 - at) / (scales * (high - low))
@@ -186,11 +186,11 @@ class ThetaDistribution(nn.Module):
     # ------------------------------------------------------------ programs of a mixture
 
     def _of(self, raw: Tensor, program: int) -> Tensor:
-        """Return which rows have what belongs to a program: bool `[B]`."""
+        """Return which rows belong to a program: bool `[B]`."""
         return torch.ones(len(raw), dtype=torch.bool) if program < 0 else raw[:, 0] == program
 
     def _where_drawn(self, values: Tensor, raw: Tensor, programs: Tensor) -> Tensor:
-        """Return values `[B, n, ...]` with 0 for what the row's program does not have; `programs` `[n]`."""
+        """Set values `[B, n, ...]` to 0 in columns that the row's program does not have; `programs` `[n]`."""
         if not self.mixed:
             return values
         drawn = (programs < 0) | (programs == raw[:, :1])  # [B, n]
@@ -201,12 +201,12 @@ class ThetaDistribution(nn.Module):
 
 
 def _places(parts: Sequence[Drawn]) -> tuple[Tensor, Tensor]:
-    """Return the columns of θ and the programs of what is drawn: int64 `[n]` each."""
+    """Return the indices in θ and the programs of sampled columns: int64 `[n]` each."""
     return tuple(torch.tensor([part[k] for part in parts], dtype=torch.long) for k in (0, 1))  # type: ignore[return-value]
 
 
 def _log_weights(choices: Sequence[Drawn]) -> Tensor:
-    """Return the logarithms of the program's weights `[C, most values]`, IMPOSSIBLE behind a choice's last value."""
+    """Return the log weights of the program `[C, most values]`, padded with IMPOSSIBLE."""
     cells = [part.cells for part in choices if part.cells is not None]
     weights = torch.full((len(cells), max((each.count for each in cells), default=0)), IMPOSSIBLE)
     for row, each in zip(weights, cells, strict=True):

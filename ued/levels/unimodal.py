@@ -1,8 +1,8 @@
-"""One hump for each column of θ: the thesis's Gaussian squashed by tanh (section 4.3), and the Beta policy of CLUTR.
+"""Unimodal distributions over θ: the tanh Gaussian of the thesis (section 4.3), and the Beta policy of CLUTR.
 
-Both take every column for a real number, a choice among options, too. An option then is an interval of θ, and where
-in the program's list it stands decides how hard it is to find: at an end it is covered by moving the mean, in the
-middle hardly ever. They are here to be compared with `levels.theta_distribution`. Read next: `levels.adversary`.
+Both treat every column as a real number, including choices. An option is then an interval of θ, and its position in
+the program's list affects how easy it is to reach: easy at an end, by moving the mean, but hard in the middle. They
+serve as a baseline for `levels.theta_distribution`. Read next: `levels.adversary`.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from torch.nn.functional import softplus
 
 from ued.learning.networks import LOG_2_PI, linear
 
-# tanh of a logistic variable of scale 1/2 is uniform on [-1, 1]; a normal of the same deviation comes close.
+# tanh of a logistic variable with scale 1/2 is uniform on [-1, 1]; a normal with the same deviation is close to it.
 UNIFORM_LOG_STD = math.log(math.pi / math.sqrt(12))
 LOG_STD_RANGE = (-5.0, 1.0)
-BETA_EDGE = 1 - 1e-6  # θ of a Beta stays inside, where its density is finite
-MEAN_RANGE = 3.0  # tanh(3) = 0.995: beyond, θ hardly moves and gradients vanish
+BETA_EDGE = 1 - 1e-6  # bound of θ under a Beta, which keeps its density finite
+MEAN_RANGE = 3.0  # tanh(3) = 0.995; gradients vanish beyond
 
 
 class TanhGaussian:
-    """θ = tanh(raw), raw from a Gaussian. Its parameters are mean and log deviation before tanh."""
+    """θ = tanh(raw) with Gaussian raw. The parameters are its mean and log standard deviation."""
 
     def __init__(self, one: Tensor, other: Tensor) -> None:
         self.mean = MEAN_RANGE * torch.tanh(one / MEAN_RANGE)
@@ -45,10 +45,10 @@ class TanhGaussian:
 
 
 class Beta:
-    """θ = raw = 2 b - 1, each b from a Beta distribution with both parameters above 1: one hump (Chou et al. 2017)."""
+    """θ = raw = 2 b - 1 with b from a Beta distribution, both parameters above 1: unimodal (Chou et al. 2017)."""
 
     def __init__(self, one: Tensor, other: Tensor) -> None:
-        # Both parameters begin near 1, which is uniform.
+        # Both parameters are initially close to 1, the uniform distribution.
         alpha, beta = (1 + softplus(4 * x - 3) for x in (one, other))
         self.beta = torch.distributions.Beta(alpha, beta, validate_args=False)
 
@@ -71,7 +71,7 @@ UNIMODAL: dict[str, type[TanhGaussian] | type[Beta]] = {"tanh_gaussian": TanhGau
 
 
 class Unimodal(nn.Module):
-    """z `[B, Z]` -> a hump for each of D columns, and the score to expect; as `ThetaDistribution`."""
+    """z `[B, Z]` -> a unimodal distribution for each of D columns, and the expected score; as `ThetaDistribution`."""
 
     def __init__(self, name: str, dim: int, context_size: int, hidden: int, generator: torch.Generator) -> None:
         super().__init__()
@@ -81,18 +81,18 @@ class Unimodal(nn.Module):
         self.value = linear(hidden, 1, 1.0, generator)
 
     def sample(self, z: Tensor, generator: torch.Generator) -> tuple[Tensor, Tensor]:
-        """Draw `raw` `[B, D]`; return it with its relative log-density `[B]`."""
+        """Sample `raw` `[B, D]`; return it with its relative log-density `[B]`."""
         policy, _ = self._humps(z)
         raw = policy.sample(generator)
         return raw, policy.log_prob(raw)
 
     def forward(self, z: Tensor, raw: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the score to expect `[B]`."""
+        """Return the relative log-density `[B]` of `raw` `[B, D]`, and the expected score `[B]`."""
         policy, value = self._humps(z)
         return policy.log_prob(raw), value
 
     def theta(self, raw: np.ndarray) -> np.ndarray:
-        """Return θ float64 `[n, D]` for what was drawn."""
+        """Return θ float64 `[n, D]` of samples."""
         return self.family.theta(raw)
 
     def _humps(self, z: Tensor) -> tuple[TanhGaussian | Beta, Tensor]:

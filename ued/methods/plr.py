@@ -4,7 +4,7 @@
         with probability 1 - p, or while the buffer is not filled:
             draw a level uniformly; the student plays it  (robust: without learning); offer it to the buffer
         else:
-            draw a level from the buffer by score and staleness; the student plays it and learns; score it anew
+            draw a level from the buffer by score and staleness; the student plays it and learns; update its score
 
 A level on which no episode has finished has no score, and is neither kept nor dropped for it. Read next:
 `levels.buffer`, `levels.scores`; then `methods.accel`.

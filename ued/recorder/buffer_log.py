@@ -1,6 +1,6 @@
-"""What a recording shows of a buffer of levels: scores, how long ago each was played, who descends from whom.
+"""Level buffer in a recording: scores, staleness, and ancestry of levels.
 
-Read next: `levels.buffer`, what is shown.
+Read next: `levels.buffer`, the buffer itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ued.recorder.shades import CALM_TO_RED, ramp
 
 BINS = 24
 EVERY = 10  # updates
-MOST_LEVELS = 2_000  # in the tree, those of the highest scores
+MOST_LEVELS = 2_000  # in the tree, those with the highest scores
 
 
 class BufferLog:
@@ -24,7 +24,7 @@ class BufferLog:
         self.stream = stream
 
     def record(self, buffer: LevelBuffer) -> None:
-        """Write what a buffer holds now."""
+        """Write the current content of a buffer."""
         slots = buffer.slots
         if not len(slots):
             return

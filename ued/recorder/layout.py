@@ -1,8 +1,8 @@
-"""What the viewer shows of a recording: some tabs, and what a domain must tell to be drawn.
+"""Layout of a recording in the viewer, as tabs.
 
-*Overview* (where levels are, the one of the highest score, returns, regret, test scenes, θ over updates), *Levels* (the
-six highest scores), *Rollouts* (each student on one level), *Theta* (histograms over the uniform, θ over updates),
-*Teacher* (sources, entropy, what was chosen, what somebody should know), *Buffer* where there is one.
+*Overview* (map of levels, level with the highest score, returns, regret, test scenes, θ over updates), *Levels* (the
+six highest scores), *Rollouts* (each student on one level), *Theta* (histograms against the uniform, θ over updates),
+*Teacher* (sources, entropy, chosen levels, warnings), and *Buffer* for methods with a buffer.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PlayState = Literal["Paused", "Playing", "Following"]
 Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
-MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in units of their view
+MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in view units
 SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 DARK: Colour = (12, 12, 14)
@@ -33,10 +33,10 @@ DARK: Colour = (12, 12, 14)
 def layout(
     painter: ScenePainter | None, names: Sequence[str], students: Sequence[str], kinds: Set[str] = frozenset()
 ) -> Any:
-    """Return the blueprint for a painter, the names of the columns of θ, and those of the students.
+    """Return the blueprint for a painter, the names of the columns of θ, and the names of the students.
 
-    `kinds` are the metrics that there are, by what stands before their "/": "program" where levels are of several
-    programs, "buffer" where they are kept.
+    `kinds` are the prefixes of the available metrics: "program" for levels of several programs, "buffer" for methods
+    with a buffer.
     """
     mixed = "program" in kinds
     more = [_teacher(mixed, "choice_ratio" in kinds), *([_buffer()] if "buffer" in kinds else [])]
@@ -56,7 +56,7 @@ def layout(
 @contextmanager
 def recording(path: Path, kind: str, name: str, views: Any) -> Iterator[rerun.RecordingStream]:
     """Open a recording at a path, y-up below /scene. Raises OSError or RuntimeError if it cannot be written."""
-    with open(path, "wb"):  # Rerun itself only warns of a path that cannot be written
+    with open(path, "wb"):  # Rerun only warns about an unwritable path
         pass
     stream = rerun.RecordingStream(kind, recording_id=name)
     stream.set_log_time_enabled(False)
@@ -69,12 +69,12 @@ def recording(path: Path, kind: str, name: str, views: Any) -> Iterator[rerun.Re
 
 
 def turn_y_up(stream: rerun.RecordingStream) -> None:
-    """Turn what lies below /scene: Rerun's 2D views are y-down, and one transform at the root keeps all else y-up."""
+    """Flip the y axis below /scene: Rerun's 2D views are y-down, so one transform at the root allows y-up data."""
     stream.log("scene", rerun.Transform3D(mat3x3=np.diag([1.0, -1.0, 1.0])), static=True)
 
 
 def log_ground(stream: rerun.RecordingStream, root: str, painter: ScenePainter) -> None:
-    """Write a painter's classes and the lines that never change below `root`."""
+    """Write a painter's classes and static lines below `root`."""
     infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
     stream.log(root, rerun.AnnotationContext(infos), static=True)
     strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
@@ -82,9 +82,9 @@ def log_ground(stream: rerun.RecordingStream, root: str, painter: ScenePainter) 
 
 
 def blueprint(views: Any, timeline: str, fps: float, play: PlayState = "Paused") -> Any:
-    """Return a blueprint of these views alone, with all panels folded and a timeline that waits to be played.
+    """Return a blueprint of these views, with collapsed panels and a paused timeline.
 
-    `play` "Following" opens it at its end, and goes along with a recording that grows.
+    `play` "Following" opens the recording at its end and follows it while it grows.
     """
     return rrb.Blueprint(
         views,
@@ -97,7 +97,7 @@ def blueprint(views: Any, timeline: str, fps: float, play: PlayState = "Paused")
 
 
 def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: str) -> Any:
-    """Return a view of what these paths hold within bounds: x low, x high, y low, y high."""
+    """Return a view of these paths within bounds: x low, x high, y low, y high."""
     x_low, x_high, y_low, y_high = bounds
     return rrb.Spatial2DView(
         origin="/",
@@ -109,9 +109,9 @@ def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: s
 
 
 def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> Any:
-    title = "Where the levels are (colour: score) over their density"
+    title = "Levels (color: score) and their density"
     level = rrb.Horizontal(
-        _scene(painter, "The level of the highest score", "/scene/levels/0/**"),
+        _scene(painter, "Level with the highest score", "/scene/levels/0/**"),
         rrb.TextDocumentView(origin="/levels/card", name="Level"),
         column_shares=[1.25, 1],
     )
@@ -120,15 +120,15 @@ def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> An
 
 
 def _plain(students: Sequence[str]) -> Any:
-    """Return the overview of environments without a painter: what they render, and the best level in words."""
+    """Return the overview of environments without a painter: rendered frames, and the best level as text."""
     films = [rrb.Spatial2DView(origin=f"/film/{name}", name=name.capitalize()) for name in students]
-    card = rrb.TextDocumentView(origin="/levels/card", name="The level of the highest score")
+    card = rrb.TextDocumentView(origin="/levels/card", name="Level with the highest score")
     left = rrb.Vertical(rrb.Horizontal(*films), card, row_shares=[1.4, 1])
     return rrb.Horizontal(left, _progress(students, False), name="Overview")
 
 
 def _progress(students: Sequence[str], mixed: bool) -> Any:
-    """Return the curves of returns and of what levels are worth, and where θ went."""
+    """Return the views of returns, scores of levels, and θ over updates."""
     curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
     if len(students) > 1:
         curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
@@ -167,33 +167,33 @@ def _theta(names: Sequence[str]) -> Any:
 
 
 def _teacher(mixed: bool, chosen: bool) -> Any:
-    """Return what the teacher did: where its levels come from, how widely they are spread, at what it aims."""
+    """Return the teacher's views: sources of levels, their spread, and the chosen levels."""
     curves = [
         _curves("Levels of an update by source", SOURCES, "LeftTop"),
-        _curves("Entropy of θ in nats; the adversary's, and of all levels", ENTROPIES, "RightTop"),
+        _curves("Entropy of θ in nats: of the adversary, and of all levels", ENTROPIES, "RightTop"),
     ]
     if mixed:
         curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
     if chosen:
-        name = "Options: how many times as often as the program the adversary proposes them"
+        name = "Options: frequency in proposals relative to the program"
         curves.append(_curves(name, "/metrics/choice_ratio/**", "RightTop"))
-    aim = rrb.TextDocumentView(origin="/teacher/aim", name="What it chose in this update")
-    events = rrb.TextLogView(origin="/events", name="What somebody should know")
+    aim = rrb.TextDocumentView(origin="/teacher/aim", name="Chosen levels of this update")
+    events = rrb.TextLogView(origin="/events", name="Warnings")
     return rrb.Horizontal(rrb.Vertical(*curves), rrb.Vertical(aim, events, row_shares=[1.6, 1]), name="Teacher")
 
 
 def _buffer() -> Any:
     tree = rrb.Spatial2DView(
         origin="/buffer/tree",
-        name="Its levels by age and score; lines lead from parents to edited copies (colour: number of edits)",
+        name="Levels by age and score; lines lead from parents to edited copies (color: number of edits)",
         background=DARK,
         visual_bounds=rrb.VisualBounds2D(x_range=[-50, MAP_WIDTH + 20], y_range=[-8, MAP_HEIGHT + 14]),
     )
     scores, staleness = (
         rrb.BarChartView(origin=f"/buffer/{name}", name=title, plot_legend=rrb.PlotLegend(visible=False))
-        for name, title in (("scores", "Scores"), ("staleness", "Levels played since each was"))
+        for name, title in (("scores", "Scores"), ("staleness", "Levels played since the last visit"))
     )
-    curves = _curves("What it holds", ("/metrics/buffer/score", "/metrics/buffer/generation"), "LeftTop")
+    curves = _curves("Content", ("/metrics/buffer/score", "/metrics/buffer/generation"), "LeftTop")
     return rrb.Horizontal(tree, rrb.Vertical(scores, staleness, curves), column_shares=[1.6, 1], name="Buffer")
 
 

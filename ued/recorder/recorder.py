@@ -1,26 +1,26 @@
-"""The curriculum as a Rerun recording: which levels were played, what came of them, how θ moved.
+"""The curriculum as a Rerun recording: played levels, their outcomes, and the distribution of θ.
 
-The recorder knows no domain: a `ScenePainter` says what a level looks like; without one there is θ, and a film of what
-environments render (`/film/<student>`) in the place of `/scene`. What it writes, by entity:
+The recorder is independent of the domain: a `ScenePainter` defines the look of a level. Without one, the recording has
+θ, and a video of rendered frames (`/film/<student>`) instead of `/scene`. It writes these entities:
 
-    /scene/ground                    lines that never change; below /scene metres are y-up
-    /scene/heat/map                  where the recent levels put the painter's focus
-    /scene/batch                     the focus of each level of this update, coloured by score
+    /scene/ground                    static lines; coordinates below /scene are in m, y-up
+    /scene/heat/map                  density of the painter's focus in recent levels
+    /scene/batch                     the focus of each level of this update, colored by score
     /scene/levels/<slot>/...         the levels with the highest score, one per slot
-    /scene/rollout/<student>/path    what a student did on a level, whole, on timeline `update`
-    /scene/rollout/<student>/now     the same, moving, on timeline `movie`
+    /scene/rollout/<student>/path    a student's whole path on a level, on timeline `update`
+    /scene/rollout/<student>/now     the same, animated, on timeline `movie`
     /metrics/<name>                  every metric of the method; returns and score with a band of one deviation
     /theta/<name>/...                quantiles and histogram of each column of θ
     /theta/over_time/...             update x bin densities of all columns, with a cursor
-    /levels/card                     the level of the highest score, in words
-    /levels/all                      every level of this update as levels.csv has it, to be read by programs
-    /teacher/aim                     where the levels lie that were chosen, in words
-    /buffer/...                      scores and staleness of a buffer's levels, and who descends from whom
-    /events                          what somebody should know, in words
+    /levels/card                     the level with the highest score, as text
+    /levels/all                      every level of this update with the columns of levels.csv, for programs
+    /teacher/aim                     distribution of the chosen levels, as text
+    /buffer/...                      scores, staleness and ancestry of a buffer's levels
+    /events                          warnings, as text
 
-Timelines: `update`, `env_steps`, and `movie`, on which pressing play animates the recorded episodes too.
-A recording that is continued gets another file with the same recording id; the viewer shows the parts as one.
-Read next: `recorder.theta_log` and `recorder.scene_log`, what is written; `recorder.layout`, what the viewer shows.
+Timelines: `update`, `env_steps`, and `movie`, which also animates the recorded episodes.
+A resumed run adds a file with the same recording id; the viewer shows the parts as one recording.
+Read next: `recorder.theta_log` and `recorder.scene_log`, the content; `recorder.layout`, the view.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
 
 @dataclass(frozen=True)
 class Recording:
-    """What a recording is called and how long it will be. Its parts share the `id`, by which a viewer merges them."""
+    """Name and expected length of a recording. Its parts share the `id`, by which a viewer merges them."""
 
     path: Path
     id: str
     name: str
     total_env_steps: int
     properties: Mapping[str, Any]
-    connect: str | None = None  # HOST:PORT of a viewer that shows it as it is made; Rerun waits in silence for none
+    connect: str | None = None  # HOST:PORT of a live viewer; Rerun waits silently if none answers
 
 
 class CurriculumRecorder:
@@ -69,7 +69,7 @@ class CurriculumRecorder:
         self.stream = rerun.RecordingStream(
             "regista",
             recording_id=recording.id,
-            # Big batches: with the default of 0.2 s every update would write a chunk per entity, six times the bytes.
+            # Large batches: with the default of 0.2 s every update writes a chunk per entity, six times the bytes.
             batcher_config=rerun.ChunkBatcherConfig(
                 flush_tick=1.0 if recording.connect else 60.0, flush_num_bytes=16 << 20
             ),
@@ -83,13 +83,13 @@ class CurriculumRecorder:
         self._pending: list[tuple[int, int, dict[str, float]]] = []  # update, env_steps, metrics
 
     def recall(self, update: int, env_steps: int, theta: np.ndarray) -> None:
-        """Take note of the levels `[L, D]` of an update that is already in an earlier part of the recording."""
+        """Add the levels `[L, D]` of an update that an earlier part of the recording already shows."""
         self._expect(update, env_steps)
         self.theta.note(update, theta)
         self.scenes.note(theta)
 
     def record(self, update: int, env_steps: int, batch: LevelBatch, metrics: Mapping[str, float]) -> None:
-        """Write one update: the levels that it was based on, and all its numbers."""
+        """Write one update: its levels and all its metrics."""
         self._expect(update, env_steps)
         if not self._opened:
             self._open(list(batch.returns), {name.partition("/")[0] for name in metrics})
@@ -107,12 +107,12 @@ class CurriculumRecorder:
         self.theta.record(update, batch.theta)
 
     def level_buffer(self, update: int, buffer: LevelBuffer) -> None:
-        """Write what a buffer holds, every few updates; of the update that was recorded last."""
+        """Write the content of a buffer, every few updates, at the last recorded update."""
         if self._opened and update % buffer_log.EVERY == 0:
             self.buffer.record(buffer)
 
     def episodes(self, student: str, update: int, env_steps: int, episodes: Episodes) -> None:
-        """Write episodes of a student: their whole paths on `update`, points moving on `movie`."""
+        """Write episodes of a student: whole paths on `update`, moving points on `movie`."""
         if self._opened:
             self._at(update, env_steps)
             self.scenes.record_path(student, episodes)
@@ -120,14 +120,14 @@ class CurriculumRecorder:
             self._at(update, env_steps)
 
     def event(self, kind: str, text: str) -> None:
-        """Write into the log what somebody should know, of the update that was recorded last."""
+        """Log a warning at the last recorded update."""
         if self._opened:
             self.stream.log("events", rerun.TextLog(f"{kind}: {text}", level=rerun.TextLogLevel.WARN))
 
     def flush(self) -> None:
-        """Write out what is pending, so that a kill from here on loses nothing earlier.
+        """Write pending data, so that a later kill does not lose them.
 
-        Raises what Rerun does where the disk does not take it; then nothing more can be recorded.
+        Raises Rerun's errors if the disk fails; then recording cannot continue.
         """
         if self._opened:
             self._send_metrics()
@@ -147,7 +147,7 @@ class CurriculumRecorder:
         self.theta.expect(-(-self.recording.total_env_steps * update // max(env_steps, 1)))
 
     def _open(self, students: list[str], kinds: Set[str]) -> None:
-        """Begin the file: the layout, what never changes, the looks of the curves; `kinds` of metrics there are."""
+        """Write the layout, the static content and the styles of curves for these `kinds` of metrics."""
         views = layout(self.painter, self.theta.names, students, kinds)
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
@@ -180,7 +180,7 @@ class CurriculumRecorder:
             self.stream.log(path, band)
 
     def _send_metrics(self) -> None:
-        """Send the pending metrics in columns: a hundred times cheaper than a row at a time."""
+        """Send the pending metrics in columns, a hundred times cheaper than row by row."""
         for name in dict.fromkeys(name for _, _, metrics in self._pending for name in metrics):
             rows = [(u, s, m[name]) for u, s, m in self._pending if np.isfinite(m.get(name, np.nan))]
             if not rows:
@@ -191,27 +191,27 @@ class CurriculumRecorder:
                 rerun.TimeColumn("env_steps", sequence=steps),
                 rerun.TimeColumn("movie", duration=updates * MOVIE_SECONDS),
             ]
-            path = rerun.new_entity_path(["metrics", *name.split("/")])  # a name may hold blanks
+            path = rerun.new_entity_path(["metrics", *name.split("/")])  # a name may contain spaces
             self.stream.send_columns(path, times, rerun.Scalars.columns(scalars=values.astype(float)))
         self._pending.clear()
 
     def _aim(self, batch: LevelBatch) -> Any:
-        """Return which levels the teacher chose, those that were not drawn at random, as a Markdown document."""
+        """Describe the levels chosen by the teacher, all except random ones, as a Markdown document."""
         chosen = np.isin(batch.source, ("proposed", "replayed", "edited"))
         sources = ", ".join(f"{int((batch.source == name).sum())} {name}" for name in dict.fromkeys(batch.source))
         if not chosen.any():
-            return rerun.TextDocument(f"{sources}: nothing was chosen", media_type=rerun.MediaType.MARKDOWN)
+            return rerun.TextDocument(f"{sources}: no level was chosen", media_type=rerun.MediaType.MARKDOWN)
         low, middle, high = self.theta.values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
-        spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # of the deviation of the uniform
+        spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform
         rows = "\n".join(
             f"| {name} | {low[d]:.2f} | {middle[d]:.2f} | {high[d]:.2f} | {spread[d]:.0%} |"
             for d, name in enumerate(self.theta.names)
         )
-        head = "| θ of the chosen | 10 % | median | 90 % | spread, of random levels' |\n|---|---|---|---|---|"
+        head = "| θ of the chosen levels | 10% | median | 90% | spread / random levels |\n|---|---|---|---|---|"
         return rerun.TextDocument(f"### {sources}\n\n{head}\n{rows}\n", media_type=rerun.MediaType.MARKDOWN)
 
     def _card(self, update: int, batch: LevelBatch) -> Any:
-        """Return the level of the highest score in words, as a Markdown document."""
+        """Describe the level with the highest score, as a Markdown document."""
         score, level = batch.score, by_score(batch)[0]
         quantiles = (np.quantile(batch.theta, share, 0) for share in (0.1, 0.9))
         low, value, high = map(self.theta.values, (next(quantiles), batch.theta[level], next(quantiles)))  # [D] each
@@ -225,6 +225,6 @@ class CurriculumRecorder:
         title = f"score {score[level]:.3f}, the highest of {len(score)}" if np.isfinite(score[level]) else "one level"
         text = (
             f"### Update {update}: {title}\n\n| student | return | episodes |\n|---|---|---|\n{returns}\n\n"
-            f"| θ | value | batch, 10 % to 90 % |\n|---|---|---|\n{rows}\n"
+            f"| θ | value | batch, 10% to 90% |\n|---|---|---|\n{rows}\n"
         )
         return rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)

@@ -1,6 +1,6 @@
-"""What a recording shows of scenes: the ground, where levels are, the best of them, and recorded episodes.
+"""Scenes in a recording: the ground, the map of levels, the best levels, and recorded episodes.
 
-Read next: `recorder.layout`, how the viewer arranges them.
+Read next: `recorder.layout`, their arrangement in the viewer.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from ued.recorder.layout import TOP_LEVELS, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
-HEAT_MEMORY = 0.85  # share of the heat map that is left after an update
-NOTE_SHARE = 0.02  # of the height of a view, half that of a line of a note
-END_SIZE = 0.55  # of the points at which an episode ended, beside those at which it began
+HEAT_MEMORY = 0.85  # decay of the heat map per update
+NOTE_SHARE = 0.02  # half the line height of a note, relative to the view
+END_SIZE = 0.55  # size of end points relative to start points
 
 
 class Episodes(NamedTuple):
-    """What a student did on a level, one episode after the other.
+    """Episodes of a student on a level, in sequence.
 
     Attributes:
-        positions: points `[T, K, 2]`; without a painter images, uint8 `[T, height, width, 3]`, or none.
-        begins: the frames with which episodes begin, 0 first.
-        step_seconds: between two frames.
-        outcome: what came of them, in a sentence.
+        positions: points `[T, K, 2]`; without a painter images, uint8 `[T, height, width, 3]`, or empty.
+        begins: first frame of each episode, beginning with 0.
+        step_seconds: time between two frames.
+        outcome: a sentence about the outcome.
     """
 
     positions: np.ndarray
@@ -51,7 +51,7 @@ class SceneLog:
         self._heat = np.zeros(cells)  # [rows, columns], y from low to high
 
     def open(self) -> None:
-        """Write what never changes."""
+        """Write the static content."""
         turn_y_up(self.stream)
         log_ground(self.stream, "scene", self.painter)
         x_low, _, y_low, _ = self.painter.bounds
@@ -69,7 +69,7 @@ class SceneLog:
         np.add.at(self._heat, (cells[inside, 1], cells[inside, 0]), 1.0)
 
     def record(self, batch: LevelBatch) -> None:
-        """Write where the levels of an update are, and those of the highest score."""
+        """Write the map of an update's levels, and those with the highest scores."""
         places = self.painter.positions(batch.theta)  # [L, K, 2]
         best, labels = by_score(batch), captions(batch)
         for slot in range(TOP_LEVELS):
@@ -77,7 +77,7 @@ class SceneLog:
             if slot < len(best):
                 self.stream.log(f"{path}/points", self._points(places[best[slot]]))
                 self.stream.log(f"{path}/note", self._note_above(labels[best[slot]], self.painter.bounds))
-            else:  # a smaller batch than before: nothing stale may stay in the slot
+            else:  # a smaller batch: clear the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
         share = unit(batch.score)
         known = np.isfinite(batch.score).any()
@@ -92,7 +92,7 @@ class SceneLog:
         self.stream.log("scene/heat/map", self._heat_image())
 
     def record_path(self, student: str, episodes: Episodes) -> None:
-        """Write the whole paths of a student's episodes, where all began and where each ended."""
+        """Write the whole paths of a student's episodes, with their start and end points."""
         root, parts = f"scene/rollout/{student}/path", np.split(episodes.positions, episodes.begins[1:])
         strips = [strip for part in parts for strip in part.transpose(1, 0, 2)]
         colours = np.tile(self._colours, (len(parts), 1))
@@ -104,7 +104,7 @@ class SceneLog:
         self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome, self.painter.reach))
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
-        """Write the moving points on `movie` alone, from second `began`: on `update` the last step would hide them."""
+        """Write the moving points on timeline `movie` only, starting at second `began`."""
         root, (steps, points) = f"scene/rollout/{student}/now", episodes.positions.shape[:2]
         seconds = began + np.arange(steps) * episodes.step_seconds  # [T]
         lengths = np.full(steps, points)
@@ -123,11 +123,11 @@ class SceneLog:
         self.stream.log(root, rerun.Clear(recursive=True))
 
     def _points(self, places: np.ndarray) -> Any:
-        """Return the points of one scene `[K, 2]`; all fields are set, so that no old colour or radius stays."""
+        """Return the points of one scene `[K, 2]`; all fields are set, to override old colors and radii."""
         return rerun.Points2D(places, class_ids=self.painter.classes, radii=self._radii, show_labels=False)
 
     def _note_above(self, text: str, bounds: Sequence[float]) -> Any:
-        """Return a note below the upper edge of bounds: x low, x high, y low, y high."""
+        """Return a note at the upper edge of bounds: x low, x high, y low, y high."""
         x_low, x_high, y_low, y_high = bounds
         place = [[(x_low + x_high) / 2, y_high - NOTE_SHARE * (y_high - y_low) * (1 + text.count("\n"))]]
         return rerun.Points2D(place, labels=[text], colors=[(225, 225, 225)], radii=0.01, show_labels=True)
@@ -137,16 +137,16 @@ class SceneLog:
         density /= density.max() + 1e-9
         alpha = 235 * np.clip(density * 1.35, 0, 1) ** 0.7
         image = np.dstack([ramp(0.15 + 0.85 * density, INFERNO), alpha.astype(np.uint8)])
-        return rerun.Image(image, opacity=0.9, draw_order=-9)  # below 1, or alpha would be ignored
+        return rerun.Image(image, opacity=0.9, draw_order=-9)  # below 1, otherwise Rerun ignores alpha
 
 
 def by_score(batch: LevelBatch) -> np.ndarray:
-    """Return the indices of the levels with the highest scores, the best first: at most TOP_LEVELS."""
+    """Return the indices of the levels with the highest scores, best first, at most TOP_LEVELS."""
     return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:TOP_LEVELS]
 
 
 def captions(batch: LevelBatch) -> list[str]:
-    """Return of each level who it is, and in a line for each student its mean and best returns there."""
+    """Return a title for each level, with a line for each student with its mean and best returns."""
     best = batch.best
     parts = [titles(batch)]
     for student, returns in batch.returns.items():
@@ -156,7 +156,7 @@ def captions(batch: LevelBatch) -> list[str]:
 
 
 def titles(batch: LevelBatch) -> list[str]:
-    """Return of each level its number, where it comes from and its score, if it has one."""
+    """Return a title for each level: its number, source, and score if available."""
     columns = (batch.records["id"], batch.source, batch.records["parent"], batch.score)
     return [_title(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
 

@@ -1,6 +1,6 @@
-"""Numbers for the eye: names, colours and smoothed grids. Nothing here needs Rerun or Gymnasium.
+"""Helpers for plots: names, colors and smoothed grids. They need neither Rerun nor Gymnasium.
 
-Read next: `recorder.scene_log`, which draws with them.
+Read next: `recorder.scene_log`, which uses them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ued.core.painter import Colour
 
 STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOUR: Colour = (255, 82, 82)
-SOURCE_COLOURS: dict[str, Colour] = {  # of levels, by where they come from
+SOURCE_COLOURS: dict[str, Colour] = {  # of levels, by source
     "random": (158, 158, 158),
     "proposed": (66, 165, 245),
     "replaced": (186, 104, 200),
@@ -35,13 +35,13 @@ CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 6
 
 
 def unique_names(draws: Sequence[Any]) -> list[str]:
-    """Return the names of the columns of θ, numbered where two are alike."""
+    """Return the names of the columns of θ; duplicates are numbered."""
     names = [parameter.name for parameter in draws]
     return [name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}" for k, name in enumerate(names)]
 
 
 def ramp(share: np.ndarray, table: Sequence[Colour]) -> np.ndarray:
-    """Return the colours uint8 `[..., 3]` of numbers in [0, 1] on a table of equally spaced colours."""
+    """Return the colors uint8 `[..., 3]` of numbers in [0, 1], by interpolation in a table of equally spaced colors."""
     rows = np.array(table, float)  # [C, 3]
     place = np.clip(np.nan_to_num(share), 0, 1) * (len(rows) - 1)
     below = np.minimum(place.astype(int), len(rows) - 2)
@@ -60,6 +60,6 @@ def smooth(grid: np.ndarray, width: float = 1.5) -> np.ndarray:
 
 
 def unit(score: np.ndarray) -> np.ndarray:
-    """Scale scores `[L]` to [0, 1] by their highest; unknown ones are 0."""
+    """Scale scores `[L]` to [0, 1] by their maximum; nan becomes 0."""
     known = np.nan_to_num(score)
     return np.clip(known / max(known.max(initial=0.0), 1e-6), 0, 1)

@@ -1,4 +1,4 @@
-"""What a recording shows of θ: quantiles and histograms by column, and densities over updates.
+"""θ in a recording: quantiles and histograms by column, and densities over updates.
 
 Read next: `recorder.scene_log`.
 """
@@ -15,15 +15,15 @@ from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
 from ued.recorder.shades import smooth, unique_names
 
 BINS = 24  # of a histogram of θ
-MOST_COLUMNS = 40  # of θ that are shown
-MAP_COLUMNS = 400  # of the densities over updates, at most
+MOST_COLUMNS = 40  # shown columns of θ
+MAP_COLUMNS = 400  # maximum width of the densities over updates
 MAP_BLUR = 1.2  # of those densities, in columns and bins
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
-MAP_GROWTH = 1.25  # of the updates between two writings of the densities, so that the file grows by a factor only
+MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, which bounds the file size
 
 
 class ThetaLog:
-    """Writes `/theta/...` of a recording, in the units of the parameters where these are finite."""
+    """Writes `/theta/...` of a recording, in the units of the parameters if their range is finite."""
 
     def __init__(self, stream: rerun.RecordingStream, draws: Sequence[Parameter]) -> None:
         draws = draws[:MOST_COLUMNS]
@@ -32,28 +32,28 @@ class ThetaLog:
         self.stream, self.names = stream, [axis.note.format(name) for name, axis in shown]
         low, high = np.array([(axis.low, axis.high) for axis in axes], float).reshape(-1, 2).T
         finite = np.isfinite(low) & np.isfinite(high)
-        self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ itself is shown
+        self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ is shown
         self._cells = [choice_in(draw) for draw in draws]
-        self._horizon = 1  # updates that the run will take, as far as is known
+        self._horizon = 1  # estimated number of updates of the run
         self._density = np.zeros((len(self.names), 1, BINS))  # [D, columns, bins]
         self._mapped = 0  # the last update at which the densities were written
 
     def values(self, theta: np.ndarray) -> np.ndarray:
-        """Return the columns that are shown of θ `[..., D]`, in the units of the parameters."""
+        """Return the shown columns of θ `[..., D]`, in the units of the parameters."""
         theta = theta[..., : len(self.names)]
         return self.low + (theta + 1) / 2 * (self.high - self.low)
 
     def expect(self, updates: int) -> None:
-        """Make room for this many updates, if none has been noted yet."""
+        """Allocate the densities for this many updates, before the first update."""
         if self._horizon == 1:
             self._horizon = max(2, updates)
             self._density = np.zeros((len(self.names), min(self._horizon, MAP_COLUMNS), BINS))
 
     def open(self) -> None:
-        """Write the looks of the curves, and the uniform to compare histograms with."""
+        """Write the styles of the curves, and the uniform distribution for comparison."""
         for name in self.names:
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
-            quantiles = rerun.SeriesLines(colors=shades, names=["10 %", name, "90 %"], widths=[1, 2.5, 1])
+            quantiles = rerun.SeriesLines(colors=shades, names=["10%", name, "90%"], widths=[1, 2.5, 1])
             self.stream.log(["theta", name, "quantiles"], quantiles, static=True)
             known = self._cells[self.names.index(name)]
             weights = np.full(BINS, 1 / BINS) if known is None else known.shares
@@ -68,7 +68,7 @@ class ThetaLog:
             self._density[d, column] += self._shade(d, theta[:, d])
 
     def record(self, update: int, theta: np.ndarray) -> None:
-        """Write the quantiles of the levels `[L, D]` of an update, now and then their histograms and densities."""
+        """Write the quantiles of an update's levels `[L, D]`, and periodically histograms and densities."""
         values = self.values(theta)  # [L, D]
         for d, name in enumerate(self.names):
             self.stream.log(["theta", name, "quantiles"], rerun.Scalars(np.quantile(values[:, d], [0.1, 0.5, 0.9])))
@@ -88,7 +88,7 @@ class ThetaLog:
             self.record_densities(update)
 
     def _shade(self, d: int, theta: np.ndarray) -> np.ndarray:
-        """Return how many levels `[L]` are in each bin of the densities: of a choice each option has as many bins."""
+        """Count the levels `[L]` in each bin of the densities; the options of a choice get equal numbers of bins."""
         known = self._cells[d]
         if known is None:
             return np.bincount(np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1), minlength=BINS)
@@ -96,7 +96,7 @@ class ThetaLog:
         return options[np.arange(BINS) * known.count // BINS]
 
     def _bars(self, name: str, heights: np.ndarray, width: float, colour: tuple[int, ...]) -> rerun.BarChart:
-        edges = np.linspace(*self._range(name), len(heights) + 1)  # of a choice a bar for each option
+        edges = np.linspace(*self._range(name), len(heights) + 1)  # for a choice, one bar per option
         widths = (np.diff(edges) * width).astype(np.float32)
         return rerun.BarChart(heights, abscissa=(edges[1:] + edges[:-1]) / 2, widths=widths, color=colour)
 
@@ -105,7 +105,7 @@ class ThetaLog:
         columns, ticks, texts = self._density.shape[1], [], []
         band = MAP_HEIGHT / max(len(self.names), 1)
         for d, name in enumerate(self.names):
-            density = smooth(self._density[d], MAP_BLUR)  # [columns, bins]: an update alone has too few levels
+            density = smooth(self._density[d], MAP_BLUR)  # [columns, bins]: a single update has few levels
             density /= np.maximum(density.max(1, keepdims=True), 1e-9)
             scale = [MAP_WIDTH / columns, (band - MAP_GAP) / BINS, 1.0]
             place = rerun.Transform3D(translation=[0, d * band, 0], scale=scale)

@@ -1,6 +1,6 @@
-"""Rerun's writer, which answers no more where the disk has failed it: whoever waits for it does so with a limit.
+"""Access to Rerun's writer with a time limit, since it hangs after a failure of the disk.
 
-Rerun waits without end in `set_sinks`, `flush` and `disconnect`, when a stream is freed, and at the end of the program.
+Rerun can block forever in `set_sinks`, `flush` and `disconnect`, when a stream is freed, and at exit.
 Read next: `recorder`.
 """
 
@@ -14,22 +14,22 @@ from contextlib import suppress
 
 import rerun
 
-PATIENCE = 60.0  # s that the disk may take for what is pending
+PATIENCE = 60.0  # s, time limit for writing pending data
 
 
 class Writer:
-    """A stream's writer. It is finished at the end of the program, if nobody has finished it before."""
+    """A stream's writer. It is finished at exit, unless it was finished earlier."""
 
     def __init__(self, stream: rerun.RecordingStream) -> None:
         self.stream = stream
         atexit.register(self._end)
 
     def wait_for(self, act: Callable[[], object]) -> None:
-        """Do what waits for the writer.
+        """Call a function that waits for the writer.
 
-        Raises what it raises, RuntimeError if it takes too long. Then the stream is never freed, nor waited for again.
+        Raises its errors, and RuntimeError after the time limit. Then the stream is never freed nor waited for again.
         """
-        failure: list[Exception] = [RuntimeError(f"its writer has not answered for {PATIENCE:.0f} s")]
+        failure: list[Exception] = [RuntimeError(f"the writer did not respond within {PATIENCE:.0f} s")]
 
         def wait() -> None:
             try:
@@ -48,7 +48,7 @@ class Writer:
             raise failure[0]
 
     def finish(self) -> None:
-        """End the stream. Raises what `wait_for` does."""
+        """End the stream. Raises the errors of `wait_for`."""
         self.wait_for(self.stream.disconnect)
         atexit.unregister(self._end)
 

@@ -1,1 +1,1 @@
-"""Processes: several runs at a time, who owns a run folder, how signals end a command."""
+"""Processes: parallel runs, ownership of run folders, and signals."""

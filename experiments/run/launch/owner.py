@@ -1,8 +1,8 @@
-"""Who trains a run: a lock, and where file locks mean nothing, as on some network disks, a name and a heartbeat.
+"""Ownership of a run folder: a file lock, and a heartbeat file for network disks without working locks.
 
-`owner.json` in the run folder says who it is. A file lock decides between processes of one machine; of a process
-elsewhere the owner counts for as long as its file is touched. Times are those of the disk, whatever clocks machines
-have. Read next: `run.folder`.
+`owner.json` in the run folder names the owner. A file lock decides between processes on one machine; an owner on
+another machine is valid as long as it updates the file. Times are those of the disk, so clocks of machines do not
+matter. Read next: `run.folder`.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from regista.experiments.run.table import cannot_write
 from ued.core.files import PARTIAL
 
 OWNER = "owner.json"
-BEAT_SECONDS = 10.0  # between signs of life
-SILENT_SECONDS = 60.0  # without one, after which an owner elsewhere counts as dead
+BEAT_SECONDS = 10.0  # between heartbeats
+SILENT_SECONDS = 60.0  # without a heartbeat, after which an owner on another machine counts as dead
 
 
 _held: set[int] = set()  # the locks of this process
 
 
 def _forget_locks() -> None:
-    """Close the locks in a forked process: an environment's worker would keep a run locked after a kill of its own."""
+    """Close the locks in a forked process, so that an environment's worker does not outlive the run with its lock."""
     for handle in _held:
         os.close(handle)
     _held.clear()
@@ -41,12 +41,12 @@ os.register_at_fork(after_in_child=_forget_locks)
 
 
 class BusyError(CommandError):
-    """Somebody else trains this run just now."""
+    """Another process is training this run."""
 
 
 @contextmanager
 def owned(folder: Path) -> Iterator[None]:
-    """Keep other processes, here and on other machines, from training this run. Raises `BusyError` if one does."""
+    """Lock this run against other processes on any machine. Raises `BusyError` if one is training it."""
     with _lock(folder) as locked:
         try:
             _claim(folder, locked)
@@ -61,15 +61,15 @@ def owned(folder: Path) -> Iterator[None]:
             ended.set()
             beating.join()
             if _owner(folder) == _myself():
-                with suppress(OSError):  # the next one of this machine takes it over
+                with suppress(OSError):  # the next process on this machine takes it over
                     (folder / OWNER).unlink()
-            with suppress(OSError):  # once more, if the disk did not do it before
+            with suppress(OSError):  # again, in case the first attempt failed
                 _mine(folder).unlink()
 
 
 @contextmanager
 def _lock(folder: Path) -> Iterator[bool]:
-    """Lock a folder itself, for what lies in it may be replaced; give whether its disk has locks."""
+    """Lock the folder itself, since files in it are replaced; yield whether its disk supports locks."""
     handle = os.open(folder, os.O_RDONLY)
     _held.add(handle)
     try:
@@ -88,10 +88,10 @@ def _lock(folder: Path) -> Iterator[bool]:
 
 
 def _claim(folder: Path, locked: bool) -> None:
-    """Become the owner of a folder, or raise `BusyError`: two who try at the same time cannot both become it."""
+    """Claim a folder, or raise `BusyError`; of two simultaneous claims, at most one succeeds."""
     mine = _mine(folder)
     try:
-        if locked:  # whoever of this machine was killed in these lines holds no lock any more
+        if locked:  # a process on this machine that was killed here no longer holds the lock
             for left in folder.glob(f".owner.{escape(platform.node())}.*{PARTIAL}"):
                 left.unlink(missing_ok=True)
         mine.write_text(json.dumps(_myself()))
@@ -113,12 +113,12 @@ def _claim(folder: Path, locked: bool) -> None:
 
 
 def _mine(folder: Path) -> Path:
-    """Return where a claim is written before it is made."""
+    """Return the path of a claim before it is published."""
     return folder / f".owner.{platform.node()}.{os.getpid()}{PARTIAL}"
 
 
 def _owner(folder: Path) -> dict | None:
-    """Return what the owner says of itself, None if there is none."""
+    """Return the content of owner.json, None if there is no owner."""
     try:
         said = json.loads((folder / OWNER).read_text())
     except (OSError, ValueError, RecursionError):
@@ -127,7 +127,7 @@ def _owner(folder: Path) -> dict | None:
 
 
 def _touched(folder: Path) -> float:
-    """Return when the owner gave its last sign of life; long ago, if it has just let go."""
+    """Return the time of the owner's last heartbeat; 0 if it has just released the folder."""
     try:
         return (folder / OWNER).stat().st_mtime
     except OSError:
@@ -135,7 +135,7 @@ def _touched(folder: Path) -> float:
 
 
 def _beat(path: Path, ended: threading.Event) -> None:
-    """Give signs of life until it is over; a disk that refuses one gets the next."""
+    """Write heartbeats until stopped; a failed one is retried at the next beat."""
     while not ended.wait(BEAT_SECONDS):
         with suppress(OSError):
             os.utime(path)
@@ -147,7 +147,7 @@ def _myself() -> dict[str, str | int]:
 
 @cache
 def _boot() -> str:
-    """Return what tells this machine, as long as it is up, from any other: names may be the same."""
+    """Return an identifier of this machine since its last boot, as host names may coincide."""
     with suppress(OSError):
         return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     return platform.node()

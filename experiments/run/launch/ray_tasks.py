@@ -1,6 +1,6 @@
-"""Runs as tasks of a Ray cluster: each is trained inside a worker of some node, and again where that node has died.
+"""Runs as tasks of a Ray cluster: each trains in a worker on some node, and is retried if that node dies.
 
-Run folders lie on storage that all nodes see, and Regista is installed on each. Read next: `run.launch.workers`.
+Run folders must be on shared storage, and Regista must be installed on each node. Read next: `run.launch.workers`.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from regista.experiments.run.errors import CommandError
 from regista.experiments.run.launch.owner import SILENT_SECONDS, BusyError
 
 POLL_SECONDS = 1.0
-RETRIES = 5  # of a run whose worker or node has died, or was asked to end
+RETRIES = 5  # of a run whose worker or node died or was stopped
 
 
 class InterruptedRun(CommandError):
-    """Somebody asked the worker of a run to end, and it has saved: the run goes on elsewhere."""
+    """The worker of a run was stopped and has saved; another worker continues the run."""
 
 
 class RayTasks:
-    """A Ray cluster: that of RAY_ADDRESS, or the one that was started last on this machine, or a new one here."""
+    """A Ray cluster: that of RAY_ADDRESS, the one last started on this machine, or a new local one."""
 
     def __init__(self) -> None:
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         import ray
 
-        before = signal.getsignal(signal.SIGTERM)  # ours: Ray would end at once
+        before = signal.getsignal(signal.SIGTERM)  # our handler; Ray's would exit at once
         self._ray: Any = ray
         self._mine = not ray.is_initialized()
         if self._mine:
@@ -47,17 +47,17 @@ class RayTasks:
         self._asked: set[Any] = set()
 
     def start(self, job: Any) -> Any:
-        """Submit a run; return the reference by which it is known."""
-        gpus = int(job.config.device.startswith("cuda"))  # Ray hides those that nobody has asked for
+        """Submit a run; return its Ray reference."""
+        gpus = int(job.config.device.startswith("cuda"))  # Ray hides GPUs that were not requested
         task = self._task.options(num_cpus=job.config.threads, num_gpus=gpus)
         return task.remote(job.argv, str(job.path.resolve()))
 
     def ended(self, active: Collection[Any]) -> Sequence[Any]:
-        """Wait a moment; return the tasks that have ended."""
+        """Wait briefly; return the finished tasks."""
         return self._ray.wait(list(active), timeout=POLL_SECONDS)[0] if active else []
 
     def failure(self, task: Any, job: Any) -> str | None:
-        """Return why a task that has ended did not train its run, None if it did."""
+        """Return why a finished task failed, None if it succeeded."""
         from ray.exceptions import RayError, RayTaskError
 
         try:
@@ -69,18 +69,18 @@ class RayTasks:
         return None
 
     def ask(self, active: Mapping[Any, Any]) -> None:
-        """Ask tasks to save and end, once: a second time would end them at once."""
+        """Request tasks to save and end, once, since a second request would kill them."""
         for task in active.keys() - self._asked:
             self._ray.cancel(task)
         self._asked |= active.keys()
 
     def kill(self, active: Mapping[Any, Any]) -> None:
-        """End tasks at once."""
+        """Kill tasks."""
         for task in active:
             self._ray.cancel(task, force=True)
 
     def close(self, active: Mapping[Any, Any]) -> None:
-        """Wait for these to end, and let the cluster go."""
+        """Wait for these tasks to end, and disconnect from the cluster."""
         if active:
             self._ray.wait(list(active), num_returns=len(active), timeout=SILENT_SECONDS)
         if self._mine:
@@ -88,22 +88,22 @@ class RayTasks:
 
 
 def train_here(words: Sequence[str], folder: str) -> None:
-    """Train one run in this process; what it says goes to its train.log.
+    """Train one run in this process; its output goes to its train.log.
 
-    Raises `InterruptedRun` where the process is asked to end, and what the command raises.
+    Raises `InterruptedRun` if the process is stopped, and the errors of the command.
     """
     path = Path(folder)
     if not path.is_dir():
-        raise CommandError(f"node {platform.node()} sees no {folder}: runs must lie on storage that all nodes share")
+        raise CommandError(f"node {platform.node()} cannot access {folder}: all nodes must share the storage of runs")
     command, patience = import_module(f"regista.experiments.commands.{words[0]}"), time.monotonic() + 2 * SILENT_SECONDS
     with open(path / "train.log", "a", buffering=1) as log, redirect_stdout(log), redirect_stderr(log):
         while True:
             try:
                 code = command.main(list(words[1:]))
                 break
-            except BusyError:  # a node that was lost may be silent for a while before it counts as dead
+            except BusyError:  # a lost node counts as the owner until its heartbeat expires
                 if time.monotonic() > patience:
                     raise
                 time.sleep(POLL_SECONDS)
     if code:
-        raise InterruptedRun(f"{folder} was asked to end, with code {code}")
+        raise InterruptedRun(f"{folder} was stopped with exit code {code}")

@@ -1,9 +1,9 @@
-"""What ends a command from outside: Ctrl-C, SIGTERM, a closed terminal, a reader that has gone, a parent that died.
+"""External reasons for a command to end: Ctrl-C, SIGTERM, a closed terminal, a closed pipe, a dead parent.
 
-A command that does not say otherwise ends where it is (`interruptible`); one that has something to save takes the
-signal as a request (`StopRequest`). Either way it is one line and 128 + the signal's number, and nobody is left behind.
-Whatever the main thread does meanwhile, `Watchdog` ends the process some seconds after the signal: files are replaced
-in one step, so what was finished is whole, and a resumed run goes on from its last checkpoint.
+By default a command ends at once (`interruptible`); a command with state to save treats the signal as a request
+(`StopRequest`). Both print one line, exit with 128 + the signal's number, and leave no child processes.
+If the main thread is blocked, `Watchdog` ends the process some seconds after the signal. Files are replaced atomically,
+so finished files stay intact, and a resumed run continues from its last checkpoint.
 Read next: `run.errors`, which ends every command; `commands.train`.
 """
 
@@ -26,17 +26,17 @@ from ued.core.processes import end_with_parent
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}
-# After a signal, what is being done may end well; then the process ends anyway. A run that somebody else started, who
-# was sent the signal and passed it on, ends before that one does.
+# Grace period after a signal, before the process is ended. A run started by another command, which forwards the signal,
+# gets less time, so that it ends before its parent.
 GRACE_SECONDS, CHILD_GRACE_SECONDS = 8.0, 6.0
-PARENT = "REGISTA_PARENT"  # in the environment of a run: the process with which it is to end
+PARENT = "REGISTA_PARENT"  # environment variable: the parent process with which a run must end
 
 
-_is_child = False  # of another command of ours
+_is_child = False  # whether another Regista command started this process
 
 
 class Stopped(KeyboardInterrupt):
-    """Somebody wants the command to end: `number` is the signal."""
+    """A signal ended the command: `number` is the signal."""
 
     def __init__(self, number: int) -> None:
         super().__init__(WORDS[number])
@@ -44,10 +44,10 @@ class Stopped(KeyboardInterrupt):
 
 
 class Watchdog:
-    """While entered, a signal ends the process after a grace period, unless we are left before.
+    """While entered, a signal ends the process after a grace period, unless the context is left before.
 
-    A handler of Python's waits until the main thread is out of whatever call it is in. So the number is also written
-    into a pipe, by the handler that the system calls, and read by a thread.
+    A Python signal handler runs only after the main thread returns from a C call. So the C handler also writes the
+    number of the signal to a pipe, which a thread reads.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -60,7 +60,7 @@ class Watchdog:
         os.set_blocking(writing, False)
         try:
             self._old = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
-        except ValueError:  # not in the main thread, which alone hears signals
+        except ValueError:  # not in the main thread, which alone receives signals
             os.close(reading)
             os.close(writing)
             return self
@@ -93,11 +93,11 @@ class Watchdog:
         _leave(asked)
 
 
-_fork = threading.local()  # the signals that the forking thread had blocked
+_fork = threading.local()  # signals blocked by the forking thread
 
 
 def _hold_signals() -> None:
-    """Let no signal come between a fork and `_forget_pipe`: it would be written into the pipe of the other process."""
+    """Block signals between a fork and `_forget_pipe`: they would go to the pipe of the parent process."""
     _fork.blocked = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
 
 
@@ -106,7 +106,7 @@ def _release_signals() -> None:
 
 
 def _forget_pipe() -> None:
-    """Let a forked process write its signals to nobody: they are not ours."""
+    """Detach a forked process from the pipe, so that its signals do not reach the parent."""
     with suppress(ValueError):
         signal.set_wakeup_fd(-1)
     _release_signals()
@@ -116,22 +116,22 @@ os.register_at_fork(before=_hold_signals, after_in_parent=_release_signals, afte
 
 
 def _say(word: str) -> None:
-    """Write a last line, unless whoever reads it is in the way."""
+    """Write a last line to stderr; ignore errors."""
     with suppress(OSError):
         if select.select([], [2], [], 0)[1]:
             os.write(2, f"regista: {word}\n".encode())
 
 
 def watchdog() -> Watchdog:
-    """Return the watchdog of a command: it has less time where another command has started it."""
+    """Return the watchdog of a command; its grace period is shorter in a child of another command."""
     return Watchdog(CHILD_GRACE_SECONDS if _is_child else GRACE_SECONDS)
 
 
 @contextmanager
 def interruptible(for_good: bool = False) -> Iterator[list[int]]:
-    """Have a signal raise `Stopped` inside, and a second one end the process; `for_good`: it does so ever after.
+    """Make a signal raise `Stopped` inside, and a second one end the process; `for_good`: also after the context.
 
-    Gives the signals that have come: what `Stopped` meets on its way out may have made another error of it.
+    Yields the received signals, since code on the way out may replace `Stopped` by another error.
     """
     heard: list[int] = []
     watching = watchdog()
@@ -148,15 +148,15 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
             yield heard
     finally:
         sys.unraisablehook = hook
-        if for_good:  # whatever is tidied up at the end of the process is watched, too
-            with suppress(ValueError):  # in another thread there was nothing to handle
+        if for_good:  # cleanup at the end of the process is watched too
+            with suppress(ValueError):  # no handlers are set in other threads
                 _listen(_leave)
         else:
             watching.__exit__()
 
 
 def _stop(number: int, _: FrameType | None) -> None:
-    """Raise `Stopped`; what is tidied up on its way out has some seconds for it, see `Watchdog`."""
+    """Raise `Stopped`; cleanup on its way out has a grace period, see `Watchdog`."""
     _listen(_leave)
     if number == signal.SIGHUP:
         forget_terminal()
@@ -164,19 +164,19 @@ def _stop(number: int, _: FrameType | None) -> None:
 
 
 def _lost(error: BaseException | None) -> None:
-    """End the process where `Stopped` came to a place that lets no error through: it would go on as before."""
+    """End the process if `Stopped` was raised where Python ignores exceptions, so that it would be lost."""
     if isinstance(error, Stopped):
         _say(WORDS[error.number])
         _leave(error.number)
 
 
 def _leave(number: int = signal.SIGINT, _: FrameType | None = None) -> None:
-    """End the process here and now: an exception was lost, or nobody waits any longer."""
+    """End the process at once."""
     os._exit(128 + (number if number in SIGNALS else signal.SIGINT))
 
 
 def _listen(handler: Callable[[int, FrameType | None], Any]) -> dict[int, Any]:
-    """Handle the signals, but for those that whoever started us wants ignored (nohup); return the handlers before."""
+    """Handle the signals except those ignored by the parent (nohup); return the previous handlers."""
     before: dict[int, Any] = {number: signal.getsignal(number) for number in SIGNALS}
     before = {number: handler for number, handler in before.items() if handler != signal.SIG_IGN}
     for number in before:
@@ -186,7 +186,7 @@ def _listen(handler: Callable[[int, FrameType | None], Any]) -> dict[int, Any]:
 
 @contextmanager
 def _handled(handler: Callable[[int, FrameType | None], Any]) -> Iterator[None]:
-    """Handle the signals while inside; elsewhere than in the main thread that is not possible, nor needed."""
+    """Handle the signals inside the context; do nothing outside the main thread, which cannot set handlers."""
     try:
         before = _listen(handler)
     except ValueError:
@@ -200,7 +200,7 @@ def _handled(handler: Callable[[int, FrameType | None], Any]) -> Iterator[None]:
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Let a Ctrl-C wait until this is done; processes that are started meanwhile never hear of one."""
+    """Defer Ctrl-C until the context ends; processes started inside ignore it."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -209,7 +209,7 @@ def held_back() -> Iterator[None]:
 
 
 def forget_terminal() -> None:
-    """Write to nowhere from now on: the terminal, or whoever read what we write, has gone."""
+    """Redirect output to the null device, since the terminal or the reader of the pipe has gone."""
     with suppress(OSError), open(os.devnull, "w") as nowhere:
         for stream in (sys.stdout, sys.stderr):
             with suppress(OSError, ValueError):
@@ -217,7 +217,7 @@ def forget_terminal() -> None:
 
 
 def hung_up() -> bool:
-    """Say whether we write to a terminal that is no longer there: an I/O error may be a disk's as well."""
+    """Return whether the terminal of stdout or stderr is gone, as an I/O error may also come from a disk."""
     for number in (1, 2):
         try:
             termios.tcgetattr(number)
@@ -228,16 +228,16 @@ def hung_up() -> bool:
 
 
 def end_with(parent: int) -> None:
-    """Have the kernel send us SIGTERM when the process ends that started us, however it ends. Linux alone can."""
+    """Make the kernel send SIGTERM to this process when its parent ends. Linux only."""
     global _is_child
     _is_child = True
     end_with_parent(signal.SIGTERM)
-    if sys.platform == "linux" and os.getppid() != parent:  # it has ended in the meantime
+    if sys.platform == "linux" and os.getppid() != parent:  # the parent has already ended
         signal.raise_signal(signal.SIGTERM)
 
 
 class StopRequest:
-    """While entered, the first signal only sets `signal`: what is being done ends well. A second Ctrl-C raises."""
+    """While entered, the first signal only sets `signal`, so that work can finish. A second Ctrl-C raises."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
@@ -256,7 +256,7 @@ class StopRequest:
 
     @property
     def exit_code(self) -> int:
-        """130 after Ctrl-C, 143 after SIGTERM, 129 after the terminal was closed, 0 if nobody asked."""
+        """130 after Ctrl-C, 143 after SIGTERM, 129 after the terminal was closed, 0 without a signal."""
         return 0 if self.signal is None else 128 + self.signal
 
     def _ask(self, number: int, frame: FrameType | None) -> None:

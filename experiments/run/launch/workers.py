@@ -1,8 +1,8 @@
-"""Several runs at a time: each is a command line that may be called again, and a folder that tells how far it is.
+"""Parallel runs: each is a repeatable command line and a folder that holds its progress.
 
-`--launcher` selects who calls it: processes of this machine (`Processes`), a Ray cluster (`run.launch.ray_tasks`), or
-the user, who gets the lines (`commands`). A run needs no other channel than its folder, so all of them end with the
-same tables. Read next: `commands.compare`.
+`--launcher` selects where runs execute: processes of this machine (`Processes`), a Ray cluster
+(`run.launch.ray_tasks`), or command lines printed for the user (`commands`). A run communicates only through its
+folder, so all launchers give the same tables. Read next: `commands.compare`.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
 from regista.experiments.run.progress import Progress
 from ued.config import Checked, most_threads, setting
 
-POLL_SECONDS = 1.0  # the tables are read each time, on a core that might train
+POLL_SECONDS = 1.0  # between reads of the tables, which cost time of a training core
 
 
 class Job(Protocol):
-    """A run that is to be trained: a `RunFolder`, or a stand-in for one.
+    """A run to train: a `RunFolder` or a compatible object.
 
-    `argv` is what follows `regista` on the command line that trains it, in any working directory; `config` has its
-    `threads` and `total_env_steps`.
+    `argv` are the arguments of `regista` that train it, in any working directory; `config` has its `threads` and
+    `total_env_steps`.
     """
 
     @property
@@ -48,7 +48,7 @@ class Job(Protocol):
 
 
 class Pool(Protocol):
-    """Where runs are trained. What `start` returns stands for a run until it has ended."""
+    """A place where runs execute. `start` returns a handle of the run."""
 
     def start(self, job: Any) -> Any: ...
     def ended(self, active: Collection[Any]) -> Sequence[Any]: ...
@@ -60,12 +60,12 @@ class Pool(Protocol):
 
 @dataclass(frozen=True)
 class LaunchConfig(Checked):
-    """Who trains the runs of a command, and how many at a time."""
+    """Where the runs of a command execute, and how many in parallel."""
 
     launcher: Literal["local", "ray", "commands"] = setting(
-        "local", "who trains: local, this machine; ray, a Ray cluster; commands, you: print a line for each run"
+        "local", "where runs execute: local, ray (a Ray cluster), or commands (print one command line per run)"
     )
-    processes: int = setting(0, "runs at a time; 0: one per core, on a cluster as many as fit", ">=0", most=100_000)
+    processes: int = setting(0, "parallel runs; 0: one per core, on a cluster as many as fit", ">=0", most=100_000)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,47 +76,47 @@ class LaunchConfig(Checked):
             )
 
     def at_a_time(self, threads: int, runs: int) -> int:
-        """Return how many of these runs are trained at a time: as many as asked for, or as cores have room for."""
+        """Return the number of parallel runs: the requested number, or as many as the cores allow."""
         cores = (os.cpu_count() or 1) // threads if self.launcher == "local" else runs
         return min(self.processes or max(1, cores), runs)
 
     @property
     def messages(self) -> TextIO:
-        """Where to say what is going on: not among the command lines, where these are printed."""
+        """Stream of messages; stderr if command lines are printed to stdout."""
         return sys.stderr if self.launcher == "commands" else sys.stdout
 
 
 def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) -> bool:
-    """Train those of these runs that are not finished, and say it; return whether now all are.
+    """Train the unfinished runs and print the progress; return whether all runs are finished.
 
-    They are not where somebody asked to stop, or where all that was wanted is their command lines.
+    Some are not after a stop request, or if only command lines were printed.
     """
     unfinished = [run for run in runs if not run.finished()]
     if not unfinished or stop:
         return not unfinished
     if how.launcher == "commands":
         print("\n".join(map(command_line, unfinished)))
-        say = f"{len(unfinished)} of {len(runs)} runs to train; then call the same command again"
+        say = f"{len(unfinished)} of {len(runs)} runs to train; then run the same command again"
         print(say, file=how.messages, flush=True)
         return False
     most = how.at_a_time(unfinished[0].config.threads, len(unfinished))
     print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
     train_all(unfinished, most, stop, how.launcher)
     if stop:
-        print("continue with the same command: finished runs are kept")
+        print("continue with the same command; finished runs are skipped")
     return not stop
 
 
 def command_line(run: Job) -> str:
-    """Return the line of a shell that trains this run."""
+    """Return the shell command that trains this run."""
     words = [sys.executable, "-m", "regista", *run.argv]
     return f"OMP_NUM_THREADS={run.config.threads} {shlex.join(words)}"
 
 
 def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str = "local") -> None:
-    """Train these runs to their ends, so many at a time; return early if somebody asks to stop.
+    """Train these runs, a limited number in parallel; return early after a stop request.
 
-    Raises `CommandError` when one fails, after the others were asked to save and end.
+    Raises `CommandError` if one fails, after a request to the others to save and end.
     """
     pool = _make_pool(launcher)
     waiting, active = list(runs), dict[Any, Job]()
@@ -136,10 +136,10 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
                     raise _failed(run, words, len(active))
             done = sum(min(run.env_steps(), run.config.total_env_steps) for run in runs)
             progress.show(done, {})
-    except KeyboardInterrupt:  # the second one
+    except KeyboardInterrupt:  # the second Ctrl-C
         pool.kill(active)
         raise
-    finally:  # nobody is left behind
+    finally:  # leave no child processes
         pool.ask(active)
         pool.close(active)
     progress.finish(f"{len(runs)} runs trained" if not stop else "stopped")
@@ -154,17 +154,17 @@ def _make_pool(launcher: str) -> Pool:
 
 
 def _failed(run: Job, words: str, others: int) -> CommandError:
-    """Return the error of a run that failed; say it at once where others are still to end."""
+    """Return the error of a failed run; print it at once if other runs still have to end."""
     if others:
-        print(f"regista: {run.path} failed; {others} others save and end", file=sys.stderr, flush=True)
+        print(f"regista: {run.path} failed; {others} other runs save and end", file=sys.stderr, flush=True)
     return CommandError(f"{run.path} failed: {words} (see {run.path / 'train.log'})")
 
 
 class Processes:
-    """Processes of this machine, each of which is nothing but `regista train --resume RUN`."""
+    """Processes of this machine, each running `regista train --resume RUN`."""
 
     def start(self, job: Job) -> subprocess.Popen:
-        """Start one run in its own session: a Ctrl-C reaches us, and we pass it on."""
+        """Start one run in its own session; this process receives Ctrl-C and forwards it."""
         threads = str(job.config.threads)
         environment = os.environ | {"OMP_NUM_THREADS": threads, "PYTHONUNBUFFERED": "1", PARENT: str(os.getpid())}
         with open(job.path / "train.log", "a") as log:
@@ -172,29 +172,29 @@ class Processes:
             return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
 
     def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:
-        """Wait a moment; return the processes that have ended."""
+        """Wait briefly; return the finished processes."""
         time.sleep(POLL_SECONDS)
         return [process for process in active if process.poll() is not None]
 
     def failure(self, task: subprocess.Popen, job: Job) -> str | None:
-        """Return the last words of a process that has failed, None of one that has not."""
+        """Return the error message of a failed process, None for a successful one."""
         if task.returncode == 0:
             return None
         if task.returncode < 0:
             return f"it was killed by {signal.Signals(-task.returncode).name}"
         lines = [line for line in (job.path / "train.log").read_text(errors="replace").splitlines() if line.strip()]
-        return lines[-1].removeprefix("regista: ") if lines else "it left no word"
+        return lines[-1].removeprefix("regista: ") if lines else "it printed nothing"
 
     def ask(self, active: Mapping[subprocess.Popen, Job]) -> None:
-        """Ask processes to save and end."""
+        """Request processes to save and end."""
         _send(active, signal.SIGTERM)
 
     def kill(self, active: Mapping[subprocess.Popen, Job]) -> None:
-        """End processes at once."""
+        """Kill processes."""
         _send(active, signal.SIGKILL)
 
     def close(self, active: Mapping[subprocess.Popen, Job]) -> None:
-        """Wait for these to end."""
+        """Wait for these processes to end."""
         for process in active:
             process.wait()
 
@@ -207,16 +207,16 @@ def _send(active: Collection[subprocess.Popen], number: int) -> None:
 
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Give a pool of so many fresh processes, which end with us; fill it while a Ctrl-C is `held_back`.
+    """Yield a pool of spawned processes that end with this process; submit work while Ctrl-C is `held_back`.
 
-    Raises `CommandError` where one of them is killed; on any error the others are, too: nobody waits for their work.
+    Raises `CommandError` if one of them is killed; on any error the others are killed too.
     """
     context = multiprocessing.get_context("spawn")  # torch's threads do not survive a fork
     pool = ProcessPoolExecutor(count, context, _join, (os.getpid(),))
     try:
         yield pool
     except BrokenProcessPool as error:
-        raise CommandError("a process that played for us was killed; was there enough memory?") from error
+        raise CommandError("a worker process was killed, possibly for lack of memory") from error
     finally:
         for process in multiprocessing.active_children():
             process.kill()
@@ -224,6 +224,6 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _join(parent: int) -> None:
-    """Begin as one of a pool, which ends when its parent does."""
+    """Initialize a process of the pool so that it ends with its parent."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     end_with(parent)
