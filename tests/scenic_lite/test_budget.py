@@ -142,7 +142,7 @@ def test_conditions_decided_scene_by_scene_share_one_budget():
     with pytest.raises(ScenicError) as caught:
         load(BRANCHING).sample(1, np.random.default_rng(0))
     assert caught.value.kind == "budget" and caught.value.line == 10
-    assert "takes more than 2,000,000 steps in all scenes" in caught.value.message
+    assert "take more than 2,000,000 steps in all scenes" in caught.value.message
 
 
 def test_what_fails_in_a_scene_is_raised_by_sampling_with_its_line():
