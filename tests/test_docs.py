@@ -110,6 +110,8 @@ class Reader:
         extra = QUICK[words[0]]
         if words[0] == "train":
             extra = extra[:2] if "--resume" in words else extra + ["--no-record"] * (not self.records)
+        if "--replay" in words:
+            extra = []  # a record is as long as it is
         if words[0] == "evaluate" and "--episodes" in words:
             extra = [*extra, "--level-episodes", "2"]
         assert main([*words, *extra]) == 0, words

@@ -169,7 +169,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     begin = ["train", "--method", "dr", "--from", clone, "--out", run, *SHORT]
     gru = ("--ppo.memory", "gru")
     assert "--ppo.memory must be none, got gru" in refused(capsys, "clone", demos / "one", "--out", clone, *gru)
-    assert "a student of ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
+    assert "a student with ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
     text = refused(capsys, *begin, "--representation", "simple115")
     assert "a student with env.representation = features; this run cannot start from it, since it has simple115" in text
     assert "a student of env.control = 1" in refused(capsys, *begin, two, "--control", "2")
