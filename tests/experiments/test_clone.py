@@ -172,7 +172,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     assert "a student with ppo.hidden_size = 16; this run cannot" in refused(capsys, *begin, "--hidden-size", "32")
     text = refused(capsys, *begin, "--representation", "simple115")
     assert "a student with env.representation = features; this run cannot start from it, since it has simple115" in text
-    assert "a student of env.control = 1" in refused(capsys, *begin, two, "--control", "2")
+    assert "a student with env.control = 1" in refused(capsys, *begin, two, "--control", "2")
     assert not run.exists()
     assert "which observes something other than" in refused(capsys, *begin, "1v1Free")
     assert main([*map(str, begin), str(one)]) == 0  # the name is still free
