@@ -177,7 +177,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
     assert "which observes something other than" in refused(capsys, *begin, "1v1Free")
     assert main([*map(str, begin), str(one)]) == 0  # the name is still free
     assert "is a clone; start a new run from it" in refused(capsys, "train", "--resume", clone)
-    assert "no checkpoint" in refused(capsys, "train", "--from", demos / "one.scenic")
+    assert "is not a checkpoint" in refused(capsys, "train", "--from", demos / "one.scenic")
     assert main(["train", str(one), "--kl-to-clone", "1"]) == 2
 
 
