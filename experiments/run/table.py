@@ -98,8 +98,9 @@ def read_rows(path: Path) -> list[dict[str, str]]:
     """Return the complete rows as text by column; a last row without its newline is skipped."""
     if not path.exists():
         return []
-    names = read_header(path)
-    return [dict(zip(names, cells, strict=True)) for _, cells in _lines(path)[1]]
+    header, lines = _lines(path)
+    names = present_names(next(csv.reader([header]), []))
+    return [dict(zip(names, cells, strict=True)) for _, cells in lines]
 
 
 def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
@@ -123,9 +124,16 @@ def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
     """Return the columns as float64 arrays, NaN for empty cells; columns in WORDS are skipped."""
-    rows, names = read_rows(path), [name for name in read_header(path) if name not in WORDS]
+    if not path.exists():
+        return {}
+    header, lines = _lines(path)
+    names = present_names(next(csv.reader([header]), []))
     try:
-        return {name: np.array([_number(row[name]) for row in rows]) for name in names}
+        return {
+            name: np.array([_number(cells[at]) for _, cells in lines])
+            for at, name in enumerate(names)
+            if name not in WORDS
+        }
     except ValueError as error:
         raise CommandError(f"{path} is damaged: {error}") from error
 
