@@ -85,7 +85,7 @@ def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
     axes.hlines(column.program, places - 0.45, places + 0.45, color="#e4572e", label="the program's weight")
     axes.set_xticks(places, [name[:18] for name in column.names], rotation=20, ha="right", fontsize=7)
     axes.set_title(f"proposed: {column.title}")
-    axes.legend(fontsize=6)
+    axes.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)  # below the bars
 
 
 def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:

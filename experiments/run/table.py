@@ -66,10 +66,6 @@ class Table:
         header, lines = _lines(self.path)
         return [header, *(line for line, cells in lines if _number(cells[0]) <= update)]
 
-    def keep_until(self, update: int) -> None:
-        """Drop the rows after an update, and an incomplete last line."""
-        self.replace(self.until(update))
-
     def _widen(self, names: list[str]) -> None:
         old = read_rows(self.path) if self.columns else []
         self.columns += names

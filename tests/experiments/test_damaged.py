@@ -71,7 +71,7 @@ def test_files_of_another_version(folder, tmp_path):
 def test_a_table_whose_last_row_was_cut_off_goes_on(tmp_path):
     (tmp_path / "t.csv").write_text("update,score\n1,0.5\n2,0.")
     table = Table(tmp_path / "t.csv")
-    table.keep_until(7)
+    table.replace(table.until(7))
     table.append([{"update": 2, "score": 0.25}])
     assert (tmp_path / "t.csv").read_text() == "update,score\n1,0.5\n2,0.25\n"
 

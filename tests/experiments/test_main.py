@@ -109,7 +109,7 @@ def test_every_command_has_help(command, capsys):
         main([command, "--help"])
     assert found.value.code == 0
     text = capsys.readouterr().out
-    assert text.startswith(f"usage: regista {command}") and text.count("\n") <= 110
+    assert text.startswith(f"usage: regista {command}") and text.count("\n") <= 100
 
 
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)

@@ -40,7 +40,7 @@ def test_resuming_drops_later_rows_and_a_torn_one(tmp_path):
         file.write("6,0.")  # killed in the middle of a row
     assert len(read_rows(tmp_path / "t.csv")) == 5
     again = Table(tmp_path / "t.csv")
-    again.keep_until(3)
+    again.replace(again.until(3))
     again.append([{"update": 4, "x": 0.4}])
     assert read_columns(tmp_path / "t.csv")["update"].tolist() == [1, 2, 3, 4]
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenic_lite import Program, ScenicError, load
 
-SECONDS = 10.0  # of processor time; what loads at all takes milliseconds, but shared machines stall for seconds
+SECONDS = 2  # for one load
 TESTS = Path(__file__).parents[1]
 FOLDERS = (TESTS / "programs", TESTS / "oracle" / "programs", TESTS / "oracle" / "open", TESTS.parent / "minigames")
 SIGNS = (
@@ -132,17 +132,24 @@ def written(rng: random.Random, texts: list[str]) -> str:
 
 def outcome(text: str, dialect: int) -> str:
     """Return what became of a program: "loaded", "unsampled" or an error's kind. AssertionError for what must not."""
-    start = time.process_time()
-    try:
-        program = load(text + "\n", dialect=dialect)
-    except ScenicError as error:
-        program = error
-    spent = time.process_time() - start
-    assert spent < SECONDS, f"took {spent:.1f} s to load"
+    program, spent = timed(text, dialect)
+    if spent >= SECONDS:  # a slow program is slow again; a stall of the machine is not
+        program, spent = timed(text, dialect)
+    assert spent < SECONDS, f"took {spent:.1f} s to load, twice"
     if isinstance(program, ScenicError):
         check_place(program, text)
         return program.kind
     return sampled(program, text)
+
+
+def timed(text: str, dialect: int) -> tuple[Program | ScenicError, float]:
+    """Return a program, or the error with which it is refused, and the processor seconds that this took."""
+    start = time.process_time()
+    try:
+        program: Program | ScenicError = load(text + "\n", dialect=dialect)
+    except ScenicError as error:
+        program = error
+    return program, time.process_time() - start
 
 
 def sampled(program: Program, text: str) -> str:

@@ -63,21 +63,21 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     ),
     MethodRow(
         "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
-        "an adversary maximizes the regret of a protagonist against an antagonist; with options that stabilize it",
+        "an adversary maximizes a protagonist's regret",
         "2, for the student that counts",
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
         "#f0a202", "the same, to the letter",
-        "students, too, learn from regret; no entropy bonus, no random levels", "2, plus truncated episodes",
+        "students learn from regret, without entropy", "2, plus truncated episodes",
     ),
     MethodRow(
         "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#d81e8c", "–",
-        "an adversary maximizes the gain of the student's later episodes over its earlier ones", "1",
+        "an adversary maximizes a student's gain by practice", "1",
     ),
     MethodRow(
         "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#8c1c2e",
-        "Jiang et al. 2021a", "PAIRED's levels enter a buffer; students learn only from replayed ones", "4",
+        "Jiang et al. 2021a", "PAIRED with a buffer; students learn from replay only", "4",
     ),
     MethodRow(
         "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
@@ -93,11 +93,11 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     ),
     MethodRow(
         "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
-        "random levels that the student solves about half of the time", "1 / (1 − share of candidates)",
+        "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
         "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
-        "levels with changing returns, from Gaussian mixtures", "1",
+        "levels with changing returns, by mixtures", "1",
     ),
 )}
 # fmt: on
