@@ -55,7 +55,7 @@ class CompareConfig(Checked):
         200, "random levels for CVaR10, the success rate on the worst tenth; 0: none", most=1_000_000, least=0
     )
     level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
-    from_: Path | None = setting(None, "start from this run's student; of a comparison, each from its seed's")
+    from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "also record the curves of all runs to this Rerun file")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")

@@ -73,11 +73,11 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     ),
     MethodRow(
         "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#d81e8c", "–",
-        "an adversary maximizes a student's gain by practice", "1",
+        "an adversary maximizes gain by practice", "1",
     ),
     MethodRow(
         "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#8c1c2e",
-        "Jiang et al. 2021a", "PAIRED with a buffer; students learn from replay only", "4",
+        "Jiang et al. 2021a", "PAIRED with a level buffer", "4",
     ),
     MethodRow(
         "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
