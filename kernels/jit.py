@@ -79,6 +79,20 @@ def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
     return made
 
 
+def compiles() -> bool:
+    """Return whether kernels are compiled: not with `NUMBA_DISABLE_JIT=1`."""
+    return not _numba_config.DISABLE_JIT
+
+
+def overload_of(function: Any, arguments: tuple[Any, ...]) -> Any:
+    """Return the machine code of a kernel for arguments of these types, which calls without inferring types again."""
+    if not hasattr(function, "get_overload"):
+        return function
+    types = tuple(map(numba.typeof, arguments))
+    function.compile(types)
+    return function.get_overload(types)
+
+
 def compiled(function: Any) -> bool:
     """Return whether calling the kernel is quick: it runs uncompiled, or is in memory or in the cache."""
     if not hasattr(function, "signatures") or function.signatures:

@@ -17,11 +17,14 @@ from gymnasium.spaces import Discrete
 
 from ued.core.resumable import Resumable
 from ued.core.upomdp import UPOMDP
+from ued.learning.compiled import CompiledWorker, can_compile
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
 
+COMPILED = True  # False: all rollouts step by step in torch, the reference of the compiled ones
+STRIDE = 16  # steps that a worker plays before it is the turn of the next
 # Called with the environments `[k]` whose episodes have just ended, their returns, and their success `[k]` (1, 0, nan:
 # unknown); returns the environments `[c]` that change their level, and their new level records `[c]`.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -72,6 +75,7 @@ class RolloutWorker(Resumable):
         self.tape: ActionTape | None = None  # until episodes are to be replayed
         self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to the device of the student
         self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
+        self.compiled: CompiledWorker | None = None  # of a rollout that the simulator plays
 
     def start(self, records: np.ndarray) -> None:
         """Start an episode on the level of each record `[N]`."""
@@ -86,6 +90,15 @@ class RolloutWorker(Resumable):
     def begin(self) -> None:
         """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
+        if self.compiled is None and COMPILED and can_compile(self):
+            self.compiled = CompiledWorker(self)
+        if self.compiled is not None:
+            self.compiled.begin()
+
+    def play(self, until: int) -> None:
+        """Play the rollout up to this step in the simulator's kernel."""
+        assert self.compiled is not None
+        self.compiled.play(until)
 
     def observe(self, t: int) -> None:
         """Compute the policy and values at the observations of step t; a GPU works while the host continues."""
@@ -116,7 +129,7 @@ class RolloutWorker(Resumable):
         self.env_steps += self.upomdp.num_envs
         ended = terminated | truncated
         if ended.any():
-            self._end_episodes(ended, info)
+            self.end_episodes(ended, info)
 
     def _act(self, t: int) -> np.ndarray:
         """Sample the actions of step t, store them in the rollout, and return them for the environments."""
@@ -135,12 +148,16 @@ class RolloutWorker(Resumable):
             where = torch.as_tensor(cut)
             self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
-    def _end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
+    def note_episodes(self, returns: np.ndarray, lengths: np.ndarray) -> None:
+        """Note the returns and lengths of episodes that ended, `[k]`, in their order."""
+        self._ended[0].extend(returns.tolist())
+        self._ended[1].extend(lengths.tolist())
+
+    def end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
         """Record the episodes that ended, `mask` bool `[N]`, and start the next ones."""
         ended = np.flatnonzero(mask)
         returns = self.returns[ended]
-        self._ended[0].extend(returns.tolist())
-        self._ended[1].extend(self.lengths[ended].tolist())
+        self.note_episodes(returns, self.lengths[ended])
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         self.memory.numpy()[ended] = 0.0
@@ -169,6 +186,8 @@ class RolloutWorker(Resumable):
 
     def finish(self) -> None:
         """Finish the rollout: store the values of the observations after its last step."""
+        if self.compiled is not None:
+            self.compiled.finish()
         if self.student is not None:
             last = torch.as_tensor(self.observation, dtype=torch.float32)
             self.rollout.last_value[:] = self.student.value(last, self.memory)
@@ -216,16 +235,29 @@ def visits_of(records: np.ndarray) -> np.ndarray:
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
-    """Fill the workers' rollouts, one step of each in turn.
+    """Fill the workers' rollouts, some steps of each in turn."""
+    for worker in workers:
+        worker.begin()
+    num_steps, alone = len(workers[0].rollout.reward), len(workers) == 1
+    compiled = [worker for worker in workers if worker.compiled is not None]
+    others = [worker for worker in workers if worker.compiled is None]
+    stride = (num_steps if alone else STRIDE) if compiled else 1
+    for first in range(0, num_steps, stride):
+        until = min(first + stride, num_steps)
+        for worker in compiled:
+            worker.play(until)
+        play_in_turn(others, first, until)
+    for worker in workers:
+        worker.finish()
+
+
+def play_in_turn(workers: Sequence[RolloutWorker], first: int, until: int) -> None:
+    """Play steps `first` to `until` of the rollouts, one step of each worker in turn.
 
     All networks are evaluated before the first worker steps: a GPU evaluates the others while it simulates.
     """
-    for worker in workers:
-        worker.begin()
-    for t in range(len(workers[0].rollout.reward)):
+    for t in range(first, until):
         for worker in workers:
             worker.observe(t)
         for worker in workers:
             worker.step(t)
-    for worker in workers:
-        worker.finish()
