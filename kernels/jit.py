@@ -32,6 +32,7 @@ import numpy as np
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista/kernels", "scenic_lite", "regista/envs")
+RECORDS = "ued/core/compiled.py"  # of compiled rollouts: kernels know their fields by name, without importing them
 KNOWN_INSIDE = (
     (0, 61),
     (0, 69),
@@ -79,20 +80,6 @@ def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
     return made
 
 
-def compiles() -> bool:
-    """Return whether kernels are compiled: not with `NUMBA_DISABLE_JIT=1`."""
-    return not _numba_config.DISABLE_JIT
-
-
-def overload_of(function: Any, arguments: tuple[Any, ...]) -> Any:
-    """Return the machine code of a kernel for arguments of these types, which calls without inferring types again."""
-    if not hasattr(function, "get_overload"):
-        return function
-    types = tuple(map(numba.typeof, arguments))
-    function.compile(types)
-    return function.get_overload(types)
-
-
 def compiled(function: Any) -> bool:
     """Return whether calling the kernel is quick: it runs uncompiled, or is in memory or in the cache."""
     if not hasattr(function, "signatures") or function.signatures:
@@ -103,10 +90,12 @@ def compiled(function: Any) -> bool:
 
 
 def sources() -> list[Path]:
-    """List the files with kernels and all of our files that those import: everything that compiled code depends on."""
+    """List the files with kernels, all files of ours that those import, and `RECORDS`: what compiled code depends on."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
-    pending = [path for path, text in texts.items() if "regista.kernels.jit import" in text]
+    pending = [path for path in (ROOT / RECORDS,) if path.is_file()]
+    texts |= {path: path.read_text() for path in pending}
+    pending += (path for path, text in texts.items() if "regista.kernels.jit import" in text)
     pending += (path for path in texts if path.parent == ROOT / "regista" / "kernels")  # the compiler itself
     while pending:
         path = pending.pop()

@@ -20,7 +20,7 @@ STANDARD = set(sys.stdlib_module_names)
 
 # What each package, or a folder of it, may import beyond the standard library: the longest of these names holds.
 MAY_IMPORT = {
-    "kernels": {"kernels", "numpy", "numba"},
+    "kernels": {"kernels", "numpy", "numba", "llvmlite"},
     "scenic_lite": {"scenic_lite", "kernels", "numpy", "numba", "shapely"},
     "ued": {"ued", "numpy", "gymnasium", "torch"},
     "ued/core": {"ued.config", "ued.core", "numpy", "gymnasium", "torch"},

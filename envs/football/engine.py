@@ -13,7 +13,7 @@ import numpy as np
 from regista.envs.football.batch import Batch, BatchSettings, Outcome, Pool, begin, step_batch
 from regista.envs.football.observation.observe import View
 from regista.envs.football.rollout import play_matches
-from regista.kernels.jit import overload_of
+from regista.kernels.calls import overload_of
 from scenic_lite.dynamics.machine.bytecode import Code
 from ued.core.compiled import CompiledRollout
 

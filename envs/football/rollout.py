@@ -55,10 +55,10 @@ def note_match(rollout, batch, outcome, settings, e):
 @kernel
 def has_failed(faults):
     """Return whether any match has a fault."""
+    failed = False
     for e in range(len(faults)):
-        if faults[e] != NO_FAULT:
-            return True
-    return False
+        failed |= faults[e] != NO_FAULT
+    return failed
 
 
 @kernel

@@ -33,7 +33,7 @@ from regista.envs.football.scenic.initial_states import INVALID, InitialStates
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
-from regista.kernels.jit import compiles
+from regista.kernels.calls import compiles
 from regista.kernels.rng import stream
 from scenic_lite import Program, load
 from ued.core.compiled import CompiledRollout

@@ -98,8 +98,8 @@ def _in_place(function: Callable[[_Lanes, Any], Any]) -> Any:
     """Make an intrinsic that replaces the 16 entries of an array from an index on by their image."""
 
     @intrinsic
-    def replace(typing, array, index):  # type: ignore[no-untyped-def]
-        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def replace(typing, array, index):
+        def generate(context, builder, signature, arguments):
             lanes, data = _Lanes(builder), _data(context, builder, signature.args[0], arguments[0])
             lanes.store(function(lanes, lanes.load(data, arguments[1])), data, arguments[1])
 
@@ -119,16 +119,14 @@ def _tile(outputs: int) -> Any:
     """
 
     @intrinsic
-    def tile(typing, weights, row, bias, inputs, x, y, at):  # type: ignore[no-untyped-def]
+    def tile(typing, weights, row, bias, inputs, x, y, at):
         size = types.int64
         signature = types.void(weights, size, size, size, x, y, size)
 
-        def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+        def generate(context, builder, signature, arguments):
             weights, row, bias, inputs, x, y, at = arguments
             kinds = signature.args[0], signature.args[4], signature.args[5]
-            data = [
-                _data(context, builder, kind, array) for kind, array in zip(kinds, (weights, x, y), strict=True)
-            ]
+            data = [_data(context, builder, kind, array) for kind, array in zip(kinds, (weights, x, y), strict=True)]
             sums = _product(_Lanes(builder), data[:2], (row, bias, inputs), outputs)
             for i, total in enumerate(sums):
                 _Lanes(builder).store(total, data[2], builder.add(at, ir.Constant(_SIZE, LANES * i)))

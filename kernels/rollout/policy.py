@@ -33,7 +33,10 @@ def sample_actions(policy, steps, envs, t):
 
 @kernel
 def values_of(policy, observation, memory, rows, values):
-    """Write the values of `rows` (at most 16) observations `[rows, A, F]` into `values` `[rows, A]`; update `memory`."""
+    """Write the values of at most 16 `rows` of observations `[rows, A, F]` into `values` `[rows, A]`.
+
+    `memory` is updated.
+    """
     if not _is_shared(policy):
         _run_critics(policy, observation, memory, 0, rows, values)
         return

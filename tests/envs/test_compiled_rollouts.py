@@ -10,7 +10,6 @@ import torch
 
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.vector_env import FootballVectorEnv
-from regista.minigames.suites import NAMED
 from scenic_lite import ScenicError
 from ued import METHODS, PPOConfig
 from ued.config import DRConfig
@@ -75,9 +74,11 @@ def trained(case, compiled, monkeypatch, updates=2, config=None):
     seen = []
     for _ in range(updates):
         metrics = method.update()
-        rollouts = [{name: column.clone() for name, column in vars(learner.rollout).items()} for learner in method.learners]
+        rollouts = [
+            {name: column.clone() for name, column in vars(learner.rollout).items()} for learner in method.learners
+        ]
         seen.append((rollouts, method.last.records.copy(), metrics))
-    assert all((learner.worker.compiled is not None) == compiled for learner in method.learners)
+    assert all(learner.worker.is_compiled == compiled for learner in method.learners)
     return method, seen
 
 
@@ -88,7 +89,9 @@ def assert_same(ours, theirs):
             for name, column in rollout.items():
                 exact = column.dtype in (torch.bool, torch.int64) or name in ("observation", "reward")
                 tolerance = 0 if exact else 1e-5
-                torch.testing.assert_close(column, other[name], atol=tolerance, rtol=0, msg=lambda text, n=name: f"{n}: {text}")
+                torch.testing.assert_close(
+                    column, other[name], atol=tolerance, rtol=0, msg=lambda text, n=name: f"{n}: {text}"
+                )
         for name in ("id", "visit", "origin", "level", "num_played", "returns", "success"):
             np.testing.assert_array_equal(records[name], other_records[name], name)
         assert metrics["env_steps"] == other_metrics["env_steps"]
@@ -99,7 +102,9 @@ def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
     method, ours = trained(case, True, monkeypatch)
     other, theirs = trained(case, False, monkeypatch)
     assert_same(ours, theirs)
-    ended = sum(int((rollout["terminated"] | rollout["truncated"]).sum()) for rollouts, *_ in ours for rollout in rollouts)
+    ended = sum(
+        int((rollout["terminated"] | rollout["truncated"]).sum()) for rollouts, *_ in ours for rollout in rollouts
+    )
     assert ended > 0
     for learner, twin in zip(method.learners, other.learners, strict=True):
         np.testing.assert_array_equal(learner.upomdp.matches, twin.upomdp.matches)

@@ -18,12 +18,12 @@ import numpy as np
 LANES = 16  # rows that a network evaluates together
 SCRATCH = 5  # arrays that it needs for that
 
-# A layer: what follows its product, where its matrix `[outputs, inputs]` and its bias begin in the weights, and its size.
+# A layer: its kind (neither: linear), where its matrix `[outputs, inputs]` and its bias begin in the weights, its size.
 LAYER = np.dtype(
     [("tanh", np.bool_), ("gru", np.bool_)] + [(name, np.int64) for name in ("matrix", "bias", "inputs", "outputs")]
 )
-# Where a kernel is: `step` of the rollout, the step `until` which it plays, how many levels at hand are `taken`, at most
-# `most`, how many `events` there are; and why it stopped early: it `needs_level`, or a match has `failed`.
+# Where a kernel is: the `step` of the rollout, the step `until` which it plays, how many levels at hand are `taken`, at
+# most `most`, how many `events` there are; and why it stopped early: it `needs_level`, or an environment has `failed`.
 COUNTERS = np.dtype(
     [(name, np.int64) for name in ("step", "until", "taken", "most", "events")]
     + [("needs_level", np.bool_), ("failed", np.bool_)]

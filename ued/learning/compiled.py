@@ -1,14 +1,14 @@
-"""Rollouts in a simulator's kernel: what `learning.worker` does step by step, in one call for many steps.
+"""A worker whose rollouts a simulator plays in a kernel: many steps of `learning.worker` in one call.
 
-The weights are copied once per rollout; learning stays in torch. The numbers that actions are sampled from come from the
-worker's generator, in the order in which single steps would draw them, so both ways take the same actions.
+The weights are copied once per rollout; learning stays in torch. The numbers that actions are sampled from come from
+the worker's generator, in the order in which single steps would draw them, so both ways take the same actions.
 Read next: `core.compiled`, the records; `kernels.rollout`, the kernels; `learning.packing`, the weights.
 """
 
 from __future__ import annotations
 
 from time import perf_counter
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
@@ -16,13 +16,13 @@ from gymnasium.spaces import Discrete
 
 from ued.core.compiled import COUNTERS, LANES, CompiledRollout, Envs, Events, Levels, Steps
 from ued.core.upomdp import PREFETCH, UPOMDP
+from ued.learning import worker
 from ued.learning.packing import empty_policy, fill_policy
 from ued.learning.rollout import Rollout
-from ued.learning.student import Normaliser
+from ued.learning.student import Normaliser, Student
+from ued.learning.worker import RolloutWorker, visits_of
 
-if TYPE_CHECKING:
-    from ued.learning.worker import RolloutWorker
-
+BY_AGENT = "action", "log_prob", "value", "final_value"
 SHARED = "returns", "lengths", "training"  # arrays of a worker that the kernel changes
 
 
@@ -43,115 +43,125 @@ class LevelsAhead(Protocol):
         """Note the episodes that ended and the levels taken; `due` as it is now."""
 
 
-def can_compile(worker: RolloutWorker) -> bool:
-    """Return whether a simulator can play a worker's rollouts: flat float32 observations, discrete actions, on the host,
-    and levels from a queue.
-    """
-    student = worker.student
-    return (
-        worker.upomdp.plays_rollouts
-        and student is not None
-        and student.device.type == "cpu"
-        and isinstance(student.normaliser, Normaliser)
-        and isinstance(student.action_space, Discrete)
-        and worker.rollout.observation.dtype == torch.float32
-        and isinstance(worker.on_episode_end, LevelsAhead)
-    )
+class CompiledWorker(RolloutWorker):
+    """A worker whose simulator plays its rollouts if it can; see `is_compiled`. The arguments are those of its base."""
 
+    record: CompiledRollout | None = None  # until the first rollout
 
-class CompiledWorker:
-    """Plays the rollouts of a worker, whose arrays it shares; see `can_compile`."""
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the simulator plays the rollouts.
 
-    def __init__(self, worker: RolloutWorker) -> None:
-        assert worker.student is not None and isinstance(worker.on_episode_end, LevelsAhead)
-        self.worker, self.ahead, upomdp = worker, worker.on_episode_end, worker.upomdp
-        size = worker.rollout.observation.shape[-1]
-        count = len(worker.rollout.terminated) * upomdp.num_envs
-        self.record = CompiledRollout(
-            empty_policy(worker.student, size),
-            steps_of(worker.rollout, upomdp.num_agents),
-            empty_envs(upomdp, size, worker.memory.shape[1]),
+        It must support that, the observations be vectors of float32, the actions discrete, the levels from a queue, and
+        the student on the host.
+        """
+        return (
+            worker.COMPILED
+            and self.upomdp.plays_rollouts
+            and self.student is not None
+            and self.student.device.type == "cpu"
+            and isinstance(self.student.normaliser, Normaliser)
+            and isinstance(self.student.action_space, Discrete)
+            and self.rollout.observation.dtype == torch.float32
+            and isinstance(self.on_episode_end, LevelsAhead)
+        )
+
+    def begin(self) -> None:
+        """Start a rollout: copy the weights, draw the random numbers of its actions."""
+        super().begin()
+        if not self.is_compiled:
+            return
+        if self.record is None:
+            self.record = self._empty_record()
+        steps, envs = self.record.steps, self.record.envs
+        fill_policy(self.record.policy, self._student)
+        torch.from_numpy(steps.uniform).uniform_(generator=self.generator)
+        for name in SHARED:  # another array after `load_state_dict`
+            array = getattr(envs, name)
+            array[:] = getattr(self, name)
+            setattr(self, name, array)
+        envs.memory[:] = self.memory.numpy()
+        self.memory = torch.from_numpy(envs.memory)
+        self._show(envs)
+        self.record.counters["step"] = 0
+
+    def play(self, until: int) -> None:
+        """Play the rollout up to this step."""
+        assert self.record is not None
+        record, counters = self.record, self.record.counters[0]
+        while counters.step < until:
+            began, first = perf_counter(), int(counters.step)
+            records = self._levels.at_hand()
+            self._announce(record, records)
+            counters.until = until
+            self.upomdp.play(record, records["level"])
+            self.seconds["sim"] += perf_counter() - began
+            self._note(record, first, records)
+            if counters.failed:
+                self.upomdp.report_failure()
+            if counters.needs_level:
+                self.end_episodes(record.envs.ended.copy(), {"success": record.envs.success})
+                self._show(record.envs)
+                counters.step += 1
+
+    def finish(self) -> None:
+        """End the rollout: take the observations back, and value them."""
+        if self.is_compiled and self.record is not None:
+            seen = self.record.envs.observation.copy()
+            self.observation = seen if self.upomdp.num_agents > 1 else seen[:, 0]
+        super().finish()
+
+    @property
+    def _student(self) -> Student:
+        assert self.student is not None
+        return self.student
+
+    @property
+    def _levels(self) -> LevelsAhead:
+        assert isinstance(self.on_episode_end, LevelsAhead)
+        return self.on_episode_end
+
+    def _empty_record(self) -> CompiledRollout:
+        size, count = self.rollout.observation.shape[-1], self.rollout.terminated.numel()
+        return CompiledRollout(
+            empty_policy(self._student, size),
+            steps_of(self.rollout, self.upomdp.num_agents),
+            empty_envs(self.upomdp, size, self.memory.shape[1]),
             Levels(*(np.zeros(PREFETCH, kind) for kind in ("i8", "u8", "i8", "i8", "?"))),
             Events(*(np.zeros(count, kind) for kind in ("i8", "i8", "i8", "f8", "i8", "f8", "i8"))),
             np.zeros(1, COUNTERS).view(np.recarray),
         )
 
-    def begin(self) -> None:
-        """Start a rollout: copy the weights, draw the random numbers of its actions."""
-        worker, steps, envs = self.worker, self.record.steps, self.record.envs
-        fill_policy(self.record.policy, worker.student)
-        torch.from_numpy(steps.uniform).uniform_(generator=worker.generator)
-        for name in SHARED:  # another array after `load_state_dict`
-            array = getattr(envs, name)
-            array[:] = getattr(worker, name)
-            setattr(worker, name, array)
-        envs.memory[:] = worker.memory.numpy()
-        worker.memory = torch.from_numpy(envs.memory)
-        self._show(worker.observation)
-        self.record.counters["step"] = 0
+    def _show(self, envs: Envs) -> None:
+        """Hand the observations to the simulator."""
+        assert self.observation is not None
+        envs.observation[:] = self.observation.reshape(envs.observation.shape)
 
-    def play(self, until: int) -> None:
-        """Play the rollout up to this step."""
-        counters = self.record.counters[0]
-        while counters.step < until:
-            began, first = perf_counter(), int(counters.step)
-            records = self.ahead.at_hand()
-            self._announce(records, until)
-            self.worker.upomdp.play(self.record, records["level"])
-            self.worker.seconds["sim"] += perf_counter() - began
-            self._note(first, records)
-            if counters.failed:
-                self.worker.upomdp.report_failure()
-            if counters.needs_level:
-                self._end_episodes()
-
-    def finish(self) -> None:
-        """End the rollout: hand the observations back."""
-        seen = self.record.envs.observation.copy()
-        self.worker.observation = seen if self.worker.upomdp.num_agents > 1 else seen[:, 0]
-
-    def _show(self, observation: np.ndarray | None) -> None:
-        assert observation is not None
-        self.record.envs.observation[:] = observation.reshape(self.record.envs.observation.shape)
-
-    def _announce(self, records: np.ndarray, until: int) -> None:
-        """Write down the levels at hand and what is left of the present ones."""
-        levels, counters, count = self.record.levels, self.record.counters[0], len(records)
+    def _announce(self, record: CompiledRollout, records: np.ndarray) -> None:
+        """Write down the levels at hand, and how many episodes are left on the present ones."""
+        levels, counters, count = record.levels, record.counters[0], len(records)
         levels.seed[:count] = records["level"]["seed"]
-        levels.visit[:count] = np.maximum(records["visit"], 0)
+        levels.visit[:count] = visits_of(records)
         levels.num_episodes[:count] = records["num_episodes"]
         levels.train[:count] = records["train"]
         levels.start[count:] = -1
-        self.record.envs.due[:] = self.ahead.due()
-        counters.until, counters.taken, counters.most, counters.events = until, 0, self.ahead.most(), 0
+        record.envs.due[:] = self._levels.due()
+        counters.taken, counters.most, counters.events = 0, self._levels.most(), 0
         counters.needs_level = counters.failed = False
 
-    def _note(self, first: int, records: np.ndarray) -> None:
+    def _note(self, record: CompiledRollout, first: int, records: np.ndarray) -> None:
         """Note what happened from step `first` on."""
-        worker, events, counters = self.worker, self.record.events, self.record.counters[0]
-        last = int(counters.step) + bool(counters.needs_level or counters.failed)  # steps that were played
-        worker.env_steps += (last - first) * worker.upomdp.num_envs
-        ended = Events(*(column[: counters.events] for column in events))
-        if worker.tape is not None:
-            worker.tape.extend(self._actions(first, last))
+        counters = record.counters[0]
+        last = int(counters.step) + bool(counters.needs_level or counters.failed)  # of the steps that were played
+        ended = Events(*(column[: counters.events] for column in record.events))
+        self.env_steps += (last - first) * self.upomdp.num_envs
+        if self.tape is not None:
+            self.tape.extend(self._student.to_environment(self.rollout.action[first:last]))
             for k in np.flatnonzero(ended.taken >= 0):
-                ago = last - 1 - int(ended.step[k])
-                worker.tape.begin(ended.env[k : k + 1], records["visit"][ended.taken[k]][None], ago)
-        worker.note_episodes(ended.returns, ended.length)
-        self.ahead.apply(ended, self.record.envs.due.tolist())
-
-    def _actions(self, first: int, last: int) -> np.ndarray:
-        """Return the environments' actions of these steps, `[k, N]` or `[k, N, A]`."""
-        worker = self.worker
-        assert worker.student is not None
-        return worker.student.to_environment(worker.rollout.action[first:last])
-
-    def _end_episodes(self) -> None:
-        """End the episodes of a step after which a level is needed that was not at hand."""
-        counters, envs = self.record.counters[0], self.record.envs
-        self.worker.end_episodes(envs.ended.copy(), {"success": envs.success})
-        self._show(self.worker.observation)
-        counters.step += 1
+                visit, ago = records["visit"][ended.taken[k]], last - 1 - int(ended.step[k])
+                self.tape.begin(ended.env[k : k + 1], visit[None], ago)
+        self.note_episodes(ended.returns, ended.length)
+        self._levels.apply(ended, record.envs.due.tolist())
 
 
 def steps_of(rollout: Rollout, agents: int) -> Steps:
@@ -167,9 +177,6 @@ def steps_of(rollout: Rollout, agents: int) -> Steps:
         uniform=np.zeros((*shape, agents), np.float32),
         **by_agent,
     )
-
-
-BY_AGENT = "action", "log_prob", "value", "final_value"
 
 
 def empty_envs(upomdp: UPOMDP, size: int, memory_width: int) -> Envs:

@@ -99,7 +99,7 @@ def table_of(layers: Sequence[Layer], policies: int) -> np.ndarray:
         first = layer.modules[0]
         outputs = sum(module.out_features for module in layer.modules) // policies
         size = first.in_features if layer.gru else outputs
-        for name, value in zip(LAYER.names or (), (layer.tanh, layer.gru, at, at + matrices, first.in_features, size)):
-            row[name] = value
+        row["tanh"], row["gru"], row["matrix"], row["bias"] = layer.tanh, layer.gru, at, at + matrices
+        row["inputs"], row["outputs"] = first.in_features, size
         at += sum(part.shape[1] for part in flat(layer, policies))
     return table

@@ -56,7 +56,9 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        return (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)  # in place: fresh memory is slow to get
+        return (
+            (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
+        )  # in place: fresh memory is slow to get
 
     def deviation(self) -> Tensor:
         """Return the divisors of features, `[size]`, or `[policies, size]`."""

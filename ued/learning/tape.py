@@ -64,7 +64,7 @@ class ActionTape:
                 self._over.popitem(last=False)
 
     def _make_room(self, steps: int) -> None:
-        """Drop the steps before the oldest open visit, and double the tape where it leaves no room, or not half of it."""
+        """Drop the steps before the oldest open visit; double the tape until half of it, and `steps`, are free."""
         assert self._actions is not None
         known = self._visit != NONE
         first = int(self._began[known].min()) if known.any() else self._steps

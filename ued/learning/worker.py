@@ -17,7 +17,6 @@ from gymnasium.spaces import Discrete
 
 from ued.core.resumable import Resumable
 from ued.core.upomdp import UPOMDP
-from ued.learning.compiled import CompiledWorker, can_compile
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.learning.tape import ActionTape
@@ -75,7 +74,6 @@ class RolloutWorker(Resumable):
         self.tape: ActionTape | None = None  # until episodes are to be replayed
         self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to the device of the student
         self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
-        self.compiled: CompiledWorker | None = None  # of a rollout that the simulator plays
 
     def start(self, records: np.ndarray) -> None:
         """Start an episode on the level of each record `[N]`."""
@@ -90,15 +88,15 @@ class RolloutWorker(Resumable):
     def begin(self) -> None:
         """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
-        if self.compiled is None and COMPILED and can_compile(self):
-            self.compiled = CompiledWorker(self)
-        if self.compiled is not None:
-            self.compiled.begin()
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether `play` plays many steps in one call; see `learning.compiled`. Otherwise `observe` and `step` do."""
+        return False
 
     def play(self, until: int) -> None:
-        """Play the rollout up to this step in the simulator's kernel."""
-        assert self.compiled is not None
-        self.compiled.play(until)
+        """Play the rollout up to this step."""
+        raise NotImplementedError("rollouts of this worker are played step by step")
 
     def observe(self, t: int) -> None:
         """Compute the policy and values at the observations of step t; a GPU works while the host continues."""
@@ -186,8 +184,6 @@ class RolloutWorker(Resumable):
 
     def finish(self) -> None:
         """Finish the rollout: store the values of the observations after its last step."""
-        if self.compiled is not None:
-            self.compiled.finish()
         if self.student is not None:
             last = torch.as_tensor(self.observation, dtype=torch.float32)
             self.rollout.last_value[:] = self.student.value(last, self.memory)
@@ -239,8 +235,8 @@ def collect(workers: Sequence[RolloutWorker]) -> None:
     for worker in workers:
         worker.begin()
     num_steps, alone = len(workers[0].rollout.reward), len(workers) == 1
-    compiled = [worker for worker in workers if worker.compiled is not None]
-    others = [worker for worker in workers if worker.compiled is None]
+    compiled = [worker for worker in workers if worker.is_compiled]
+    others = [worker for worker in workers if not worker.is_compiled]
     stride = (num_steps if alone else STRIDE) if compiled else 1
     for first in range(0, num_steps, stride):
         until = min(first + stride, num_steps)
