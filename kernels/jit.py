@@ -90,7 +90,7 @@ def compiled(function: Any) -> bool:
 
 
 def sources() -> list[Path]:
-    """List the files with kernels, all files of ours that those import, and `RECORDS`: what compiled code depends on."""
+    """List the files with kernels, files of ours that those import, and `RECORDS`: what compiled code depends on."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
     pending = [path for path in (ROOT / RECORDS,) if path.is_file()]
