@@ -62,8 +62,9 @@ class _Lanes:
 
     def exp(self, x: Any) -> Any:
         """Return exp(x): 2^n exp(r) with x = n ln 2 + r."""
-        x = self._call("llvm.minnum.v16f32", x, self.constant(_LARGEST))
-        x = self._call("llvm.maxnum.v16f32", x, self.constant(-_LARGEST))
+        for sign, beyond in ((1, ">"), (-1, "<")):  # comparisons that nan passes unchanged
+            largest = self.constant(sign * _LARGEST)
+            x = self.b.select(self.b.fcmp_ordered(beyond, x, largest), largest, x)
         n = self._call("llvm.nearbyint.v16f32", self.b.fmul(x, self.constant(_LOG2_E)))
         r = self.fma(n, self.constant(-_LN2_HIGH), x)
         r = self.fma(n, self.constant(-_LN2_LOW), r)
