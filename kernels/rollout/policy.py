@@ -116,7 +116,7 @@ def _normalize(policy, observation, first, rows, agent, at):
         row = observation[first + r, agent]
         for f in range(len(row)):
             entry = (row[f] - mean[f]) / deviation[f]
-            x[LANES * (at + f) + r] = min(max(entry, -limit), limit)
+            x[LANES * (at + f) + r] = limit if entry > limit else -limit if entry < -limit else entry  # nan stays
 
 
 @kernel
