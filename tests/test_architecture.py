@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "scenic_lite": {"scenic_lite", "kernels", "numpy", "numba", "shapely"},
     "ued": {"ued", "numpy", "gymnasium", "torch"},
     "ued/core": {"ued.config", "ued.core", "numpy", "gymnasium", "torch"},
+    "ued/core/columns.py": {"ued.core", "numpy", "pyarrow"},
     "ued/core/upomdp.py": {"ued.core", "numpy", "gymnasium"},
     "ued/adapters": {"ued", "numpy", "gymnasium", "torch", "stable_baselines3", "torchrl", "tensordict"},
     "ued/recorder": {"ued", "numpy", "rerun"},
