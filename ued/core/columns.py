@@ -38,6 +38,8 @@ def read_csv(path: Path, wanted: Wanted = every, words: Collection[str] = ()) ->
     data = path.read_bytes()
     data = data[: data.rfind(b"\n") + 1]
     try:
+        if b"\n\n" in data:
+            raise ValueError("it has an empty line")
         head = data[: data.find(b"\n") + 1]
         names = present_names(next(csv.reader([head.decode()], strict=True), []))
         columns = {name: at for at, name in enumerate(names) if wanted(name)}
