@@ -39,13 +39,14 @@ from ued.levels.buffer import LevelBuffer
 from ued.recorder import buffer_log
 from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
-from ued.recorder.layout import layout
+from ued.recorder.layout import layout, shown
 from ued.recorder.rows import MOVIE_SECONDS, Rows
 from ued.recorder.scene_log import Episodes, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
-from ued.recorder.writer import Writer
+from ued.recorder.writer import Writer, compact
 
+APPLICATION = "regista"
 TIMELINES = ("update", "env_steps")  # metrics that are times of all others
 
 
@@ -67,7 +68,7 @@ class CurriculumRecorder:
     def __init__(self, recording: Recording, painter: ScenePainter | None, draws: Sequence[Parameter]) -> None:
         self.recording, self.painter = recording, painter
         self.stream = rerun.RecordingStream(
-            "regista",
+            APPLICATION,
             recording_id=recording.id,
             # Large batches: with the default of 0.2 s every update writes a chunk per entity, six times the bytes.
             batcher_config=rerun.ChunkBatcherConfig(
@@ -77,10 +78,11 @@ class CurriculumRecorder:
         self.stream.set_log_time_enabled(False)
         self.writer = Writer(self.stream)
         self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
-        self.rows = Rows(self.stream)
+        self.rows = Rows(self.stream, shown)
         self.theta = ThetaLog(self.stream, self.rows, draws)
         self.buffer = BufferLog(self.stream)
-        self._opened = False
+        self._opened, self._views = False, None
+        self._flushes = 0
         self._last = 0  # update that was recorded
 
     def recall(self, update: int, env_steps: int, theta: np.ndarray) -> None:
@@ -136,14 +138,17 @@ class CurriculumRecorder:
         if self._opened:
             self.theta.record_densities(self._last)  # every version stays in the file, so not more often
             self.rows.send()
+            self._flushes += 1
             self.writer.wait_for(self.stream.flush)
 
     def close(self) -> None:
-        """Finish the file."""
+        """Finish the file, and merge what each flush has added. Raises the errors of `flush` and `compact`."""
         if self._opened:
             self.theta.record_densities(self._last, growth=1.0)
             self.flush()
         self.writer.finish()
+        if self._flushes > 1:
+            compact(self.recording.path, APPLICATION, self.recording.id, self._views)
 
     # ------------------------------------------------------------ pieces
 
@@ -152,11 +157,11 @@ class CurriculumRecorder:
 
     def _open(self, students: list[str], kinds: Set[str]) -> None:
         """Write the layout, the static content and the styles of curves for these `kinds` of metrics."""
-        views = layout(self.painter, self.theta.names, students, kinds)
+        self._views = layout(self.painter, self.theta.names, students, kinds)
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
             sinks.append(rerun.GrpcSink(f"rerun+http://{self.recording.connect}/proxy"))
-        self.writer.wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=views))
+        self.writer.wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=self._views))
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True

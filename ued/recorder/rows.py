@@ -5,7 +5,7 @@ Read next: `recorder.recorder`, which sends them at every checkpoint.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,10 +23,13 @@ class Pending(NamedTuple):
 
 
 class Rows:
-    """Collects rows of numbers by entity, until `send`."""
+    """Collects rows of numbers by entity, until `send`.
 
-    def __init__(self, stream: rerun.RecordingStream) -> None:
-        self.stream = stream
+    Curves that no view shows, see `shown`, have no row on timeline `movie`, which is for playing.
+    """
+
+    def __init__(self, stream: rerun.RecordingStream, shown: Callable[[str], bool]) -> None:
+        self.stream, self.shown = stream, shown
         self._now = 0, 0
         self._scalars: dict[tuple[str, ...], Pending] = {}
         self._bands: dict[tuple[str, ...], Pending] = {}
@@ -44,7 +47,7 @@ class Rows:
         self._add(self._bands, path, (float(values.mean()), float(values.var())))
 
     def send(self) -> None:
-        """Send all rows, of all timelines."""
+        """Send all rows."""
         for path, rows in self._scalars.items():
             values = np.array(rows.values, float)  # [R, K]
             columns = rerun.Scalars.columns(scalars=values.reshape(-1))
@@ -66,6 +69,7 @@ class Rows:
         times = [
             rerun.TimeColumn("update", sequence=rows.updates),
             rerun.TimeColumn("env_steps", sequence=rows.env_steps),
-            rerun.TimeColumn("movie", duration=np.array(rows.updates) * MOVIE_SECONDS),
         ]
+        if self.shown("/".join(path)):
+            times.append(rerun.TimeColumn("movie", duration=np.array(rows.updates) * MOVIE_SECONDS))
         self.stream.send_columns(rerun.new_entity_path(list(path)), times, columns)  # a name may contain spaces
