@@ -132,6 +132,7 @@ def test_only_recordings_import_rerun():
         "film_log.py",
         "layout.py",
         "recorder.py",
+        "rows.py",
         "scene_log.py",
         "theta_log.py",
         "writer.py",
