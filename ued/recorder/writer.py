@@ -17,7 +17,7 @@ from typing import Any
 
 import rerun
 
-from ued.core.files import PARTIAL
+from ued.core.files import partial_of
 
 PATIENCE = 60.0  # s, time limit for writing pending data
 COMPACTED = 256_000_000  # bytes; larger files are not compacted, which needs several times their size of memory
@@ -79,7 +79,7 @@ def compact(path: Path, application: str, recording_id: str, views: Any) -> None
         return
     merged = RrdReader(str(path)).stream().collect(optimize=OptimizationProfile.OBJECT_STORE)
     stream = rerun.RecordingStream(application, recording_id=recording_id, send_properties=False)
-    partial, writer = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}"), Writer(stream)
+    partial, writer = partial_of(path), Writer(stream)
     try:
         with open(partial, "wb"):  # Rerun only warns about an unwritable path
             pass
