@@ -16,6 +16,7 @@ import numpy as np
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.table import EXACT, Table, cannot_write, quoted, read_rows, rounded
+from ued.core.columns import PARTS
 from ued.core.files import write_whole
 from ued.levels import table as tables
 from ued.levels.table import CSV, PARQUET, WORDS, implied_by
@@ -149,12 +150,20 @@ class ParquetLevels:
             self._full, self._rows = len(parts) - 1, [last]
 
     def _parts(self) -> list[Path]:
-        return sorted(self.path.glob("part-*.parquet"))
+        """Return the files in their order. Raises `CommandError` if one is missing."""
+        parts = sorted(self.path.glob(PARTS))
+        for number, path in enumerate(parts):
+            if path != self._part(number):
+                raise CommandError(f"{self.path} is damaged: {self._part(number).name} is missing")
+        return parts
+
+    def _part(self, number: int) -> Path:
+        return self.path / f"part-{number:05d}.parquet"
 
     def _write(self, number: int, rows: pa.Table) -> None:
         try:
             self.path.mkdir(exist_ok=True)
-            write_whole(self.path / f"part-{number:05d}.parquet", _encoded(rows))
+            write_whole(self._part(number), _encoded(rows))
         except OSError as error:
             raise cannot_write(self.path, error) from error
 

@@ -142,6 +142,21 @@ def test_damage_is_one_sentence_and_changes_nothing(tmp_path, small_parts):
     assert contents(table) == before
 
 
+def test_a_file_that_is_missing_is_damage(tmp_path, small_parts):
+    table = written(tmp_path / "run", "parquet")
+    (table.path / "part-00001.parquet").unlink()
+    with pytest.raises(CommandError, match=r"levels\.parquet is damaged: part-00001\.parquet is missing"):
+        open_levels(tmp_path / "run", "parquet").until(UPDATES)
+
+
+def test_an_older_table_keeps_its_columns(tmp_path):
+    older = {"program": np.full(40, "1v1"), **rows(1)}
+    CsvLevels(tmp_path / "levels.csv").append_columns(older)
+    CsvLevels(tmp_path / "levels.csv").append_levels({"program": np.full(40, "1v1"), **rows(2)})
+    assert read_header(tmp_path / "levels.csv") == list(older)
+    assert read_levels(tmp_path, "visit")["visit"].tolist() == list(range(80))
+
+
 def test_other_columns_are_refused(tmp_path, small_parts):
     for form in ("csv", "parquet"):
         table = written(tmp_path / form, form, range(1, 3))
