@@ -109,8 +109,9 @@ class CurriculumRecorder:
         self.stream.log("levels/card", rerun.TextDocument.from_fields(text=self._card(update, batch)))
         self.stream.log("teacher/aim", rerun.TextDocument.from_fields(text=self._aim(batch)))
         self.theta.record(update, batch.theta)
-        if self.recording.connect:
+        if self.recording.connect:  # who watches does not wait for a checkpoint
             self.theta.record_densities(update)
+            self.rows.send()
 
     def level_buffer(self, update: int, buffer: LevelBuffer) -> None:
         """Write the content of a buffer, every few updates, at the last recorded update."""
