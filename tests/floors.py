@@ -82,6 +82,7 @@ FLOORS = {
         "core.room",  # how much memory there is
         "core.files",
         "core.renamed",  # names in older files
+        "core.columns",  # tables on disk, by column
         "core.checkpoint",
         "core.cells",  # of columns with finitely many values
         "core.processes",  # what a process asks of the system
