@@ -3,10 +3,10 @@
     python -m lab.benchmarks.maze_speed
     python -m lab.benchmarks.maze_speed --students "GRU 64" --methods dr accel
 
-First mazes alone, with random actions drawn beforehand: the kernel, which steps and observes, then the environment, which
-also restarts episodes, on the same or on new random mazes. Then training with rollouts of 256 steps in 32 environments,
-compiled and step by step in turns. Each number is the best of several stretches. The share of learning is `time/learn`
-among the times that the run reports.
+First mazes alone, with random actions drawn beforehand: the kernel, which steps and observes, then the environment,
+which also restarts episodes, on the same or on new random mazes. Then training with rollouts of 256 steps in 32
+environments, compiled and step by step in turns. Each number is the best of several stretches. The share of learning is
+`time/learn` among the times that the run reports.
 """
 
 from __future__ import annotations
@@ -63,9 +63,9 @@ def kernel_steps(mazes: Mazes) -> Callable[[], int]:
 def environment_steps(mazes: Mazes, new: bool) -> Callable[[], int]:
     """Return what steps through Gymnasium's interface; `new`: episodes begin on new random mazes."""
     actions = np.random.default_rng(0).integers(0, 3, (DRAWN, mazes.num_envs))
-    mazes.level_sampler = mazes.sample_levels if new else None
 
     def run() -> int:
+        mazes.level_sampler = mazes.sample_levels if new else None
         for chosen in actions:
             mazes.step(chosen)
         return actions.size

@@ -123,6 +123,7 @@ def test_sizes_share_compiled_code():
         large.reset(seed=0)
         large.step(np.full(3, FORWARD))
         assert len(step_mazes.signatures) == compiled
+        assert large.single_observation_space == Mazes(1, OPAQUE).single_observation_space
 
 
 @pytest.mark.parametrize(
