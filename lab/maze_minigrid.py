@@ -2,7 +2,7 @@
 
 Compared exactly: the image of the view, the direction, the reward, termination and truncation. Settings are the
 benchmark's, with walls that hide nothing and with walls that hide what is behind them, and mazes of other sizes.
-It needs `pip install minigrid`:
+With minigrid 3.2.0 all of them are equal. It needs `pip install minigrid`:
 
     python -m lab.maze_minigrid --mazes 1000 --steps 100
 """

@@ -180,8 +180,9 @@ def test_any_numbers_are_a_maze():
     for row in theta[good]:
         maze = family.decode(row)
         assert not maze.walls[maze.start] and not maze.walls[maze.goal]
-    replaced = mazes.reset_to_levels(mazes.make_levels(theta[~good].repeat(32, 0)[:32]))[1]["replaced"]
-    assert replaced.all()
+    levels = mazes.make_levels(np.concatenate([theta[~good][:1], theta[good][:31]]))
+    assert mazes.reset_to_levels(levels)[1]["replaced"].tolist() == [True] + [False] * 31
+    assert mazes._prepare(levels).tolist() == [-1, *range(1, 32)]  # no row for a level that must be replaced
 
 
 def test_edits_change_one_cell():
