@@ -23,6 +23,14 @@ CORRIDOR = """
 .....
 .....
 """
+ROOMS = """
+G.....
+.#.##.
+###.#.
+.#..#.
+.##...
+..^...
+"""
 FIVE = MazeConfig(side=5, num_walls=6, max_steps=20)
 OPAQUE = replace(FIVE, see_through=False)
 
@@ -94,6 +102,10 @@ def test_the_view_is_ahead_and_turned():
 def test_walls_hide_what_is_behind_them_if_they_are_opaque():
     mazes = placed(CORRIDOR, see_through=False)
     assert shown(mazes) == ["?#G#?", "?#.#?", "?#.#?", "?#.#?", "?#.#?"]
+    mazes = placed(ROOMS, see_through=False)
+    assert shown(mazes) == ["?#.##", "###.#", ".#..#", ".##..", "....."]  # as minigrid 3.2.0 shows it
+    mazes.advance(np.array([LEFT]))
+    assert shown(mazes) == ["?????", "?####", "?#...", "?#.#?", "?#.#?"]
 
 
 @pytest.mark.parametrize("see_through", [True, False])
