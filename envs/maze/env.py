@@ -45,7 +45,7 @@ class Mazes(UPOMDP):
         self.level_family = self._family = MazeFamily(config.side, config.num_walls, config.random_count)
         self.theta_map = ThetaMap(self._family)
         as_image = config.representation == "image"
-        self._settings = Settings(width_of(config.side), config.max_steps, config.see_through, as_image)
+        self._settings = Settings(width_of(config.side), config.max_steps, bool(config.see_through), as_image)
         self._size = vector_size(config.see_through, as_image)
         super().__init__(count, Box(0.0, 1.0, (self._size,), np.float32), Discrete(NUM_ACTIONS), self.theta_map.draws)
         self.max_episode_steps = config.max_steps
