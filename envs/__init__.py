@@ -1,4 +1,4 @@
-"""Regista's environments: football, Google Research Football behind the same interface, and a toy world.
+"""Regista's environments: football, Google Research Football behind the same interface, mazes, and a toy world.
 
 Imported as `regista.envs`; `regista/envs` is a link to this folder. Read next: `football.vector_env`.
 """

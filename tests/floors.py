@@ -67,6 +67,13 @@ FLOORS = {
         "football.parallel_env",  # PettingZoo
         "football.task",  # programs as a task
         "football.replay",
+        "maze.config",
+        "maze.grid",  # the arrays of mazes
+        "maze.view",  # what agents see
+        "maze.dynamics",  # a step
+        "maze.levels",
+        "maze.rollout",
+        "maze.env",
         "scenic3.names",  # Scenic 3 itself: what is random, by name and line
         "scenic3.columns",  # as columns of theta
         "scenic3.program",  # theta -> scenes

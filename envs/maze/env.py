@@ -1,0 +1,193 @@
+"""Mazes as a UPOMDP: N agents, each in a maze of its own, stepped as one batch.
+
+Read next: `levels`, which mazes there are; `dynamics`, how they are stepped; `rollout`, whole rollouts at once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+from regista.envs.maze.config import MazeConfig
+from regista.envs.maze.dynamics import step_mazes
+from regista.envs.maze.grid import BORDER, DIRECTIONS, Agents, Outcome, Settings, empty_layouts, width_of
+from regista.envs.maze.levels import Maze, MazeFamily
+from regista.envs.maze.rollout import IS_COMPILED, play_mazes
+from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, observe_all, vector_size, write_images
+from ued.core.compiled import CompiledRollout
+from ued.core.level_space import check_theta
+from ued.core.parameters import ThetaMap
+from ued.core.upomdp import UPOMDP, check_count
+
+NUM_ACTIONS = 3
+MOST_CLOCK = 2**31  # of a state: the clock of an episode that is over runs on until the next one starts
+
+
+class Mazes(UPOMDP):
+    """N partially observed mazes; see the package for what they are and where that comes from.
+
+    Args:
+        num_envs: N.
+        config: size, random mazes, time limit, view.
+
+    Observations are vectors `[N, F]`, float32 in [0, 1] (see `view`); actions `[N]` are 0 turn left, 1 turn right,
+    2 forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both if the
+    agent reaches the goal in the last step. `info["success"]` `[N]` is 1 where the agent has reached the goal in this
+    step. Episodes on a level differ by the agent's actions alone.
+    """
+
+    seed_is_luck = True  # the code fixes the maze
+
+    def __init__(self, num_envs: int = 32, config: MazeConfig = MazeConfig()) -> None:  # noqa: B008 (frozen)
+        self.config, count = config, check_count(num_envs)
+        self.level_family = self._family = MazeFamily(config.side, config.num_walls, config.random_count)
+        self.theta_map = ThetaMap(self._family)
+        as_image = config.representation == "image"
+        self._settings = Settings(width_of(config.side), config.max_steps, bool(config.see_through), as_image)
+        self._size = vector_size(config.see_through, as_image)
+        super().__init__(count, Box(0.0, 1.0, (self._size,), np.float32), Discrete(NUM_ACTIONS), self.theta_map.draws)
+        self.max_episode_steps = config.max_steps
+        self._layouts = empty_layouts(count, config.side)
+        self._agents = Agents(self._layouts.start.copy(), *(np.zeros(count, np.int64) for _ in range(2)))
+        self._outcome = Outcome(np.zeros(count), *(np.zeros(count, np.bool_) for _ in range(2)))
+        self._pool = empty_layouts(0, config.side)
+        self._started = False
+
+    @property
+    def observation_scale(self) -> np.ndarray:
+        return np.full(self._size, 1 / IMAGE_SCALE if self._settings.as_image else 1.0)
+
+    def valid(self, theta: Any) -> np.ndarray:
+        """Return in which mazes of θ `[K, D]` start and goal differ: bool `[K]`."""
+        return self._family.valid(check_theta(theta, self.theta_dim))
+
+    def theta_of(self, maze: Maze) -> np.ndarray:
+        """Return the θ `[D]` of a maze. Raises ValueError for one of another size."""
+        side = self.config.side
+        if np.shape(maze.walls) != (side, side):
+            raise ValueError(f"these mazes have {side} x {side} cells, got walls of shape {np.shape(maze.walls)}")
+        return self._family.encode(maze)
+
+    def _draw(self, count: int) -> np.ndarray:
+        return self._family.draw_codes(self._stream, count)
+
+    # ------------------------------------------------------------ episodes
+
+    def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
+        for target, source in zip(self._layouts, self._family.layouts(levels["theta"]), strict=True):
+            target[where] = source
+        return self._begin(where)
+
+    def play_again(self, where: np.ndarray | None = None) -> np.ndarray:
+        chosen = np.flatnonzero(self._mask(where))  # their mazes are in the batch
+        self.episodes[chosen] += 1
+        return self._begin(chosen)
+
+    def _begin(self, where: np.ndarray) -> np.ndarray:
+        """Put the agents of the environments `where` `[k]` at the start of their mazes; return all observations."""
+        agents, layouts = self._agents, self._layouts
+        agents.at[where], agents.direction[where], agents.clock[where] = (
+            layouts.start[where],
+            layouts.direction[where],
+            0,
+        )
+        self._started = True
+        return self.observe()
+
+    def _advance(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        if not self._started:
+            raise RuntimeError("call reset() before step()")
+        seen, out = np.empty((self.num_envs, self._size), np.float32), self._outcome
+        step_mazes(self._layouts, self._agents, self._settings, self._checked(actions), out, seen)
+        return (
+            seen,
+            out.reward.copy(),
+            out.terminated.copy(),
+            out.truncated.copy(),
+            {"success": out.terminated.astype(float)},
+        )
+
+    def _checked(self, actions: Any) -> np.ndarray:
+        """Return actions as int64 `[N]`. Raises ValueError for another shape or type, or an unknown action."""
+        array = np.asarray(actions)
+        if array.shape != (self.num_envs,) or array.dtype.kind not in "iu":
+            raise ValueError(f"actions must be {self.num_envs} integers, got shape {array.shape} of {array.dtype}")
+        if array.min() < 0 or array.max() >= NUM_ACTIONS:
+            wrong = array[(array < 0) | (array >= NUM_ACTIONS)][0]
+            raise ValueError(f"action {wrong} does not exist; actions are 0 to {NUM_ACTIONS - 1}")
+        return np.require(array, np.int64, ("C", "W"))  # kernels would be compiled again for other memory layouts
+
+    def observe(self) -> np.ndarray:
+        """Return the present observations in a new array, `[N, F]`."""
+        seen = np.empty((self.num_envs, self._size), np.float32)
+        observe_all(self._layouts, self._agents, self._settings, seen)
+        return seen
+
+    def images(self) -> np.ndarray:
+        """Return the present views in MiniGrid's encoding: object, color and state, uint8 `[N, 5, 5, 3]`.
+
+        The axes are column from the left, row from the top, channel.
+        """
+        images = np.empty((self.num_envs, CHANNELS * CELLS), np.uint8)
+        write_images(self._layouts, self._agents, self._settings, images)
+        return images.reshape(-1, VIEW, VIEW, CHANNELS)
+
+    def directions(self) -> np.ndarray:
+        """Return which way the agents face: 0 right, 1 down, 2 left, 3 up, int `[N]`."""
+        return self._agents.direction.copy()
+
+    # ------------------------------------------------------------ rollouts
+
+    @property
+    def plays_rollouts(self) -> bool:
+        return IS_COMPILED
+
+    def _prepare(self, levels: np.ndarray) -> np.ndarray:
+        self._pool = self._family.layouts(levels["theta"])
+        return np.where(self._family.valid(levels["theta"]), np.arange(len(levels)), -1)
+
+    def _play(self, rollout: CompiledRollout) -> None:
+        play_mazes(rollout, self._layouts, self._agents, self._pool, self._settings)
+
+    # ------------------------------------------------------------ state
+
+    def get_state(self) -> dict[str, Any]:
+        """Return the full state; the mazes follow from the levels."""
+        return {**self.level_state(), **{name: array.copy() for name, array in self._agents._asdict().items()}}
+
+    def set_state(self, state: dict[str, Any]) -> np.ndarray:
+        """Restore what `get_state` returned; return the observations of that state `[N, F]`.
+
+        Raises ValueError for a state that does not fit; the environment is then unchanged.
+        """
+        agents = {name: state.get(name) if isinstance(state, dict) else None for name in Agents._fields}
+        for name, array in agents.items():
+            if array is not None:
+                self._check_agents(name, array)
+        self.set_level_state(state, *Agents._fields)
+        for target, source in zip(self._layouts, self._family.layouts(self.levels["theta"]), strict=True):
+            target[:] = source
+        for name, array in agents.items():
+            getattr(self._agents, name)[:] = array
+        self._started = True
+        return self.observe()
+
+    def _check_agents(self, name: str, array: Any) -> None:
+        """Raise ValueError unless this is an array of `Agents` with values that kernels can read."""
+        most = {"direction": DIRECTIONS - 1, "clock": MOST_CLOCK}.get(name, self._layouts.grid.shape[1] - 1)
+        if not isinstance(array, np.ndarray) or array.shape != (self.num_envs,) or array.dtype != np.int64:
+            raise ValueError(f"{name} of a state must be {self.num_envs} integers of 64 bits, got {array!r:.100}")
+        if array.min() < 0 or array.max() > most:
+            raise ValueError(f"{name} of a state must be from 0 to {most}, got {array.min()} to {array.max()}")
+        inside = np.stack(np.divmod(array, self._settings.width)) - BORDER
+        if name == "at" and (inside.min() < 0 or inside.max() >= self.config.side):
+            raise ValueError(f"at of a state must be cells of the maze, without its border, got {array!r:.100}")
+
+    def copy(self) -> Mazes:
+        """Return an independent environment in the same state."""
+        twin = Mazes(self.num_envs, self.config)
+        twin.set_state(self.get_state())
+        twin._started = self._started
+        return twin

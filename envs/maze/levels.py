@@ -1,0 +1,136 @@
+"""Mazes as levels: random ones, edits, codes.
+
+Random mazes are those of DCD's domain randomization, an adversary with uniformly random actions
+(`AdversarialEnv.step_adversary` with `choose_goal_last`). It places walls in uniform cells, several of which may fall
+on one, then the goal and the agent, which remove the walls in their cells. "25 blocks" are 25 such walls, "60 blocks,
+uniform" 0 to 59 (`resample_n_clutter`). JaxUED draws walls in the same way, minimax without repetition. Agents face a
+uniform direction. As in these sources, some mazes have no path to the goal.
+
+An edit is one of ACCEL's in DCD (`AdversarialEnv.mutate_level`, editor "walls_none_goal"): a uniform cell becomes a
+wall, an empty cell or the goal. Several edits follow each other here; DCD's are made at once, in different cells.
+Read next: `env`.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from regista.envs.maze.grid import DIRECTIONS, Layouts, layouts_of
+from ued.core.cells import bin_center, index_in
+
+ARROWS = ">v<^"  # agents in drawings, by direction
+EDITS = ("wall", "empty", "goal")
+
+
+class Maze(NamedTuple):
+    """One maze of S x S cells."""
+
+    walls: np.ndarray  # [S, S] bool
+    start: tuple[int, int]  # row, column
+    goal: tuple[int, int]
+    direction: int  # that the agent faces: 0 right, 1 down, 2 left, 3 up
+
+
+class MazeFamily:
+    """Mazes of S x S cells: a `ued.LevelFamily`.
+
+    A code holds for each cell whether it is a wall, then start, goal and direction. Each of them is the center of one
+    of the equal parts of [-1, 1], as many as there are values (see `ued.core.cells`). Any numbers in [-1, 1] are the
+    code of a maze if start and goal differ; walls in these two cells are removed.
+
+    Args:
+        side: S.
+        num_walls: walls placed in random mazes.
+        random_count: place a uniform number of walls below `num_walls` instead.
+    """
+
+    def __init__(self, side: int = 13, num_walls: int = 25, random_count: bool = False) -> None:
+        self.side, self.num_walls, self.random_count = side, num_walls, random_count
+        self.size = side * side + 3
+        self._bins = np.array([2] * side * side + [side * side, side * side, DIRECTIONS])
+
+    def draw_codes(self, rng: np.random.Generator, count: int) -> np.ndarray:
+        """Sample the codes of `count` mazes at once: `[count, size]`."""
+        cells, most = self.side**2, self.num_walls
+        indices = np.zeros((count, self.size), np.int64)
+        walls = rng.integers(cells, size=(count, most))
+        placed = rng.integers(max(most, 1), size=(count, 1)) if self.random_count else most
+        rows, order = np.nonzero(np.broadcast_to(np.arange(most) < placed, walls.shape))
+        indices[rows, walls[rows, order]] = 1
+        goal, start = rng.integers(cells, size=count), rng.integers(cells - 1, size=count)
+        start += start >= goal
+        indices[np.arange(count), goal] = indices[np.arange(count), start] = 0
+        indices[:, cells], indices[:, cells + 1] = start, goal
+        indices[:, cells + 2] = rng.integers(DIRECTIONS, size=count)
+        return bin_center(indices, self._bins)
+
+    def sample(self, rng: np.random.Generator) -> Maze:
+        """Sample a maze."""
+        return self.decode(self.draw_codes(rng, 1)[0])
+
+    def mutate(self, level: Maze, rng: np.random.Generator) -> Maze:
+        """Return the maze after one edit. An agent or a goal that loses its cell moves to a random empty one.
+
+        A maze in which no cell would be left for it stays as it is.
+        """
+        place, edit = divmod(int(rng.integers(self.side**2)), self.side), EDITS[rng.integers(len(EDITS))]
+        walls = level.walls.copy()
+        walls[place] = edit == "wall"
+        goal = place if edit == "goal" else level.goal
+        lost_goal, lost_start = goal == place and edit != "goal", level.start == place
+        taken = walls.copy()
+        taken[place] = True
+        for kept, lost in ((goal, lost_goal), (level.start, lost_start)):
+            taken[kept] |= not lost
+        free = rng.permutation(np.flatnonzero(~taken))[:2].tolist()
+        if len(free) < lost_goal + lost_start:
+            return level
+        goal = divmod(free.pop(), self.side) if lost_goal else goal
+        start = divmod(free.pop(), self.side) if lost_start else level.start
+        return Maze(walls, start, goal, level.direction)
+
+    def encode(self, level: Maze) -> np.ndarray:
+        """Return the code `[size]` of a maze."""
+        places = [row * self.side + column for row, column in (level.start, level.goal)]
+        return bin_center(np.concatenate([level.walls.ravel(), places, [level.direction]]), self._bins)
+
+    def decode(self, code: np.ndarray) -> Maze:
+        """Return the maze of a code `[size]`."""
+        walls, start, goal, direction = self._parts(code[None])
+        walls[0, [start[0], goal[0]]] = False
+        first, last = (divmod(int(cell[0]), self.side) for cell in (start, goal))
+        return Maze(walls.reshape(self.side, self.side), first, last, int(direction[0]))
+
+    def layouts(self, codes: np.ndarray) -> Layouts:
+        """Return the mazes of codes `[K, size]` as arrays."""
+        walls, start, goal, direction = self._parts(codes)
+        return layouts_of(walls.reshape(-1, self.side, self.side), start, goal, direction)
+
+    def valid(self, codes: np.ndarray) -> np.ndarray:
+        """Return which codes `[K, size]` describe mazes, with start and goal in different cells: bool `[K]`."""
+        _, start, goal, _ = self._parts(codes)
+        return start != goal
+
+    def _parts(self, codes: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return walls, bool `[K, S * S]`, and starts, goals, directions `[K]` of codes `[K, size]`."""
+        indices, cells = index_in(codes, self._bins), self.side**2
+        return indices[:, :cells] > 0, *indices[:, cells:].T
+
+
+def maze_from(drawing: str) -> Maze:
+    """Return the maze of a drawing: rows of `#` walls, `.` cells, `G` the goal, and `>`, `v`, `<` or `^` the agent.
+
+    Raises ValueError for a drawing that is not square, has other characters, or not one goal and one agent.
+    """
+    rows = drawing.split()
+    text = "".join(rows)
+    agents = [(place, mark) for place, mark in enumerate(text) if mark in ARROWS]
+    if any(len(row) != len(rows) for row in rows) or set(text) - set("#.G" + ARROWS):
+        raise ValueError(f"a maze is as many rows of '#', '.', 'G' and one of '{ARROWS}' as each has, got {rows}")
+    if text.count("G") != 1 or len(agents) != 1:
+        raise ValueError(f"a maze has one goal 'G' and one agent, got {text.count('G')} and {len(agents)}")
+    walls = np.array([mark == "#" for mark in text]).reshape(len(rows), len(rows))
+    (start, mark), goal = agents[0], text.index("G")
+    return Maze(walls, divmod(start, len(rows)), divmod(goal, len(rows)), ARROWS.index(mark))

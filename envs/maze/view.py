@@ -1,0 +1,142 @@
+"""What agents see: 5 x 5 cells ahead, as MiniGrid shows them (`MiniGridEnv.gen_obs`).
+
+The view is turned so that the agent looks up from the middle of the lowest row. Cells have numbers 5 i + j, with column
+i from the left and row j from the top: the order of MiniGrid's `image[i, j]`. The agent's own cell is shown empty.
+
+Walls hide nothing in DCD (`see_through_walls=True` in `AdversarialEnv` and in the test mazes of `MazeEnv`), in JaxUED
+(`Maze._get_partial_obs` has no occlusion) and in minimax (`see_through_walls=True`, and False is not implemented).
+Otherwise cells behind walls are unseen, by MiniGrid's `Grid.process_vis`.
+
+A vector of observations ends with the direction, one-hot. Before it come, in "features", walls and goal, 1 where the
+cell holds one, and if walls hide cells, which cells are seen: `[25 walls, 25 goal(, 25 seen)]`. In "image" it is
+MiniGrid's object, color and state of each cell, divided by 10 as in DCD (`VecPreprocessImageWrapper(scale=10)`).
+Read next: `dynamics`.
+"""
+
+from __future__ import annotations
+
+from regista.envs.maze.grid import BORDER, DIRECTIONS, EMPTY, GOAL, GREEN, GREY, UNSEEN, VIEW, WALL
+from regista.kernels.jit import kernel
+
+CELLS = VIEW * VIEW
+CHANNELS = 3  # of an image: object, color, state
+IMAGE_SCALE = 10.0
+MIDDLE = VIEW // 2
+_OWN = VIEW * MIDDLE + VIEW - 1  # the number of the agent's cell
+_ALL = (1 << CELLS) - 1
+
+
+def vector_size(see_through: bool, as_image: bool) -> int:
+    """Return the size F of a vector of observations."""
+    channels = CHANNELS if as_image else 2 if see_through else 3
+    return channels * CELLS + DIRECTIONS
+
+
+@kernel
+def stride(direction, width):
+    """Return how far apart a cell and the next one in a direction are in the grid."""
+    if direction == 0:
+        return 1
+    if direction == 1:
+        return width
+    return -1 if direction == 2 else -width
+
+
+@kernel
+def entry(at, ahead, aside, i, j):
+    """Return the entry of the grid that column i and row j of a view show."""
+    return at + (BORDER - j) * ahead + (i - MIDDLE) * aside
+
+
+@kernel
+def visible(grid, at, ahead, aside):
+    """Return the cells that walls do not hide, a bit each: from the nearest row, light passes sideways and ahead."""
+    seen = 1 << _OWN
+    for row in range(VIEW):
+        j = VIEW - 1 - row
+        for i in range(VIEW - 1):
+            seen = _light(grid, at, ahead, aside, i, j, 1, seen)
+        for k in range(VIEW - 1):
+            seen = _light(grid, at, ahead, aside, VIEW - 1 - k, j, -1, seen)
+    return seen
+
+
+@kernel
+def _light(grid, at, ahead, aside, i, j, side, seen):
+    """Return the cells seen once a cell passes light to its neighbor on one side, ahead, and ahead on that side."""
+    bit = VIEW * i + j
+    if (seen >> bit) & 1 == 0 or grid[entry(at, ahead, aside, i, j)] == WALL:
+        return seen
+    neighbor = bit + side * VIEW
+    seen |= 1 << neighbor
+    if j > 0:
+        seen |= (1 << (neighbor - 1)) | (1 << (bit - 1))
+    return seen
+
+
+@kernel
+def thing_at(grid, at, ahead, aside, i, j, seen):
+    """Return what a view shows in column i and row j: UNSEEN, EMPTY, WALL or GOAL."""
+    bit = VIEW * i + j
+    if (seen >> bit) & 1 == 0:
+        return UNSEEN
+    if bit == _OWN:
+        return EMPTY
+    return int(grid[entry(at, ahead, aside, i, j)])
+
+
+@kernel
+def write_image(layouts, agents, settings, e, image):
+    """Write MiniGrid's image of environment e, `[75]`: object, color and state of each cell."""
+    grid, at, width = layouts.grid[e], agents.at[e], settings.width
+    ahead, aside = stride(agents.direction[e], width), stride((agents.direction[e] + 1) % DIRECTIONS, width)
+    seen = _ALL if settings.see_through else visible(grid, at, ahead, aside)
+    for i in range(VIEW):
+        for j in range(VIEW):
+            thing, k = thing_at(grid, at, ahead, aside, i, j, seen), CHANNELS * (VIEW * i + j)
+            image[k] = thing
+            image[k + 1] = GREY if thing == WALL else GREEN if thing == GOAL else 0
+            image[k + 2] = 0
+
+
+@kernel
+def write_features(layouts, agents, settings, e, row):
+    """Write the features of environment e, `[F]`, without the direction."""
+    grid, at, width = layouts.grid[e], agents.at[e], settings.width
+    ahead, aside = stride(agents.direction[e], width), stride((agents.direction[e] + 1) % DIRECTIONS, width)
+    seen = _ALL if settings.see_through else visible(grid, at, ahead, aside)
+    for i in range(VIEW):
+        for j in range(VIEW):
+            thing, k = thing_at(grid, at, ahead, aside, i, j, seen), VIEW * i + j
+            row[k] = 1.0 if thing == WALL else 0.0
+            row[CELLS + k] = 1.0 if thing == GOAL else 0.0
+            if not settings.see_through:
+                row[2 * CELLS + k] = 0.0 if thing == UNSEEN else 1.0
+
+
+@kernel
+def observe(layouts, agents, settings, e, row):
+    """Write the vector of observations of environment e, `[F]` float32."""
+    if settings.as_image:
+        write_image(layouts, agents, settings, e, row)
+        for k in range(CHANNELS * CELLS):
+            row[k] /= IMAGE_SCALE
+    else:
+        write_features(layouts, agents, settings, e, row)
+    last = len(row) - DIRECTIONS
+    for direction in range(DIRECTIONS):
+        row[last + direction] = 1.0 if direction == agents.direction[e] else 0.0
+
+
+@kernel
+def observe_all(layouts, agents, settings, vectors):
+    """Write the vectors of observations `[N, F]` float32."""
+    for e in range(len(vectors)):
+        observe(layouts, agents, settings, e, vectors[e])
+
+
+@kernel
+def write_images(layouts, agents, settings, images):
+    """Write MiniGrid's images, `[N, 75]` uint8."""
+    for e in range(len(images)):
+        write_image(layouts, agents, settings, e, images[e])
