@@ -14,8 +14,9 @@ from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.dynamics import step_mazes
 from regista.envs.maze.grid import BORDER, DIRECTIONS, Agents, Outcome, Settings, empty_layouts, width_of
 from regista.envs.maze.levels import Maze, MazeFamily
-from regista.envs.maze.rollout import IS_COMPILED, play_mazes
+from regista.envs.maze.rollout import play_mazes
 from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, observe_all, vector_size, write_images
+from regista.kernels.calls import compiles
 from ued.core.compiled import CompiledRollout
 from ued.core.level_space import check_theta
 from ued.core.parameters import ThetaMap
@@ -142,7 +143,7 @@ class Mazes(UPOMDP):
 
     @property
     def plays_rollouts(self) -> bool:
-        return IS_COMPILED
+        return compiles()
 
     def _prepare(self, levels: np.ndarray) -> np.ndarray:
         self._pool = self._family.layouts(levels["theta"])

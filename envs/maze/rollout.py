@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from regista.envs.maze.dynamics import begin, is_late, move, reward_of
 from regista.envs.maze.view import observe
-from regista.kernels.jit import compiles, kernel
+from regista.kernels.jit import kernel
 from regista.kernels.rollout.play import act, choose_levels, copy, note
-
-IS_COMPILED = compiles()  # for `env`, which has no kernels: an import of the compiler would make it part of their cache
 
 
 @kernel
