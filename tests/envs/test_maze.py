@@ -325,7 +325,7 @@ def trained(case, compiled, monkeypatch, updates=3):
         metrics = method.update()
         rollouts = [{name: column.clone() for name, column in vars(one.rollout).items()} for one in method.learners]
         seen.append((rollouts, method.last.records.copy(), metrics["env_steps"]))
-    assert all((learner.worker.compiled is not None) == compiled for learner in method.learners)
+    assert all(learner.worker.is_compiled == compiled for learner in method.learners)
     return method, seen
 
 
