@@ -2,7 +2,7 @@
 
 Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
 heads. It has the size of its state per environment (`width`, 0 without memory), and determines the sequences of
-minibatches: single steps, or the whole sequences that backpropagation through time needs.
+minibatches: single steps, or the sequences that backpropagation through time needs.
 Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.
 """
 
@@ -40,7 +40,7 @@ class NoMemory(nn.Module):
         """Return both unchanged."""
         return features, memory
 
-    def sequences(self, train: Tensor) -> Tensor:
+    def sequences(self, train: Tensor, bptt_steps: int = 0) -> Tensor:
         """Return the sequences of minibatches, for a rollout with the mask `train` `[T, N]` of steps to learn from.
 
         Each of the S sequences holds the indices of its L rows in the flat rollout `[T * N]`: `[S, L]`.
@@ -51,7 +51,8 @@ class NoMemory(nn.Module):
 class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
-    Backpropagation through time goes through a whole rollout, from the state at its first step.
+    Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
+    from the states at their first steps; see `Batch.cut`.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team) -> None:
@@ -102,10 +103,16 @@ class GRU(nn.Module):
             return layer.weight, layer.bias[None]
         return layer.weight.view(self.policies, -1, layer.in_features), layer.bias.view(self.policies, 1, -1)
 
-    def sequences(self, train: Tensor) -> Tensor:
-        """Return the rows of each environment with a step to learn from; see `NoMemory.sequences`."""
-        rows = torch.arange(train.numel()).view(train.shape).T  # [N, T]
-        return rows[train.any(0)]
+    def sequences(self, train: Tensor, bptt_steps: int = 0) -> Tensor:
+        """Return the rows of each piece of `bptt_steps` steps of an environment with a step to learn from.
+
+        0: pieces are whole rollouts. See `NoMemory.sequences`.
+        """
+        num_steps, num_envs = train.shape
+        pieces = num_envs * num_steps // (bptt_steps or num_steps)
+        rows = torch.arange(train.numel()).view(-1, bptt_steps or num_steps, num_envs)  # [T / L, L, N]
+        rows = rows.transpose(1, 2).reshape(pieces, -1)  # [T / L * N, L]
+        return rows[train.flatten()[rows].any(1)]
 
 
 def _masked(state: Tensor, begins: Tensor, axis: int) -> Tensor:

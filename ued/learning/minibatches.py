@@ -74,9 +74,34 @@ class Batch:
         """
         if device.type == "cpu":
             return self
-        columns = *self.past, self.action, self.numbers
+        columns = *filter(torch.is_tensor, self.past), self.action, self.numbers
         *past, action, numbers = (part.pin_memory().to(device, non_blocking=True) for part in columns)
         return Batch(Past(*past), self.rollout.to(device), None, None, action, numbers)
+
+    def cut(self, student: Student, length: int, size: int) -> None:
+        """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
+
+        It is computed once, before anything is learned, by a pass without gradients of `size` environments at a time.
+        So it is the memory with which the student played, as if the rollout had stored it (the stored state of
+        Kapturowski et al. 2019, section 3), and pieces can be shuffled and computed side by side. To recompute it for
+        each minibatch would take such a pass each time.
+        """
+        memory, begins, _ = self.past  # [1, N, W], [T * N]
+        assert begins is not None
+        rows = torch.arange(len(begins), device=begins.device).view(-1, memory.shape[1])  # [T, N]
+        before = torch.zeros(len(rows), dtype=torch.bool, device=rows.device)  # [T], steps after which a piece begins
+        before[length - 1 : -1 : length] = True
+        found = []  # [T / length - 1, some, W] each
+        for part, start in zip(rows.split(size, 1), memory[0].split(size), strict=True):
+            past = Past(start, begins[part], before.repeat_interleave(len(start)))
+            found.append(student.remember(self.look(student, part.flatten()), past).unflatten(0, (-1, len(start))))
+        self.past = self.past._replace(memory=torch.cat([memory, torch.cat(found, 1)]))
+
+    def look(self, student: Student, rows: Tensor) -> Tensor:
+        """Return the observations of these rows of the rollout as the student's networks see them."""
+        if self.seen is None:
+            return student.normaliser(self.rollout.index_select(0, rows))
+        return self.seen.index_select(0, rows)
 
     def minibatches(self, sequences: Tensor, size: int, norm_adv: bool = False) -> Iterator[Batch]:
         """Yield minibatches of `size` of these sequences `[S, L]` of row numbers, step by step.

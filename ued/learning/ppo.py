@@ -56,11 +56,15 @@ class PPO(Resumable):
         if advantages is None:
             advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
         old = Batch.of(rollout, advantages, target=advantages + rollout.value).to(device)  # T * N rows
-        sequences = self.student.actor_memory.sequences(rollout.train).to(device)  # [S, L] of these rows
+        sequences = self.student.actor_memory.sequences(rollout.train, config.bptt_steps).to(
+            device
+        )  # [S, L] of these rows
         if not len(sequences):
             return {"gradient_steps": 0.0}
         old.seen = self.student.see(old.observation)
         minibatch_size = -(-len(old.action) // sequences.shape[1] // config.num_minibatches)
+        if self.student.memory_width and 0 < config.bptt_steps < config.num_steps:
+            old.cut(self.student, config.bptt_steps, max(1, minibatch_size * config.bptt_steps // config.num_steps))
         logs: list[Losses] = []
         grad_norms: list[Tensor] = []
         for _ in range(config.update_epochs):

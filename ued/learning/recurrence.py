@@ -100,7 +100,7 @@ class Recurrence(torch.autograd.Function):
 
     @staticmethod
     @torch.autograd.function.once_differentiable
-    def backward(ctx: Any, by_states: Tensor) -> tuple[Tensor | None, ...]:  # type: ignore[override]
+    def backward(ctx: Any, by_states: Tensor) -> tuple[Tensor | None, ...]:
         features, start, read_weight, weight, read, candidates, states = ctx.saved_tensors
         size, counts = features.shape[-1], ctx.packed.counts
         reset, keep, recalled = read.split(size, -1)

@@ -173,14 +173,25 @@ class Student(nn.Module):
         memory = past.memory[:, : self.actor_memory.width]
         return self.actor_memory(self.actor_torso(self._numbered(seen)), memory, past)
 
-    def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+    def _critic_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         memory = past.memory[:, self.memory_width - self.critic_memory.width :]
-        if self.central:  # one value for all; images are laid on each other
-            seen = seen.movedim(1, -2).flatten(-2)  # [B, A * size]
-            features, memory = self.critic_memory(self.critic_torso(seen), memory, past)
-            return self.critic(features).expand(-1, self.agents), memory
-        features, memory = self.critic_memory(self.critic_torso(self._numbered(seen)), memory, past)
-        return self.critic(features).squeeze(-1), memory
+        seen = (
+            seen.movedim(1, -2).flatten(-2) if self.central else self._numbered(seen)
+        )  # images are laid on each other
+        return self.critic_memory(self.critic_torso(seen), memory, past)
+
+    def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+        features, memory = self._critic_features(seen, past)
+        value = self.critic(features)  # [B, 1], of a team [B, A, 1] unless the critic is central
+        return value.expand(-1, self.agents) if self.central else value.squeeze(-1), memory
+
+    @torch.no_grad()
+    def remember(self, seen: Tensor, past: Past) -> Tensor:
+        """Return the memory after each step of `past.mask`, `[rows, memory_width]`, for normalized observations."""
+        features = [self._actor_features(seen, past)[0]]  # which a memory returns are its states
+        if not self.shared:
+            features.append(self._critic_features(seen, past)[0])
+        return torch.cat([states.flatten(1) for states in features], -1)
 
     def _numbered(self, observation: Tensor) -> Tensor:
         """Append the index of the agent for a shared policy: a one-hot to `[B, A, size]`, planes to images."""
