@@ -1,6 +1,7 @@
 """The GRU of segments is a loop of cells: its states, its gradients, and where truncated gradients stop."""
 
 import dataclasses
+from itertools import pairwise
 
 import pytest
 import torch
@@ -70,7 +71,7 @@ def test_segments_hold_each_step_once_and_the_longest_come_first():
     begins[0] = True
     assert set(packed.first.tolist()) == set(begins.flatten().nonzero()[:, 0].tolist())
     blocks = packed.rows.split(packed.counts)
-    for earlier, later in zip(blocks, blocks[1:], strict=False):
+    for earlier, later in pairwise(blocks):
         assert later.equal(earlier[: len(later)] + 4)  # the next step of the same environment
 
 
