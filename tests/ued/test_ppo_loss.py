@@ -1,22 +1,25 @@
 """The closed form of PPO's loss has the numbers and the gradient that autograd finds for its formula."""
 
 import dataclasses
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 import torch
+from gymnasium.spaces import Box, Discrete, MultiDiscrete
 from probes import Follow
 from torch import Tensor
 
 from ued.config import PPOConfig
 from ued.core.seeding import torch_generator
-from ued.learning import ppo as module
+from ued.learning import backprop
+from ued.learning.backprop import by_hand, has_tanh_layers
 from ued.learning.kl import KLRegularizer
 from ued.learning.memory import Past
 from ued.learning.minibatches import Batch, normalize
 from ued.learning.networks import Categorical, MultiCategorical
-from ued.learning.ppo import PPO
 from ued.learning.ppo_loss import Losses, approx_kl, categorical_losses, losses, means
+from ued.learning.student import Student
 from ued.methods.dr import DR
 
 ROWS = 64
@@ -124,27 +127,79 @@ def test_means_are_those_of_minibatches_of_unequal_sizes(agents):
         assert found["agent_1/entropy"] == pytest.approx(float(second), rel=1e-5)
 
 
-SETTINGS = [{}, {"clip_vloss": True}, {"norm_adv": False}, {"target_kl": 1e-3}, {"shared_torso": True}]
+SETTINGS = [
+    {},
+    {"clip_vloss": True},
+    {"norm_adv": False},
+    {"target_kl": 1e-3},
+    {"shared_torso": True, "hidden_layers": 1},
+    {"hidden_layers": 3},
+    {"memory": "gru"},
+]
+
+
+def ways(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """Yield by hand, the closed form, and the formula, each while it is the one that is used."""
+    yield "by hand"
+    monkeypatch.setattr(backprop, "has_tanh_layers", lambda student: False)
+    yield "closed form"
+    monkeypatch.setattr(backprop, "Categorical", type(None))  # no policy is one
+    yield "formula"
 
 
 @pytest.mark.parametrize("regularized", [False, True])
 @pytest.mark.parametrize("settings", SETTINGS)
-def test_students_learn_the_same_from_the_closed_form_and_from_autograd(settings, regularized, monkeypatch):
+def test_students_learn_the_same_by_hand_from_the_closed_form_and_from_autograd(settings, regularized, monkeypatch):
     quick = PPOConfig(num_steps=30, num_minibatches=4, hidden_size=16, learning_rate=3e-3)
     config = dataclasses.replace(quick, **settings)
     other = DR(Follow(), config, seed=5).student
-    outcomes = []
-    for closed in (True, False):
+    outcomes = {}
+    for way in ways(monkeypatch):
         method = DR(Follow(), config, seed=1)
         method.fill_rollouts()
-        if not closed:  # no policy is categorical
-            monkeypatch.setattr(module, "Categorical", type(None))
         learner = method.learner
-        assert isinstance(learner.ppo, PPO)
         logged = learner.ppo.learn(learner.rollout, regularizer=KLRegularizer(other, 0.5) if regularized else None)
-        outcomes.append((logged, learner.student.state_dict()))
-    (ours, weights), (theirs, wanted) = outcomes
-    assert ours == pytest.approx(theirs, rel=1e-3, abs=1e-6)
-    assert all(torch.allclose(weights[name], wanted[name], atol=1e-5) for name in wanted)
+        outcomes[way] = logged, learner.student.state_dict()
+    theirs, wanted = outcomes["formula"]
+    for way in ("by hand", "closed form"):
+        ours, weights = outcomes[way]
+        assert ours == pytest.approx(theirs, rel=1e-3, abs=1e-6)
+        assert all(torch.allclose(weights[name], wanted[name], atol=1e-5) for name in wanted)
     if settings.get("target_kl"):
-        assert 0 < ours["gradient_steps"] < 16
+        assert 0 < theirs["gradient_steps"] < 16
+
+
+@pytest.mark.parametrize("shared_torso", [False, True])
+@pytest.mark.parametrize("hidden_layers", [1, 2, 3])
+def test_gradients_by_hand_are_those_of_autograd(shared_torso, hidden_layers):
+    config = PPOConfig(hidden_size=7, hidden_layers=hidden_layers, shared_torso=shared_torso, ent_coef=0.05)
+    logits, value, old = minibatch((), None, torch.float64)
+    student = Student(Box(-1, 1, (6,)), Discrete(logits.shape[1]), config, torch_generator(0)).double()
+    for weight in student.parameters():
+        torch.nn.init.normal_(weight, std=0.5, generator=torch_generator(weight.numel()))
+        weight.grad = torch.full_like(weight, torch.nan)  # to be written, not added to
+    seen = torch.randn(ROWS, 6, generator=torch_generator(2), dtype=torch.float64)
+    assert has_tanh_layers(student)
+    parts = by_hand(student, seen, old, config)
+    policy, value = student.judge(seen)
+    wanted = losses(policy, value, old, config)
+    for ours, theirs in zip(parts, wanted, strict=True):
+        torch.testing.assert_close(ours, theirs.detach(), atol=1e-12, rtol=1e-12)
+    expected = torch.autograd.grad(wanted.total(config), list(student.parameters()))
+    for weight, gradient in zip(student.parameters(), expected, strict=True):
+        torch.testing.assert_close(weight.grad, gradient, atol=1e-12, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("space", "actions", "settings"),
+    [
+        (Box(-1, 1, (6,)), Box(-1, 1, (2,)), {}),
+        (Box(-1, 1, (6,)), MultiDiscrete([2, 3]), {}),
+        (Box(-1, 1, (6,)), Discrete(3), {"memory": "gru"}),
+        (Box(0, 255, (8, 8, 3), np.uint8), Discrete(3), {}),
+    ],
+)
+def test_other_students_are_left_to_autograd(space, actions, settings):
+    assert not has_tanh_layers(Student(space, actions, PPOConfig(**settings), torch_generator(0)))
+    team = Student(Box(-1, 1, (6,)), Discrete(3), PPOConfig(), torch_generator(0), agents=2)
+    assert not has_tanh_layers(team)

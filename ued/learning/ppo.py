@@ -2,8 +2,9 @@
 
     learning rate; advantages of the rollout by GAE, targets of the values                   (PPO.learn)
     for each epoch, for each minibatch of shuffled steps, or sequences
-        ratio of new to old probability, clipped; loss of policy, value and entropy          (PPO._minibatch)
-        gradient, clipped to a norm; one step of Adam                                        (PPO._step)
+        ratio of new to old probability, clipped; loss of policy, value and entropy          (ppo_loss.losses)
+        gradient of the loss                                                                 (backprop)
+        gradient, clipped to a norm; one step of Adam                                        (PPO._minibatch)
 
 Written once, for every method, for one agent and for teams: observations, actions and values then have a further axis
 of agents, `[B, A]`, and losses are means over them. Names are CleanRL's. Read next: `learning.minibatches`, how a
@@ -19,11 +20,11 @@ from torch import Tensor
 
 from ued.config import PPOConfig
 from ued.core.resumable import Resumable
+from ued.learning.backprop import backpropagate
 from ued.learning.fast_adam import Adam
 from ued.learning.kl import KLRegularizer
 from ued.learning.minibatches import Batch, clip_gradient
-from ued.learning.networks import Categorical
-from ued.learning.ppo_loss import Losses, approx_kl, categorical_losses, losses, means
+from ued.learning.ppo_loss import Losses, approx_kl, means
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 
@@ -95,24 +96,9 @@ class PPO(Resumable):
             self.optimizer.param_groups[0]["lr"] = self.config.learning_rate * left
 
     def _minibatch(self, old: Batch, regularizer: KLRegularizer | None) -> tuple[Losses, Tensor]:
-        """Take one gradient step on one minibatch; return its losses and the norm `[]` of its gradient."""
-        seen = self.student.normaliser(old.observation) if old.seen is None else old.seen
-        policy, value = self.student.judge(seen, old.past)  # B distributions, [B]
-        if isinstance(policy, Categorical):
-            parts, *gradients = categorical_losses(policy.logits, value, old, self.config)
-            outputs = [policy.logits, value]
-        else:
-            parts = losses(policy, value, old, self.config)
-            outputs, gradients = [parts.total(self.config)], [torch.ones((), device=value.device)]
-        if regularizer is not None:
-            divergence = regularizer.divergence(old, policy)  # []
-            outputs, gradients = [*outputs, divergence], [*gradients, torch.full_like(divergence, regularizer.coef)]
+        """Take one gradient step on one minibatch; return its losses, and the norm `[]` of its gradient."""
         self.optimizer.zero_grad()
-        torch.autograd.backward(outputs, gradients)
-        return parts.detach(), self._step(parts)
-
-    def _step(self, parts: Losses) -> Tensor:
-        """Take a step down the gradient; return its norm `[]` before clipping."""
+        parts = backpropagate(self.student, old, self.config, regularizer)
         grad_norm = clip_gradient(self.student, self.optimizer, self.config.max_grad_norm)
         if not math.isfinite(grad_norm.item()):
             raise FloatingPointError(
@@ -120,7 +106,7 @@ class PPO(Resumable):
                 "observations that are not finite, or try a smaller learning_rate"
             )
         self.optimizer.step()
-        return grad_norm
+        return parts, grad_norm
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:
