@@ -109,7 +109,7 @@ def test_advantages_are_normalized_in_each_minibatch(sizes, agents):
 def test_means_are_those_of_minibatches_of_unequal_sizes(agents):
     draw = torch_generator(0)
     each = [Losses(*torch.randn(4, rows, *agents, generator=draw)) for rows in (7, 7, 3)]
-    found = means(each, [torch.tensor(1.0), torch.tensor(2.0), torch.tensor(6.0)], 0.2)
+    found = means([(part, torch.tensor(norm)) for part, norm in zip(each, (1.0, 2.0, 6.0), strict=True)], 0.2)
     assert found["grad_norm"] == 3.0
     clipped = [((part.log_ratio.exp() - 1).abs() > 0.2).float().mean() for part in each]
     wanted = {

@@ -81,18 +81,22 @@ class Batch:
     def cut(self, student: Student, length: int, size: int) -> None:
         """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
 
-        It is computed once, before anything is learned, by a pass without gradients of `size` environments at a time.
-        So it is the memory with which the student played, as if the rollout had stored it (the stored state of
-        Kapturowski et al. 2019, section 3), and pieces can be shuffled and computed side by side. To recompute it for
-        each minibatch would take such a pass each time.
+        Without memory, and for pieces as long as the rollout, there is nothing to add. It is computed once, before
+        anything is learned, by a pass without gradients over about `size` pieces at a time. So it is the memory with
+        which the student played, as if the rollout had stored it (the stored state of Kapturowski et al. 2019, section
+        3), and pieces can be shuffled and computed side by side. To recompute it for each minibatch would take such a
+        pass each time.
         """
         memory, begins, _ = self.past  # [1, N, W], [T * N]
         assert begins is not None
         rows = torch.arange(len(begins), device=begins.device).view(-1, memory.shape[1])  # [T, N]
+        if not memory.shape[-1] or length in (0, len(rows)):
+            return
         before = torch.zeros(len(rows), dtype=torch.bool, device=rows.device)  # [T], steps after which a piece begins
         before[length - 1 : -1 : length] = True
         found = []  # [T / length - 1, some, W] each
-        for part, start in zip(rows.split(size, 1), memory[0].split(size), strict=True):
+        envs = max(1, size * length // len(rows))
+        for part, start in zip(rows.split(envs, 1), memory[0].split(envs), strict=True):
             past = Past(start, begins[part], before.repeat_interleave(len(start)))
             found.append(student.remember(self.look(student, part.flatten()), past).unflatten(0, (-1, len(start))))
         self.past = self.past._replace(memory=torch.cat([memory, torch.cat(found, 1)]))

@@ -54,38 +54,29 @@ class PPO(Resumable):
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
-        if advantages is None:
-            advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
+        advantages = gae(rollout, config.gamma, config.gae_lambda) if advantages is None else advantages  # [T, N]
         old = Batch.of(rollout, advantages, target=advantages + rollout.value).to(device)  # T * N rows
-        sequences = self.student.actor_memory.sequences(rollout.train, config.bptt_steps).to(
-            device
-        )  # [S, L] of these rows
+        sequences = self.student.actor_memory.sequences(rollout.train, config.bptt_steps).to(device)  # [S, L] rows
         if not len(sequences):
             return {"gradient_steps": 0.0}
         old.seen = self.student.see(old.observation)
         minibatch_size = -(-len(old.action) // sequences.shape[1] // config.num_minibatches)
-        if self.student.memory_width and 0 < config.bptt_steps < config.num_steps:
-            old.cut(self.student, config.bptt_steps, max(1, minibatch_size * config.bptt_steps // config.num_steps))
-        logs: list[Losses] = []
-        grad_norms: list[Tensor] = []
+        old.cut(self.student, config.bptt_steps, minibatch_size)
+        logs: list[tuple[Losses, Tensor]] = []
         for _ in range(config.update_epochs):
             shuffled = sequences.index_select(0, torch.randperm(len(sequences), generator=self.generator).to(device))
             for minibatch in old.minibatches(shuffled, minibatch_size, config.norm_adv):
-                parts, grad_norm = self._minibatch(minibatch, regularizer)
-                logs.append(parts)
-                grad_norms.append(grad_norm)
-            if config.target_kl and approx_kl(logs[-1].log_ratio).mean() > config.target_kl:
+                logs.append(self._minibatch(minibatch, regularizer))
+            if config.target_kl and approx_kl(logs[-1][0].log_ratio).mean() > config.target_kl:
                 break
-        learned = rollout.train.flatten().to(device)  # [T * N]
+        learned = slice(None) if rollout.train.all() else rollout.train.flatten().to(device)  # of T * N
         # After learning, which normalizes as the rollout did; steps without `train` would shift what the weights see.
-        whole = bool(learned.all())
-        self.student.normaliser.track(old.observation if whole else old.observation[learned])
+        self.student.normaliser.track(old.observation[learned])
         self.updates += 1
-        value, target = (numbers if whole else numbers[learned] for numbers in (old.value, old.target))
         return {
-            **means(logs, grad_norms, config.clip_coef),
+            **means(logs, config.clip_coef),
             "gradient_steps": float(len(logs)),
-            "explained_variance": explained_variance(value, target),
+            "explained_variance": explained_variance(old.value[learned], old.target[learned]),
             "learning_rate": self.optimizer.param_groups[0]["lr"],
         }
 

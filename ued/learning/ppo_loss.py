@@ -58,15 +58,16 @@ def categorical_losses(logits: Tensor, value: Tensor, old: Batch, config: PPOCon
 
     and that of the entropy H = -Σ p_i log p_i of one choice is -p_i (log p_i + H).
     """
+    old_log_prob, _, advantage, _ = old.numbers  # [B] each
     several, share = logits.ndim > value.ndim + 1, 1 / value.numel()
     log_probs, taken = torch.log_softmax(logits, -1), old.action.unsqueeze(-1)
     probs = log_probs.exp()
     weighted = probs * log_probs  # p_i log p_i
     negative, chosen = weighted.sum(-1), log_probs.gather(-1, taken).squeeze(-1)  # -H and log p_a, [B (, K)]
-    log_ratio = (chosen.sum(-1) if several else chosen) - old.log_prob  # [B]
+    log_ratio = (chosen.sum(-1) if several else chosen) - old_log_prob  # [B]
     ratio = log_ratio.exp()  # [B]
-    plain = old.advantage * ratio  # [B]
-    clipped = ratio.clamp_(1 - config.clip_coef, 1 + config.clip_coef).mul_(old.advantage)  # [B]
+    plain = advantage * ratio  # [B]
+    clipped = ratio.clamp_(1 - config.clip_coef, 1 + config.clip_coef).mul_(advantage)  # [B]
     surrogate = torch.min(plain, clipped)  # [B]
     by_log_prob = plain.masked_fill_(plain > clipped, 0.0).mul_(-share)  # [B], -A r / B; nan stays nan
     by_log_prob = by_log_prob.unsqueeze(-1) if several else by_log_prob
@@ -97,11 +98,13 @@ def approx_kl(log_ratio: Tensor) -> Tensor:
     return log_ratio.expm1().sub_(log_ratio)
 
 
-def means(minibatches: Sequence[Losses], grad_norms: Sequence[Tensor], clip_coef: float) -> dict[str, float]:
+def means(logs: Sequence[tuple[Losses, Tensor]], clip_coef: float) -> dict[str, float]:
     """Return the means of the minibatches' means, by name, and of a team also those of each agent.
 
-    They are read once, since each number that is read from a device waits for it.
+    Of each minibatch it takes the losses and the norm `[]` of the gradient. They are read once, since each number that
+    is read from a device waits for it.
     """
+    minibatches, grad_norms = zip(*logs, strict=True)
     count = len(minibatches)
     share = torch.cat([each.error.new_full((len(each.error),), 1 / len(each.error) / count) for each in minibatches])
     surrogate, error, entropy, log_ratio = map(torch.cat, zip(*minibatches, strict=True))  # [S], of a team [S, A]
@@ -110,7 +113,7 @@ def means(minibatches: Sequence[Losses], grad_norms: Sequence[Tensor], clip_coef
     numbers = share @ steps.view(len(steps), len(share), -1)  # [5, A]
     names = ("policy_loss", "value_loss", "entropy", "approx_kl", "clip_fraction")
     logged = dict(zip(names, numbers.mean(1).tolist(), strict=True))
-    logged["grad_norm"] = torch.stack(list(grad_norms)).mean().item()
+    logged["grad_norm"] = torch.stack(grad_norms).mean().item()
     if log_ratio.ndim > 1:
         for name, row in list(zip(names, numbers.tolist(), strict=True))[2:4]:
             logged |= {f"agent_{agent}/{name}": number for agent, number in enumerate(row)}
