@@ -10,8 +10,8 @@ loop over steps is as long as the longest segment, and a step is one matrix prod
 
 Only what depends on the previous state is in a loop: 5 operations for a step, and 3 for its gradient. Products with
 inputs, and the gradients of all weights, are one product over all rows. On one CPU core, 256 steps of 16 environments
-take 43 ms with their gradient at 128 units, and a loop of cells with autograd 74 ms; at 64 units 20 and 37 ms. torch's
-own GRU on packed sequences takes 4 to 7 times as long as this. Read next: `learning.memory`, which uses it.
+take 37 ms with their gradient at 128 units, and a loop of cells with autograd 59 ms; at 64 units 17 and 35 ms. torch's
+own GRU on packed sequences takes 5 to 8 times as long as this. Read next: `learning.memory`, which uses it.
 """
 
 from __future__ import annotations
