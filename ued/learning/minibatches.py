@@ -133,8 +133,8 @@ class Batch:
             return Past(memory.new_empty(len(rows), 0)), rows
         envs = memory.shape[1]  # row r is step r // envs of environment r % envs
         start = memory[part[0] // (len(part) * envs), part[0] % envs]
-        mask = train[rows]
-        return Past(start, begins[rows].view(part.shape), mask), rows[mask]
+        past, mask = Past(start, begins[rows].view(part.shape)), train[rows]
+        return (past, rows) if mask.all() else (past._replace(mask=mask), rows[mask])
 
 
 def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:
