@@ -32,7 +32,8 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
     if regularizer is None and has_tanh_layers(student):
         return by_hand(student, seen, old, config)
     policy, value = student.judge(seen, old.past)  # B distributions, [B]
-    outputs, gradients = [value], list[Tensor | None]()
+    outputs: list[Tensor]
+    gradients: list[Tensor | None]  # of the loss with respect to each output; None: it is a part of the loss
     if isinstance(policy, Categorical):
         parts, *gradients = categorical_losses(policy.logits, value, old, config)
         outputs = [policy.logits, value]
