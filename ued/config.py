@@ -135,6 +135,7 @@ class PPOConfig(Checked):
     hidden_layers: int = setting(2, "hidden layers of each torso", ">=1", most=64)
     shared_torso: bool = setting(False, "share the hidden layers of actor and critic")
     memory: Literal["none", "gru"] = setting("none", "memory within an episode: none, or a GRU after the hidden layers")
+    bptt_steps: int = setting(0, "steps that gradients flow back; a divisor of num_steps, 0: all", ">=0", most=65_536)
     team: Literal["independent", "shared"] = setting(
         "independent", "policies of several agents: one each, or a shared one that observes the index of the agent"
     )
@@ -148,6 +149,11 @@ class PPOConfig(Checked):
         ">=0",
         most=1e6,
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.bptt_steps and self.num_steps % self.bptt_steps:
+            raise ValueError(f"bptt_steps must divide num_steps, {self.num_steps}, got {self.bptt_steps}; 0: all")
 
     @classmethod
     def thesis(cls) -> PPOConfig:
@@ -184,10 +190,7 @@ class FineTuningConfig(Checked):
     """Settings of a training run that starts from an already trained student."""
 
     kl_to_clone: float = setting(
-        0.0,
-        "initial weight of the KL divergence from the initial policy; it is annealed to 0",
-        ">=0",
-        most=1e6,
+        0.0, "initial weight of the KL divergence from the initial policy; it is annealed to 0", ">=0", most=1e6
     )
     kl_share: float = setting(0.5, "share of the training over which that weight is annealed to 0", "0-1")
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from regista.experiments.run import games, tasks
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.games import Game
+from regista.experiments.run.heap import keep_freed_memory
 from regista.experiments.run.notes import telling_warnings
 from ued.core.room import RoomError, check_environments, space_bytes
 from ued.methods import METHODS
@@ -86,6 +87,7 @@ def make_method(config: Any, upomdp: Any) -> Any:
 
     method, device = METHODS[find_method(config.method)], find_device(config.device)
     torch.set_num_threads(config.threads)
+    keep_freed_memory()
     try:
         with room_for("students"):
             made = method.load()(upomdp, config.ppo, getattr(config, method.group), config.seed, config.total_env_steps)

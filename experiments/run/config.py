@@ -243,7 +243,8 @@ LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0}
+ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu"}
 ADDED |= {"levels_format": "csv"}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 

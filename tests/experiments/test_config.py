@@ -89,7 +89,7 @@ def test_what_is_refused_and_how(data, sentence):
 
 def test_what_older_runs_know_nothing_of_is_what_they_did():
     data = configs.to_dict(TrainConfig())
-    del data["ppo"]["team"], data["ppo"]["critic"]
+    del data["ppo"]["team"], data["ppo"]["critic"], data["ppo"]["bptt_steps"]
     assert configs.from_dict(TrainConfig, data, "c.json") == TrainConfig()
 
 

@@ -144,6 +144,17 @@ def test_gaussian_agrees_with_torch():
     torch.testing.assert_close(ours.entropy(), theirs.entropy())
 
 
+@pytest.mark.parametrize("kind", [torch.float32, torch.uint8])
+def test_running_statistics_are_exact_far_from_zero(kind):
+    data = (100 + 3 * torch.randn(4000, 3, generator=torch_generator(0))).to(kind)
+    data = data + 1e5 * torch.tensor([0.0, 1.0, -1.0]) if kind == torch.float32 else data
+    normaliser = Normaliser(torch.zeros(3))
+    for rows in (data[:1500], data[1500:]):
+        normaliser.track(rows)
+    torch.testing.assert_close(normaliser.mean.double(), data.double().mean(0), rtol=1e-6, atol=1e-6)
+    torch.testing.assert_close(normaliser.variance.double(), data.double().var(0, correction=0), rtol=1e-5, atol=1e-5)
+
+
 def test_running_statistics_are_those_of_everything_seen():
     data = torch.randn(1000, 4, generator=torch_generator(0)) * torch.tensor([1.0, 10.0, 0.1, 0.0]) + 3
     normaliser = Normaliser(torch.zeros(4))

@@ -2,7 +2,7 @@
 
 Only this module distinguishes feed-forward students from recurrent ones. A memory is a layer between a torso and its
 heads. It has the size of its state per environment (`width`, 0 without memory), and determines the sequences of
-minibatches: single steps, or the whole sequences that backpropagation through time needs.
+minibatches: single steps, or the sequences that backpropagation through time needs.
 Read next: `learning.student`, which has one for its actor and one for its critic; `learning.minibatches`.
 """
 
@@ -14,6 +14,7 @@ import torch
 from torch import Tensor, nn
 
 from ued.learning.networks import Team, linear
+from ued.learning.recurrence import Recurrence, segments
 
 
 class Past(NamedTuple):
@@ -39,7 +40,7 @@ class NoMemory(nn.Module):
         """Return both unchanged."""
         return features, memory
 
-    def sequences(self, train: Tensor) -> Tensor:
+    def sequences(self, train: Tensor, bptt_steps: int = 0) -> Tensor:
         """Return the sequences of minibatches, for a rollout with the mask `train` `[T, N]` of steps to learn from.
 
         Each of the S sequences holds the indices of its L rows in the flat rollout `[T * N]`: `[S, L]`.
@@ -50,38 +51,75 @@ class NoMemory(nn.Module):
 class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
-    Backpropagation through time goes through a whole rollout, from the state at its first step.
+    Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
+    from the states at their first steps; see `Batch.cut`.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team) -> None:
         super().__init__()
         self.width = team.agents * size
+        self.policies = team.policies
         self.read = linear(size, 3 * size, 1.0, generator, team.policies)
         self.recall = linear(size, 3 * size, 1.0, generator, team.policies)
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         """Return features `[mask, (A,) size]` for `[L * B, (A,) size]`, and the state after them, `[B, W]`."""
         state = memory.view(len(memory), *features.shape[1:])  # [B, (A,) size]
-        parts = 2 * state.shape[-1], state.shape[-1]  # of both gates, of the candidate
-        read = self.read(features).unflatten(0, (-1, len(memory)))  # [L, B, (A,) 3 * size]
-        goes_on = None
-        if past.episode_starts is not None:
-            goes_on = (~past.episode_starts).float().view(*read.shape[:2], *(1,) * (read.ndim - 2))
-        states = []
-        for t, now in enumerate(zip(*(part.unbind() for part in read.split(parts, -1)), strict=True)):
-            state = state if goes_on is None else state * goes_on[t]
-            recalled_gates, recalled = self.recall(state).split(parts, -1)
-            reset, keep = torch.sigmoid(now[0] + recalled_gates).chunk(2, -1)
-            candidate = torch.tanh(torch.addcmul(now[1], reset, recalled))
-            state = torch.lerp(candidate, state, keep)
-            states.append(state)
-        remembered = torch.cat(states)
-        return remembered if past.mask is None else remembered[past.mask], state.flatten(1)
+        begins = past.episode_starts
+        if len(features) == len(state):
+            states = self._step(features, state if begins is None else _masked(state, begins[0], 0))
+        else:
+            states = self._steps(features, state, begins)
+        after = states[-len(state) :].flatten(1)
+        return states if past.mask is None else states[past.mask], after
 
-    def sequences(self, train: Tensor) -> Tensor:
-        """Return the rows of each environment with a step to learn from; see `NoMemory.sequences`."""
-        rows = torch.arange(train.numel()).view(train.shape).T  # [N, T]
-        return rows[train.any(0)]
+    def _step(self, features: Tensor, state: Tensor) -> Tensor:
+        """Return the states `[B, (A,) size]` after one step."""
+        parts = 2 * state.shape[-1], state.shape[-1]  # of both gates, of the candidate
+        gates, candidate = self.read(features).split(parts, -1)
+        recalled_gates, recalled = self.recall(state).split(parts, -1)
+        reset, keep = torch.sigmoid(gates + recalled_gates).chunk(2, -1)
+        return torch.lerp(torch.tanh(torch.addcmul(candidate, reset, recalled)), state, keep)
+
+    def _steps(self, features: Tensor, state: Tensor, begins: Tensor | None) -> Tensor:
+        """Return the states `[L * B, (A,) size]` after each of L steps; see `learning.recurrence`."""
+        envs, agents = len(state), state.shape[1:-1].numel()
+        begins = state.new_zeros(len(features) // envs, envs, dtype=torch.bool) if begins is None else begins
+        if self.policies > 1:  # a leading policy axis
+            by_row, state = features.transpose(0, 1), state.transpose(0, 1)
+        else:  # agents of a policy are like environments
+            by_row, state = features.flatten(0, -2), state.flatten(0, -2)
+            begins, envs = begins.repeat_interleave(agents, 1), envs * agents
+        packed = segments(begins)
+        env = packed.first % envs
+        start = _masked(state.index_select(-2, env), (packed.first >= envs) | begins[0, env], -2)
+        weights = (part for layer in (self.read, self.recall) for part in self._by_policy(layer))
+        states = Recurrence.apply(by_row, start, *weights, packed)
+        return states.transpose(0, 1) if self.policies > 1 else states.view_as(features)
+
+    def _by_policy(self, layer: nn.Linear) -> tuple[Tensor, Tensor]:
+        """Return the weights `[3 size, size]` and `[1, 3 size]`; of several policies `[P, ...]`."""
+        if self.policies == 1:
+            return layer.weight, layer.bias[None]
+        return layer.weight.view(self.policies, -1, layer.in_features), layer.bias.view(self.policies, 1, -1)
+
+    def sequences(self, train: Tensor, bptt_steps: int = 0) -> Tensor:
+        """Return the rows of each piece of `bptt_steps` steps of an environment with a step to learn from.
+
+        0: pieces are whole rollouts. See `NoMemory.sequences`.
+        """
+        num_steps, num_envs = train.shape
+        pieces = num_envs * num_steps // (bptt_steps or num_steps)
+        rows = torch.arange(train.numel()).view(-1, bptt_steps or num_steps, num_envs)  # [T / L, L, N]
+        rows = rows.transpose(1, 2).reshape(pieces, -1)  # [T / L * N, L]
+        return rows[train.flatten()[rows].any(1)]
+
+
+def _masked(state: Tensor, begins: Tensor, axis: int) -> Tensor:
+    """Return states with 0 where an episode begins, bool for each index of an axis."""
+    shape = [1] * state.ndim
+    shape[axis] = len(begins)
+    return state.masked_fill(begins.view(shape), 0.0)
 
 
 Memory = NoMemory | GRU

@@ -6,8 +6,8 @@ What is shuffled is the student's business: single steps, or whole sequences of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
@@ -26,20 +26,46 @@ class Batch:
     from.
     """
 
-    past: Past  # which rows follow each other
-    observation: Tensor  # [B, size]
+    past: Past  # which rows follow each other; before they are in minibatches, its memory is [pieces, N, W]
+    rollout: Tensor  # [T * N, size] observations
+    rows: Tensor | None  # [B] of the rollout; None: all
+    seen: Tensor | None  # [B, size] observations as the networks see them; None: they are not normalized yet
     action: Tensor  # [B] or [B, K]
-    log_prob: Tensor  # [B]
-    value: Tensor  # [B]
-    advantage: Tensor  # [B]
-    target: Tensor  # [B]
+    numbers: Tensor  # [4, B] log-probability, value, advantage, and target of the value
 
     @classmethod
     def of(cls, rollout: Rollout, advantage: Tensor, target: Tensor) -> Batch:
         """Flatten `[T, N, ...]` to `[T * N, ...]`."""
-        columns = rollout.observation, rollout.action, rollout.log_prob, rollout.value, advantage, target
-        past = Past(rollout.memory, rollout.episode_starts.flatten(), rollout.train.flatten())
-        return cls(past, *(column.flatten(0, 1) for column in columns))
+        past = Past(rollout.memory[None], rollout.episode_starts.flatten(), rollout.train.flatten())
+        numbers = torch.stack([rollout.log_prob, rollout.value, advantage, target])
+        return cls(
+            past, rollout.observation.flatten(0, 1), None, None, rollout.action.flatten(0, 1), numbers.flatten(1, 2)
+        )
+
+    @property
+    def observation(self) -> Tensor:
+        """The observations `[B, size]`, copied from the rollout at each access."""
+        return self.rollout if self.rows is None else self.rollout.index_select(0, self.rows)
+
+    @property
+    def log_prob(self) -> Tensor:
+        """The logarithm of the probability of each action, `[B]`."""
+        return self.numbers[0]
+
+    @property
+    def value(self) -> Tensor:
+        """The values, `[B]`."""
+        return self.numbers[1]
+
+    @property
+    def advantage(self) -> Tensor:
+        """The advantages, `[B]`."""
+        return self.numbers[2]
+
+    @property
+    def target(self) -> Tensor:
+        """The targets of the values, `[B]`."""
+        return self.numbers[3]
 
     def to(self, device: torch.device) -> Batch:
         """Return the batch on a device. All columns are copied at once, from pinned memory.
@@ -48,32 +74,77 @@ class Batch:
         """
         if device.type == "cpu":
             return self
-        past, observation, *rest = (getattr(self, field.name) for field in fields(self))
-        past, rest = ([part.pin_memory().to(device, non_blocking=True) for part in columns] for columns in (past, rest))
-        return Batch(Past(*past), observation.to(device), *rest)
+        columns = *filter(torch.is_tensor, self.past), self.action, self.numbers
+        *past, action, numbers = (part.pin_memory().to(device, non_blocking=True) for part in columns)
+        return Batch(Past(*past), self.rollout.to(device), None, None, action, numbers)
 
-    def minibatches(self, sequences: Tensor, size: int) -> Iterator[Batch]:
+    def cut(self, student: Student, length: int, size: int) -> None:
+        """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
+
+        Without memory, and for pieces as long as the rollout, there is nothing to add. It is computed once, before
+        anything is learned, by a pass without gradients over about `size` pieces at a time. So it is the memory with
+        which the student played, as if the rollout had stored it (the stored state of Kapturowski et al. 2019, section
+        3), and pieces can be shuffled and computed side by side. To recompute it for each minibatch would take such a
+        pass each time.
+        """
+        memory, begins, _ = self.past  # [1, N, W], [T * N]
+        assert begins is not None
+        rows = torch.arange(len(begins), device=begins.device).view(-1, memory.shape[1])  # [T, N]
+        if not memory.shape[-1] or length in (0, len(rows)):
+            return
+        before = torch.zeros(len(rows), dtype=torch.bool, device=rows.device)  # [T], steps after which a piece begins
+        before[length - 1 : -1 : length] = True
+        found = []  # [T / length - 1, some, W] each
+        envs = max(1, size * length // len(rows))
+        for part, start in zip(rows.split(envs, 1), memory[0].split(envs), strict=True):
+            past = Past(start, begins[part], before.repeat_interleave(len(start)))
+            found.append(student.remember(self.look(student, part.flatten()), past).unflatten(0, (-1, len(start))))
+        self.past = self.past._replace(memory=torch.cat([memory, torch.cat(found, 1)]))
+
+    def look(self, student: Student, rows: Tensor) -> Tensor:
+        """Return the observations of these rows of the rollout as the student's networks see them."""
+        if self.seen is None:
+            return student.normaliser(self.rollout.index_select(0, rows))
+        return self.seen.index_select(0, rows)
+
+    def minibatches(self, sequences: Tensor, size: int, norm_adv: bool = False) -> Iterator[Batch]:
         """Yield minibatches of `size` of these sequences `[S, L]` of row numbers, step by step.
 
-        Row r belongs to environment r modulo N. Rows are gathered once for all minibatches: many small gathers take
-        longer than one large one.
+        `norm_adv` normalizes the advantages of each minibatch.
         """
-        memory, episode_begins, train = self.past
-        assert episode_begins is not None and train is not None
         parts = [part.T for part in sequences.split(size)]  # [L, B] each
-        sizes = [part.numel() for part in parts]
-        rows = torch.cat([part.flatten() for part in parts])  # [S * L]
-        memories = memory.index_select(0, sequences[:, 0] % len(memory)).split(size)  # [B, W] each
-        begins, masks = (
-            column.index_select(0, rows).split(sizes) for column in (episode_begins, train)
-        )  # [L * B] each
-        observation, *rest = (getattr(self, field.name) for field in fields(self)[1:])
-        observations = observation.index_select(0, rows).split(sizes)
-        learned, counts = rows[train[rows]], [int(mask.sum()) for mask in masks]
-        columns = zip(*(column.index_select(0, learned).split(counts) for column in rest), strict=True)
-        pieces = zip(parts, memories, begins, masks, observations, columns, strict=True)
-        for part, start, begin, mask, observation, others in pieces:
-            yield Batch(Past(start, begin.view(part.shape), mask), observation, *others)
+        rows = [part.flatten() for part in parts]  # [L * B] each
+        pasts, learned = zip(*map(self._past, parts, rows), strict=True)
+        sizes, every = [len(some) for some in learned], torch.cat(learned)
+        # once for all minibatches: many small gathers of single numbers take longer than one large one
+        actions, numbers = self.action.index_select(0, every), self.numbers.index_select(1, every)
+        if norm_adv:
+            normalize(numbers[2], sizes)
+        columns = rows, pasts, actions.split(sizes), numbers.split(sizes, 1)
+        for row, past, action, number in zip(*columns, strict=True):
+            seen = None if self.seen is None else self.seen.index_select(0, row)
+            yield Batch(past, self.rollout, row, seen, action, number)
+
+    def _past(self, part: Tensor, rows: Tensor) -> tuple[Past, Tensor]:
+        """Return how the steps `[L, B]` follow each other, and the rows to learn from."""
+        memory, begins, train = self.past
+        assert begins is not None and train is not None
+        if not memory.shape[-1]:  # single steps, all of them to learn from
+            return Past(memory.new_empty(len(rows), 0)), rows
+        envs = memory.shape[1]  # row r is step r // envs of environment r % envs
+        start = memory[part[0] // (len(part) * envs), part[0] % envs]
+        past, mask = Past(start, begins[rows].view(part.shape)), train[rows]
+        return (past, rows) if mask.all() else (past._replace(mask=mask), rows[mask])
+
+
+def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:
+    """Normalize the advantages `[S]` of each minibatch, given their sizes; of a team `[S, A]`, for each agent alone."""
+    one_by_one = len(set(sizes)) > 1
+    for part in advantage.split(sizes) if one_by_one else [advantage.unflatten(0, (-1, sizes[0]))]:
+        steps = 0 if one_by_one else 1  # the axis
+        if part.shape[steps] > 1:
+            std, mean = torch.std_mean(part, steps, keepdim=True)
+            part.sub_(mean).div_(std.add_(1e-8))
 
 
 def clip_gradient(student: Student, optimizer: Adam, max_norm: float) -> Tensor:
@@ -94,9 +165,3 @@ def clip_gradient(student: Student, optimizer: Adam, max_norm: float) -> Tensor:
         if weight.grad is not None:
             weight.grad.view(count, -1).mul_(factor[:, None])
     return torch.cat([*norms, norm]).mean()
-
-
-def by_agent(name: str, values: Tensor) -> dict[str, float]:
-    """Return the per-agent means of values `[B, A]` by metric name; nothing for a single agent `[B]`."""
-    means = values.mean(0).tolist() if values.ndim > 1 else []
-    return {f"agent_{agent}/{name}": mean for agent, mean in enumerate(means)}

@@ -7,6 +7,7 @@ All weights are initialized from an explicit generator. Read next: `learning.stu
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -36,7 +37,12 @@ class Categorical:
     """One of A actions, from logits `[B, A]`. Actions are int64 `[B]`, counted from 0."""
 
     def __init__(self, logits: Tensor) -> None:
-        self.log_probs = torch.log_softmax(logits, -1)  # [B, A]
+        self.logits = logits
+
+    @cached_property  # PPO's closed form starts from logits
+    def log_probs(self) -> Tensor:
+        """The logarithms of the probabilities, `[B, A]`."""
+        return torch.log_softmax(self.logits, -1)
 
     def sample(self, generator: torch.Generator) -> Tensor:
         """Sample by the inverse of the cumulative distribution: one number in [0, 1) per choice."""

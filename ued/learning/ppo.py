@@ -2,8 +2,9 @@
 
     learning rate; advantages of the rollout by GAE, targets of the values                   (PPO.learn)
     for each epoch, for each minibatch of shuffled steps, or sequences
-        ratio of new to old probability, clipped; loss of policy, value and entropy          (PPO._minibatch)
-        gradient, clipped to a norm; one step of Adam                                        (PPO._step)
+        ratio of new to old probability, clipped; loss of policy, value and entropy          (ppo_loss.losses)
+        gradient of the loss                                                                 (backprop)
+        gradient, clipped to a norm; one step of Adam                                        (PPO._minibatch)
 
 Written once, for every method, for one agent and for teams: observations, actions and values then have a further axis
 of agents, `[B, A]`, and losses are means over them. Names are CleanRL's. Read next: `learning.minibatches`, how a
@@ -12,14 +13,18 @@ rollout becomes minibatches; `methods.dr`, the simplest use of PPO.
 
 from __future__ import annotations
 
+import math
+
 import torch
 from torch import Tensor
 
 from ued.config import PPOConfig
 from ued.core.resumable import Resumable
+from ued.learning.backprop import backpropagate
 from ued.learning.fast_adam import Adam
 from ued.learning.kl import KLRegularizer
-from ued.learning.minibatches import Batch, by_agent, clip_gradient
+from ued.learning.minibatches import Batch, clip_gradient
+from ued.learning.ppo_loss import Losses, approx_kl, means
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 
@@ -49,26 +54,27 @@ class PPO(Resumable):
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
-        if advantages is None:
-            advantages = gae(rollout, config.gamma, config.gae_lambda)  # [T, N]
+        advantages = gae(rollout, config.gamma, config.gae_lambda) if advantages is None else advantages  # [T, N]
         old = Batch.of(rollout, advantages, target=advantages + rollout.value).to(device)  # T * N rows
-        sequences = self.student.actor_memory.sequences(rollout.train).to(device)  # [S, L] of these rows
+        sequences = self.student.actor_memory.sequences(rollout.train, config.bptt_steps).to(device)  # [S, L] rows
         if not len(sequences):
             return {"gradient_steps": 0.0}
-        minibatch_size = -(-len(old.value) // sequences.shape[1] // config.num_minibatches)
-        logs = []
+        old.seen = self.student.see(old.observation)
+        minibatch_size = -(-len(old.action) // sequences.shape[1] // config.num_minibatches)
+        old.cut(self.student, config.bptt_steps, minibatch_size)
+        logs: list[tuple[Losses, Tensor]] = []
         for _ in range(config.update_epochs):
-            shuffled = sequences[torch.randperm(len(sequences), generator=self.generator)]
-            for minibatch in old.minibatches(shuffled, minibatch_size):
+            shuffled = sequences.index_select(0, torch.randperm(len(sequences), generator=self.generator).to(device))
+            for minibatch in old.minibatches(shuffled, minibatch_size, config.norm_adv):
                 logs.append(self._minibatch(minibatch, regularizer))
-            if config.target_kl and logs[-1]["approx_kl"] > config.target_kl:
+            if config.target_kl and approx_kl(logs[-1][0].log_ratio).mean() > config.target_kl:
                 break
-        learned = rollout.train.flatten().to(device)  # [T * N]
+        learned = slice(None) if rollout.train.all() else rollout.train.flatten().to(device)  # of T * N
         # After learning, which normalizes as the rollout did; steps without `train` would shift what the weights see.
-        self.student.normaliser.track(old.observation if learned.all() else old.observation[learned])
+        self.student.normaliser.track(old.observation[learned])
         self.updates += 1
         return {
-            **{name: sum(log[name] for log in logs) / len(logs) for name in logs[0]},
+            **means(logs, config.clip_coef),
             "gradient_steps": float(len(logs)),
             "explained_variance": explained_variance(old.value[learned], old.target[learned]),
             "learning_rate": self.optimizer.param_groups[0]["lr"],
@@ -80,52 +86,18 @@ class PPO(Resumable):
             left = max(0.0, 1.0 - env_steps / self.config.anneal_env_steps)
             self.optimizer.param_groups[0]["lr"] = self.config.learning_rate * left
 
-    def _minibatch(self, old: Batch, regularizer: KLRegularizer | None) -> dict[str, float]:
-        """Take one gradient step on one minibatch; return its losses."""
-        config = self.config
-        policy, value = self.student(old.observation, old.past)  # B distributions, [B]
-        log_ratio = policy.log_prob(old.action) - old.log_prob  # [B]
-        ratio = log_ratio.exp()  # [B]
-        advantage = old.advantage  # [B]
-        if config.norm_adv and len(advantage) > 1:  # for each agent alone
-            advantage = (advantage - advantage.mean(0)) / (advantage.std(0) + 1e-8)
-        clipped = ratio.clamp(1 - config.clip_coef, 1 + config.clip_coef)  # [B]
-        policy_loss = -torch.min(advantage * ratio, advantage * clipped).mean()  # [], equation 7 of the paper
-        error = (value - old.target) ** 2  # [B]
-        if config.clip_vloss:
-            moved = (value - old.value).clamp(-config.clip_coef, config.clip_coef)  # [B]
-            error = torch.max(error, (old.value + moved - old.target) ** 2)
-        value_loss = 0.5 * error.mean()  # []
-        entropy = policy.entropy()  # [B]
-        loss = policy_loss - config.ent_coef * entropy.mean() + config.vf_coef * value_loss
-        if regularizer is not None:
-            loss = loss + regularizer.coef * regularizer.divergence(old, policy)
-        grad_norm = self._step(loss)
-        with torch.no_grad():
-            approx_kl = (ratio - 1) - log_ratio  # [B], Schulman's k3 estimator: never negative
-            return {
-                "policy_loss": policy_loss.item(),
-                "value_loss": value_loss.item(),
-                "entropy": entropy.mean().item(),
-                "approx_kl": approx_kl.mean().item(),
-                "clip_fraction": ((ratio - 1).abs() > config.clip_coef).float().mean().item(),
-                "grad_norm": grad_norm.item(),
-                **by_agent("entropy", entropy),
-                **by_agent("approx_kl", approx_kl),
-            }
-
-    def _step(self, loss: Tensor) -> Tensor:
-        """Take a step down the gradient of the loss `[]`; return the norm `[]` of the gradient before clipping."""
+    def _minibatch(self, old: Batch, regularizer: KLRegularizer | None) -> tuple[Losses, Tensor]:
+        """Take one gradient step on one minibatch; return its losses, and the norm `[]` of its gradient."""
         self.optimizer.zero_grad()
-        loss.backward()
+        parts = backpropagate(self.student, old, self.config, regularizer)
         grad_norm = clip_gradient(self.student, self.optimizer, self.config.max_grad_norm)
-        if not torch.isfinite(grad_norm):
+        if not math.isfinite(grad_norm.item()):
             raise FloatingPointError(
-                f"the gradient is not finite (loss {loss.item():g}): look for rewards or observations that are not "
-                "finite, or try a smaller learning_rate"
+                f"the gradient is not finite (loss {parts.total(self.config).item():g}): look for rewards or "
+                "observations that are not finite, or try a smaller learning_rate"
             )
         self.optimizer.step()
-        return grad_norm
+        return parts, grad_norm
 
 
 def explained_variance(value: Tensor, target: Tensor) -> float:

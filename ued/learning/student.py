@@ -68,9 +68,12 @@ class Normaliser(nn.Module):
         """Update the statistics with a batch of observations `[B, size]` or `[B, A, size]`."""
         observation = observation.flatten(0, -1 - self.mean.ndim)  # one policy: the rows of all agents
         rows = len(observation)
-        observation = observation.double()
-        mean = observation.mean(0)
-        variance = (observation - mean).square_().mean(0)  # torch.var_mean takes ten times as long along columns
+        observation = observation.float()
+        middle = observation.mean(0)
+        rest = observation - middle
+        error = rest.mean(0)  # of rounding; in 64 bits all of this takes three times as long
+        variance = (rest.square_().mean(0) - error.square()).double()
+        mean = middle.double() + error
         total = self.count + rows
         delta = mean - self.mean.double()
         self.variance.copy_(
@@ -142,20 +145,32 @@ class Student(nn.Module):
 
         `past` describes their sequences; without it each observation is the first of an episode.
         """
-        policy, value, _ = self._infer(observation, past)
+        policy, value, _ = self._infer(self.normaliser(observation), past)
+        return policy, value
+
+    def see(self, observation: Tensor) -> Tensor | None:
+        """Return observations for `policy_and_value`, if they may be normalized long before: floats `[B, size]`.
+
+        None for images and bytes, which would take several times the memory.
+        """
+        ahead = isinstance(self.normaliser, Normaliser) and observation.is_floating_point()
+        return self.normaliser(observation) if ahead else None
+
+    def policy_and_value(self, seen: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
+        """Return what `forward` returns, for observations that are normalized."""
+        policy, value, _ = self._infer(seen, past)
         return policy, value
 
     def empty_memory(self, num_envs: int) -> Tensor:
         """Return the memory of N environments at the start of episodes: `[N, memory_width]`."""
         return torch.zeros(num_envs, self.memory_width)
 
-    def _infer(self, observation: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
-        """Return the policy, the value, and the new memory."""
-        seen = self.normaliser(observation)
-        past = past or Past(self.empty_memory(len(observation)).to(self.device))
+    def _infer(self, seen: Tensor, past: Past | None) -> tuple[Policy, Tensor, Tensor]:
+        """Return the policy, the value, and the new memory, for normalized observations."""
+        past = past or Past(self.empty_memory(len(seen)).to(self.device))
         features, memory = self._actor_features(seen, past)
         if self.shared:
-            return self.actor(features), self.critic(features)[..., 0], memory
+            return self.actor(features), self.critic(features).squeeze(-1), memory
         value, critic_memory = self._value(seen, past)
         return self.actor(features), value, torch.cat([memory, critic_memory], -1)
 
@@ -163,14 +178,25 @@ class Student(nn.Module):
         memory = past.memory[:, : self.actor_memory.width]
         return self.actor_memory(self.actor_torso(self._numbered(seen)), memory, past)
 
-    def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+    def _critic_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         memory = past.memory[:, self.memory_width - self.critic_memory.width :]
-        if self.central:  # one value for all; images are laid on each other
-            seen = seen.movedim(1, -2).flatten(-2)  # [B, A * size]
-            features, memory = self.critic_memory(self.critic_torso(seen), memory, past)
-            return self.critic(features).expand(-1, self.agents), memory
-        features, memory = self.critic_memory(self.critic_torso(self._numbered(seen)), memory, past)
-        return self.critic(features)[..., 0], memory
+        seen = (
+            seen.movedim(1, -2).flatten(-2) if self.central else self._numbered(seen)
+        )  # images are laid on each other
+        return self.critic_memory(self.critic_torso(seen), memory, past)
+
+    def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
+        features, memory = self._critic_features(seen, past)
+        value = self.critic(features)  # [B, 1], of a team [B, A, 1] unless the critic is central
+        return value.expand(-1, self.agents) if self.central else value.squeeze(-1), memory
+
+    @torch.no_grad()
+    def remember(self, seen: Tensor, past: Past) -> Tensor:
+        """Return the memory after each step of `past.mask`, `[rows, memory_width]`, for normalized observations."""
+        features = [self._actor_features(seen, past)[0]]  # which a memory returns are its states
+        if not self.shared:
+            features.append(self._critic_features(seen, past)[0])
+        return torch.cat([states.flatten(1) for states in features], -1)
 
     def _numbered(self, observation: Tensor) -> Tensor:
         """Append the index of the agent for a shared policy: a one-hot to `[B, A, size]`, planes to images."""
@@ -228,7 +254,7 @@ class Student(nn.Module):
     def infer(self, observation: Tensor, memory: Tensor | None = None) -> tuple[Policy, Tensor]:
         """Do the first half of `act`: return policy and values on the device, which may still be computing them."""
         past = None if memory is None else Past(self._sent(memory))
-        policy, value, remembered = self._infer(self._sent(observation), past)
+        policy, value, remembered = self._infer(self.normaliser(self._sent(observation)), past)
         if memory is not None:
             memory.copy_(remembered)
         return policy, value
