@@ -85,7 +85,9 @@ def main(argv: Sequence[str]) -> int:
     if not trained:
         return stop.exit_code
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
+    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
+    parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
+    report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)
     show(report, runs, scenes, folder, config.rrd)
     return 0
 

@@ -1,4 +1,4 @@
-"""`train --seeds`: the runs of several seeds, trained in parallel, stopped and continued; what is refused."""
+"""`train --seeds`: runs trained in parallel, stopped and continued; what is refused; the same policies evaluated."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import pytest
 import torch
 
 from regista.experiments.__main__ import main
+from regista.experiments.run import build, evaluator, trust
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch import seeds, workers
 from regista.experiments.run.launch.signals import StopRequest
@@ -228,3 +229,23 @@ def test_runs_have_the_cores_that_this_process_has(monkeypatch: pytest.MonkeyPat
     assert LaunchConfig().at_a_time(1, 10) == 3
     assert LaunchConfig().at_a_time(2, 10) == 1
     assert LaunchConfig(processes=2).at_a_time(1, 10) == 2
+
+
+# ---------------------------------------------------------------- evaluation
+
+
+@pytest.mark.slow
+def test_policies_evaluated_in_parallel_have_the_same_numbers(apart: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    trust.allow(TASK[0])
+    runs = seeds.opened(apart)
+    reports, pools = [], []
+    usual = evaluator.apart
+    monkeypatch.setattr(evaluator, "apart", lambda *words: pools.append(words[2]) or usual(*words))
+    for seconds in (1e9, 0.0):
+        monkeypatch.setattr(evaluator, "SHARED_SECONDS", seconds)
+        scenes = evaluator.EvalScenes(runs[0].config, build.find_game(TASK[0]), 20)
+        reports.append(evaluator.Evaluator(scenes, 20, 4, alike=True, processes=2).report(runs))
+    assert pools == [2]
+    one, other = reports
+    assert repr(one.results) == repr(other.results) and len(one.results) > 2
+    assert repr(one.levels) == repr(other.levels) and len(one.levels) > 2

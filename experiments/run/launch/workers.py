@@ -14,8 +14,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, TextIO
 
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
+from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with, held_back
 from regista.experiments.run.progress import Progress
 from ued.config import Checked, most_threads, setting
 
@@ -239,6 +239,21 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
         for process in multiprocessing.active_children():
             process.kill()
         pool.shutdown(cancel_futures=True)
+
+
+def apart(function: Callable, items: Sequence[Any], count: int, over: Callable[[list[Any]], None]) -> list[Any]:
+    """Return `function(item)` of each item, computed in up to `count` processes; `over` gets results as they come.
+
+    Raises what the function raises, and `CommandError` if a process is killed.
+    """
+    with processes(min(count, len(items))) as pool:
+        with held_back():
+            futures = [pool.submit(function, item) for item in items]
+        waiting = set(futures)
+        while waiting:
+            ended, waiting = wait(waiting, timeout=POLL_SECONDS)
+            over([future.result() for future in ended])
+        return [future.result() for future in futures]
 
 
 def _join(parent: int) -> None:
