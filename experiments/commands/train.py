@@ -63,8 +63,8 @@ class TrainFlags:
     )
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
-    launch: LaunchConfig = group(LaunchConfig, "with --seeds", prefix="")
     config: Any = group(TrainConfig, "run")
+    launch: LaunchConfig = group(LaunchConfig, "with --seeds", prefix="")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
