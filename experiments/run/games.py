@@ -127,8 +127,8 @@ def compile_football() -> None:
     The types of their arguments are the same for all programs and representations, so one match of any program with
     behaviors does for all. Processes that start together share the work.
     """
-    from regista.kernels.jit import compiled
-    from regista.kernels.notices import at_work
+    from regista.kernels.jit import compiled, linked
+    from regista.kernels.notices import COMPILING, at_work, say_once
 
     missing = [entry.__name__ for entry in entry_points() if not compiled(entry)]
     if not missing:
@@ -136,6 +136,8 @@ def compile_football() -> None:
     from regista.envs.football.vector_env import FootballVectorEnv
     from regista.minigames.suites import NAMED
 
+    if not linked():
+        say_once(f"{COMPILING} (once on this machine, about {2 * COMPILE_SECONDS} s)")
     with at_work(missing, COMPILE_SECONDS):
         match = FootballVectorEnv(NAMED[PROGRAM_WITH_BEHAVIORS].program)
         match.reset(seed=0)
