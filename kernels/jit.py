@@ -32,6 +32,7 @@ import numpy as np
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista/kernels", "scenic_lite", "regista/envs")
+RECORDS = "ued/core/compiled.py"  # of compiled rollouts: kernels know their fields by name, without importing them
 KNOWN_INSIDE = (
     (0, 61),
     (0, 69),
@@ -94,10 +95,12 @@ def compiled(function: Any) -> bool:
 
 
 def sources() -> list[Path]:
-    """List the files with kernels and all of our files that those import: everything that compiled code depends on."""
+    """List the files with kernels, files of ours that those import, and `RECORDS`: what compiled code depends on."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
-    pending = [path for path, text in texts.items() if "regista.kernels.jit import" in text]
+    pending = [path for path in (ROOT / RECORDS,) if path.is_file()]
+    texts |= {path: path.read_text() for path in pending}
+    pending += (path for path, text in texts.items() if "regista.kernels.jit import" in text)
     pending += (path for path in texts if path.parent == ROOT / "regista" / "kernels")  # the compiler itself
     while pending:
         path = pending.pop()

@@ -17,6 +17,8 @@ from regista.kernels.jit import kernel
 
 _A, _B, _C = np.uint64(13), np.uint64(7), np.uint64(17)
 _FIRST, _BITS = 0x9E3779B97F4A7C15, 2**64 - 1
+_STEP, _FACTORS = np.uint64(_FIRST), (np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB))
+_30, _27, _31 = np.uint64(30), np.uint64(27), np.uint64(31)
 _TO_53_BITS = np.uint64(11)
 _UNIT = 2.0**-53
 _TWO_PI = 2.0 * math.pi
@@ -33,6 +35,16 @@ def stream(seed: int) -> int:
     state = (state ^ state >> 30) * 0xBF58476D1CE4E5B9 & _BITS
     state = (state ^ state >> 27) * 0x94D049BB133111EB & _BITS
     return state ^ state >> 31 or _FIRST
+
+
+@kernel
+def start_of(seed):
+    """Return `stream` of a seed that is a uint64."""
+    state = seed + _STEP
+    state = (state ^ (state >> _30)) * _FACTORS[0]
+    state = (state ^ (state >> _27)) * _FACTORS[1]
+    state = state ^ (state >> _31)
+    return state if state != np.uint64(0) else _STEP
 
 
 @kernel

@@ -27,7 +27,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
-from regista.experiments.run.table import read_columns, read_rows
+from regista.experiments.run.level_table import read_levels
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.core.task import TRAINING_SCENE
@@ -149,8 +149,8 @@ def rare_shares(run: RunFolder) -> list[float]:
         ((draw.name, cells) for draw in draws if (cells := choice_in(draw)) is not None),
         key=lambda pair: pair[1].shares.min(),
     )
-    table, path = read_columns(run.levels.path), run.levels.path
-    proposed = np.array([row["source"] == "proposed" for row in read_rows(path)], bool)
+    table = read_levels(run.path, "update", "source", f"theta/{name}")
+    proposed = table["source"] == "proposed"
     mine = cells.index(table[f"theta/{name}"]) == cells.shares.argmin()
     fifth = ((table["update"] - 1) / table["update"].max() * FIFTHS).astype(int)
     return [float(mine[proposed & (fifth == k)].mean()) for k in range(FIFTHS)]

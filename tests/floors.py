@@ -23,7 +23,9 @@ FLOORS = {
         "numba_cache",
         "numba_linking",
         "jit",
+        "calls",
         "rng",
+        "rollout",  # policy and bookkeeping of whole rollouts
     ),
     "scenic_lite": (
         "errors",
@@ -57,6 +59,7 @@ FLOORS = {
         "football.simulator",  # a step
         "football.observation",  # what agents see
         "football.batch",  # N matches, parallel
+        "football.rollout",  # whole rollouts
         "football.engine",  # what plays them: the simulator, or
         "grf",  # Google Research Football
         "football.view",  # pictures
@@ -80,11 +83,13 @@ FLOORS = {
         "core.room",  # how much memory there is
         "core.files",
         "core.renamed",  # names in older files
+        "core.columns",  # tables on disk, by column
         "core.checkpoint",
         "core.cells",  # of columns with finitely many values
         "core.processes",  # what a process asks of the system
         "core.parameters",  # what the columns of theta are
         "core.level_space",  # levels, and which there are
+        "core.compiled",  # what rollouts in one kernel are given
         "core.upomdp",  # the seam
         "core.episode_limit",
         "core.curriculum",

@@ -121,6 +121,8 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("copied")
     for inside, package in {"scenic_lite": "scenic_lite", "regista/envs": "envs", "regista/kernels": "kernels"}.items():
         shutil.copytree(jit.ROOT / inside, folder / package, ignore=lambda _, names: fnmatch.filter(names, "__*__"))
+    (folder / jit.RECORDS).parent.mkdir(parents=True)
+    shutil.copy(jit.ROOT / jit.RECORDS, folder / jit.RECORDS)
     (folder / "regista").mkdir()
     for name in ("envs", "kernels"):
         (folder / "regista" / name).symlink_to(f"../{name}")
@@ -136,6 +138,8 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("scenic_lite/values/formulas.py", True),
         ("scenic_lite/dynamics/machine/opcodes.py", True),
         ("kernels/numba_linking.py", True),
+        ("kernels/rollout/lanes.py", True),
+        ("ued/core/compiled.py", True),
         ("envs/football/vector_env.py", False),
         ("envs/grf/engine.py", False),
         ("scenic_lite/syntax/parser.py", False),

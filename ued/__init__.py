@@ -29,7 +29,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.levels.buffer": ("LevelBuffer",),
     "ued.levels.record": ("level_record_dtype",),
     "ued.levels.batch": ("LevelBatch",),
-    "ued.levels.table": ("read_level",),
+    "ued.levels.table": ("read_level", "read_levels"),
     "ued.methods.method": ("Method",),
     "ued.methods": ("METHODS",),
     "ued.adapters.mixture": ("Mixture",),

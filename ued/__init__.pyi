@@ -41,6 +41,7 @@ from ued.levels.batch import LevelBatch as LevelBatch
 from ued.levels.buffer import LevelBuffer as LevelBuffer
 from ued.levels.record import level_record_dtype as level_record_dtype
 from ued.levels.table import read_level as read_level
+from ued.levels.table import read_levels as read_levels
 from ued.methods import METHODS as METHODS
 from ued.methods.accel import ACCEL as ACCEL
 from ued.methods.alp_gmm import ALPGMM as ALPGMM

@@ -47,6 +47,13 @@ class Batch(NamedTuple):
     idle: np.ndarray  # [N] bool, matches that are not stepped
 
 
+class Pool(NamedTuple):
+    """Initial states of the levels on which episodes may start."""
+
+    matches: np.ndarray  # MATCH [B]
+    registers: np.ndarray  # [B, R] float64
+
+
 class Outcome(NamedTuple):
     """The result of a step, one row per match; written by `step_batch`, read by the environment."""
 
@@ -65,6 +72,7 @@ class BatchSettings(NamedTuple):
 
     checkpoints: bool  # whether checkpoints are rewarded
     defending: bool  # an episode succeeds if no goal is conceded
+    rewarding: bool  # the program defines rewards: then a return above 0 is a success
     observation: int  # the agents' representation: `observation.FEATURES` to `RAW`
     scripted: bool  # the program has behaviors or monitors; otherwise their stages are skipped
     object_to_player: np.ndarray  # [O] int64, the player of each object of the program, or THE_BALL
@@ -185,16 +193,21 @@ def finish_row(batch, outcome, seen, settings, index):
 def begin(batch, where, luck, settings):
     """Reset the matches `where` (indices `[k]`) to their initial states, with random streams `luck` uint64 `[k]`."""
     for at in range(len(where)):
-        index = where[at]
-        batch.matches[index] = batch.starts[index]
-        if not batch.matches[index].deterministic:  # else every episode repeats the stream of its initial state
-            batch.matches[index].random = luck[at]
-        for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
-            batch.registers[index, register] = batch.start_registers[index, register]
-        # Drawn in each episode: the engine's variation, and the players' stances at the first whistle.
-        vary_engine(batch.matches[index])
-        take_stance(batch.matches[index])
-        remember_minimap(batch, index, settings.observation)
+        begin_match(batch, where[at], luck[at], settings)
+
+
+@kernel
+def begin_match(batch, index, luck, settings):
+    """Reset one match to its initial state, with the random stream `luck`."""
+    batch.matches[index] = batch.starts[index]
+    if not batch.matches[index].deterministic:  # else every episode repeats the stream of its initial state
+        batch.matches[index].random = luck
+    for register in range(batch.registers.shape[1]):  # one by one: NumPy's way would first make a copy
+        batch.registers[index, register] = batch.start_registers[index, register]
+    # Drawn in each episode: the engine's variation, and the players' stances at the first whistle.
+    vary_engine(batch.matches[index])
+    take_stance(batch.matches[index])
+    remember_minimap(batch, index, settings.observation)
 
 
 @kernel

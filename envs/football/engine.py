@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-import numba
 import numpy as np
 
-from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin, step_batch
+from regista.envs.football.batch import Batch, BatchSettings, Outcome, Pool, begin, step_batch
 from regista.envs.football.observation.observe import View
+from regista.envs.football.rollout import play_matches
+from regista.kernels.calls import overload_of
 from scenic_lite.dynamics.machine.bytecode import Code
+from ued.core.compiled import CompiledRollout
 
 
 class Engine(Protocol):
@@ -44,9 +46,10 @@ class Simulator:
     def __init__(self, code: Code) -> None:
         self._code = code
         self._compiled: Any = None  # `step_batch` for arrays of these types
+        self._rollouts: Any = None  # `play_matches`
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "_compiled": None}  # machine code cannot be sent to another process
+        return {**vars(self), "_compiled": None, "_rollouts": None}  # machine code cannot be sent to another process
 
     def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
         """Reset the matches `where` to their initial states."""
@@ -59,12 +62,16 @@ class Simulator:
         never change, so they are inferred once.
         """
         arguments = batch, actions, outcome, seen, settings, self._code
-        if self._compiled is not None:
-            self._compiled(*arguments)
-            return
-        step_batch(*arguments)
-        if hasattr(step_batch, "get_overload"):
-            self._compiled = step_batch.get_overload(tuple(map(numba.typeof, arguments)))
+        if self._compiled is None:
+            self._compiled = overload_of(step_batch, arguments)
+        self._compiled(*arguments)
+
+    def play(self, rollout: CompiledRollout, batch: Batch, pool: Pool, *rest: Any) -> None:
+        """Play steps of a rollout; `rest` are outcome, view and settings, as of `step`."""
+        arguments = rollout, batch, pool, *rest, self._code
+        if self._rollouts is None:
+            self._rollouts = overload_of(play_matches, arguments)
+        self._rollouts(*arguments)
 
     def get_state(self) -> dict[str, np.ndarray]:
         """Return an empty state."""

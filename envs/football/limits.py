@@ -7,7 +7,7 @@ the tables of `state`. Read next: `field_kinds`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,12 @@ def bits(number: float) -> int:
 class Limits:
     """The limits of every word of some rows: the least and greatest value of a word's masked bits, as integers.
 
+    Args:
+        fields: the name of each field, its first byte, and its kind.
+        counts: how many players and agents there are.
+        given: one valid row, as words; its values are those of all rows where a kind is `given`.
+        random: names of fields for which it is not, since the program draws them.
+
     Attributes:
         masks, lows, highs: int64 `[W]`.
         used: int64 `[W]`, the bits of a word that belong to a field.
@@ -38,13 +44,17 @@ class Limits:
     """
 
     def __init__(
-        self, fields: list[tuple[str, int, Kind]], counts: Mapping[str, int], given: np.ndarray | None = None
+        self,
+        fields: list[tuple[str, int, Kind]],
+        counts: Mapping[str, int],
+        given: np.ndarray | None = None,
+        random: Collection[str] = (),
     ) -> None:
         size = 1 + max((at for _, at, _ in fields), default=-WORD) // WORD
         self.masks, self.lows, self.highs, self.used = (np.zeros(size, np.int64) for _ in range(4))
         self.fields = [(name, at, self._numbered(kind, counts)) for name, at, kind in fields]
         masks, used = self.masks.view(np.uint8), self.used.view(np.uint8)
-        for _, at, kind in self.fields:
+        for name, at, kind in self.fields:
             word = at // WORD
             used[at : at + (1 if kind == "?" else WORD)] = 0xFF
             if kind == "?":
@@ -56,7 +66,7 @@ class Limits:
             elif isinstance(kind, Whole):
                 self.masks[word] = -1
                 self.lows[word], self.highs[word] = kind[:2]
-                if kind.given and given is not None:
+                if kind.given and given is not None and name not in random:
                     self.lows[word] = self.highs[word] = given[word]
 
     @classmethod

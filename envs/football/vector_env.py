@@ -12,11 +12,20 @@ from typing import Any
 import numpy as np
 from gymnasium.spaces import Discrete, MultiDiscrete
 
-from regista.envs.football.batch import BatchSettings, ask_program, empty_batch, empty_outcome, observe_batch
+from regista.envs.football.batch import (
+    RECORD,
+    BatchSettings,
+    Pool,
+    ask_program,
+    empty_batch,
+    empty_outcome,
+    observe_batch,
+)
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import BY_PROGRAM, NO_FAULT, NUM_ACTIONS
 from regista.envs.football.engine import Engine, Simulator
 from regista.envs.football.limits import Limits, StateError
+from regista.envs.football.observation.observe import FEATURES, SIMPLE115
 from regista.envs.football.observation.observer import Observer
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
 from regista.envs.football.scenic.domain import FOOTBALL
@@ -24,8 +33,10 @@ from regista.envs.football.scenic.initial_states import INVALID, InitialStates
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.scenic.world_table import Cast
 from regista.envs.football.state import WHO
+from regista.kernels.calls import compiles
 from regista.kernels.rng import stream
 from scenic_lite import Program, load
+from ued.core.compiled import CompiledRollout
 from ued.core.level_space import as_void_view
 from ued.core.upomdp import UPOMDP, check_count
 
@@ -92,6 +103,7 @@ class FootballVectorEnv(UPOMDP):
         self._settings = BatchSettings(
             checkpoints=config.rewards == "scoring,checkpoints",
             defending=self.defending,
+            rewarding=self.behaviors.sets_reward and not self.defending,
             observation=self._observer.kind,
             scripted=self.behaviors.is_live,
             object_to_player=self.lineup.object_to_player,
@@ -174,13 +186,31 @@ class FootballVectorEnv(UPOMDP):
         if out.faults.any():
             self._report_faults()
         info: dict[str, Any] = {"ended": out.ended.copy(), "success": out.success.astype(float)}
-        if self.behaviors.sets_reward and not self.defending:
-            info["success"][:] = np.nan  # success is defined by the program's reward
+        if self._settings.rewarding:
+            info["success"][:] = np.nan
         info["agent_rewards"], info["agent_actions"] = out.agent_rewards.copy(), out.agent_actions.copy()
         if self.behaviors.has_records:
             info["records"] = self.behaviors.recorded(self._batch.registers)
         observations = self._observer.read(seen, self._batch.matches)
         return observations, out.rewards.copy(), out.terminated.copy(), out.truncated.copy(), info
+
+    @property
+    def plays_rollouts(self) -> bool:
+        vectors = self._observer.kind in (FEATURES, SIMPLE115)
+        return vectors and isinstance(self._engine, Simulator) and not self.scripted and compiles()
+
+    def _prepare(self, levels: np.ndarray) -> np.ndarray:
+        return self._initial_states.rows(levels)
+
+    def _play(self, rollout: CompiledRollout) -> None:
+        assert isinstance(self._engine, Simulator)
+        matches = self._initial_states.matches.view(RECORD).view(np.recarray)
+        pool, view = Pool(matches, self._initial_states.registers), self._observer.view_of(rollout.envs.observation)
+        self._batch.idle[:] = False
+        self._engine.play(rollout, self._batch, pool, self._outcome, view, self._settings)
+
+    def report_failure(self) -> None:
+        self._report_faults()
 
     def observe(self) -> Any:
         """Return the present observations, in new arrays."""

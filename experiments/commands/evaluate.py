@@ -123,7 +123,7 @@ def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
     from regista.experiments.pictures.gallery import make_page
 
     if not run.levels.path.exists():
-        raise CommandError(f"{run.path} has no levels.csv: no update has finished yet")
+        raise CommandError(f"{run.path} has no table of levels: no update has finished yet")
     path, game = run.path / "gallery.html", build.find_game(run.config.minigame)
     with read_from(f"the tables of {run.path} are of other environments than it has now, or"):
         made = make_page(run, game, path, config.gallery_levels, config.gallery_replays)

@@ -19,8 +19,9 @@ from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Game
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
-from regista.experiments.run.table import cannot_write, read_columns, read_rows
+from regista.experiments.run.table import cannot_write, read_rows
 from ued.core.files import write_whole
 from ued.core.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
@@ -53,7 +54,8 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
     rows = read_rows(run.replays.path)
     shown = _spread(list(dict.fromkeys(row["visit"] for row in rows)), most_replays)
     replays, otherwise = _replays(stage, rows, set(shown))
-    columns, sources = read_columns(run.levels.path), [row["source"] for row in read_rows(run.levels.path)]
+    columns = read_levels(run.path)
+    sources = columns.get("source", np.zeros(0, str)).tolist()
     played = len(sources)
     if not played:
         raise CommandError(f"{run.path} has no level on which every student finished an episode; train it longer")
@@ -103,7 +105,7 @@ def _students(columns: Mapping[str, Any]) -> list[str]:
 
 
 def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str], chosen: np.ndarray) -> dict[str, Any]:
-    """Return the columns of levels.csv for the `chosen` levels, and the positions in their scenes."""
+    """Return the columns of the table of levels for the `chosen` levels, and the positions in their scenes."""
     names = [name for _, name in _drawn(stage)]
     told: dict[str, Any] = {name: _plain(columns[name][chosen]) for name in PLAIN if name in columns}
     told |= {"score": _plain(columns["score"][chosen]), "source": sources}

@@ -5,7 +5,7 @@ Read next: `pictures.overview`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,8 @@ import numpy as np
 from regista.envs.football.view.render import BALL, LEFT_KEEPER, MARKERS, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
 from regista.experiments.pictures import plots
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
-from regista.experiments.run.table import read_columns
 from ued.core.parameters import Parameter
 from ued.recorder.shades import smooth
 
@@ -29,11 +29,17 @@ MOST_CHOICES = 2  # columns of bars beside the pitches
 
 def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
     """Return θ `[L, D]` of the training levels in a share of the run's updates."""
-    table = read_columns(run / "levels.csv")
+    return read_periods(run, [period])[0]
+
+
+def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.ndarray]:
+    """Return θ `[L, D]` of the training levels in each of these periods, see `read_theta`."""
+    table = read_levels(run, "update", "theta/")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
-        return np.zeros((0, 0))
-    return np.stack(columns, 1)[within(table["update"], period)]
+        return [np.zeros((0, 0)) for _ in periods]
+    theta = np.stack(columns, 1)
+    return [theta[within(table["update"], period)] for period in periods]
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
@@ -56,8 +62,9 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
                 draw_shares(axes, column)
             for axes in line[len(PERIODS) + len(choices[method]) :]:
                 axes.axis("off")
-            for axes, (period, span) in zip(line, PERIODS.items(), strict=False):
-                draw_levels(axes, painter, [read_theta(run, span) for run in paths])
+            found = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
+            for axes, period, thetas in zip(line, PERIODS, found, strict=False):
+                draw_levels(axes, painter, thetas)
                 axes.set_title(f"{plots.title(method)}: {period}")
         point_legend(figure, painter)
         figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import read_theta
+from regista.experiments.pictures.level_plots import read_periods
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS
-from regista.experiments.run.table import read_columns
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training."""
     import matplotlib.pyplot as plt
 
-    tables = (read_columns(run / "levels.csv") for paths in runs.values() for run in paths)
+    tables = (read_levels(run, "theta/") for paths in runs.values() for run in paths)
     names = next((_names(table) for table in tables if table), [])[:MOST_COLUMNS]
     if not names:
         return
@@ -35,7 +35,8 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
         size = (2.6 * len(names) + 0.6, 1.9 * len(runs) + 0.5)
         figure, grid = plt.subplots(len(runs), len(names), figsize=size, squeeze=False, layout="constrained")
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
-            found = {period: [read_theta(run, span) for run in paths] for period, span in PERIODS.items()}
+            thetas = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
+            found = dict(zip(PERIODS, thetas, strict=True))
             for column, (axes, name) in enumerate(zip(line, names, strict=True)):
                 _draw(axes, column, found)
                 axes.set_title(f"{plots.title(method)}: {name}")

@@ -109,6 +109,7 @@ class RunConfig(Checked):
     record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0: none", ">=0", most=10**9)
     record_limit: int = setting(2_000, "maximum size of the recording in MB", ">=1", most=1_000_000)
+    levels_format: Literal["csv", "parquet"] = setting("csv", "format of the table of levels")
     report: tuple[Literal["tensorboard", "wandb"], ...] = setting((), "also log to tensorboard, wandb")
     ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
 
@@ -248,6 +249,7 @@ OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "record_limit": 2_000, "report": [], "device": "cpu"}
+ADDED |= {"levels_format": "csv"}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
 

@@ -46,6 +46,7 @@ class TaskError(CommandError):
 EXTRAS = {
     "matplotlib": "all",
     "PIL": "all",
+    "pyarrow": "all",
     "rerun": "all",
     "numba": "all",
     "shapely": "all",

@@ -4,7 +4,7 @@
                       and the version of the simulator
     program.scenic    the text of the program when the run began; task.py for a Python task
     metrics.csv       one row per update; eval_env_steps are the steps of evaluations, not part of env_steps
-    levels.csv        one row per played level: source, θ in [-1, 1], returns, score
+    levels.csv        one row per played level: source, θ in [-1, 1], returns, score; or the folder levels.parquet
     events.csv        warnings, if any: see `run.events`
     replays.csv       actions of the students on the levels with the highest scores: see `run.replays`
     checkpoint.pt     the full training state; replaced atomically
@@ -34,6 +34,7 @@ from regista.experiments.run.config import ConfigError, TrainConfig
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.launch.owner import OWNER, owned
 from regista.experiments.run.launch.signals import CHILD_GRACE_SECONDS
+from regista.experiments.run.level_table import open_levels
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
 from ued.core.files import is_partial, write_whole
 from ued.methods import METHODS
@@ -50,7 +51,7 @@ class RunFolder:
         self.config: Any = config  # a `TaskTrainConfig` for a task in Python
         self._saved: Any = config  # the content of config.json
         self.metrics = Table(path / "metrics.csv")
-        self.levels = Table(path / "levels.csv")
+        self.levels = open_levels(path, config.levels_format)
         self.events = Table(path / "events.csv")
         self.replays = Table(path / "replays.csv")
         self.saved_update = 0
@@ -121,7 +122,7 @@ class RunFolder:
             of_others = name.partition(".")[0] in others
             if name not in MAY_CHANGE and not of_others:
                 raise ConfigError(f"{self.path} was trained with {name} = {old}; it cannot continue with {new}")
-        self.config = config
+        self.config, self.levels = config, open_levels(self.path, config.levels_format)
 
     def save_config(self) -> None:
         """Write the settings if they differ from config.json. The caller must hold the lock, see `locked`."""
@@ -190,16 +191,20 @@ class RunFolder:
         Raises `CommandError` if one of them is damaged; then all stay unchanged.
         """
         read_columns(self.metrics.path)
-        tables = (self.metrics, self.levels, self.events, self.replays)
+        tables: tuple[Any, ...] = (self.metrics, self.levels, self.events, self.replays)
         cuts = [table.until(update) for table in tables]
         self.saved_update = update
         for table, lines in zip(tables, cuts, strict=True):
             table.replace(lines)
 
     def save(self, state: dict[str, Any]) -> None:
-        """Replace the checkpoint atomically. Raises `CheckpointError` if it cannot be written; the old one stays."""
+        """Replace the checkpoint atomically, after the rows of levels up to it.
+
+        Raises `CheckpointError` if it cannot be written; the old one stays.
+        """
         from ued.core import checkpoint
 
+        self.levels.flush()  # first: rows beyond a checkpoint are cut on resume, missing ones would be lost
         checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
         self.saved_update = state["update"]
         self._saved_at = time.monotonic()

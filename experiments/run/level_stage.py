@@ -1,4 +1,4 @@
-"""A level from a run's levels.csv, in an environment at its start.
+"""A level from the table of a run's levels, in an environment at its start.
 
 Read next: `ued.levels.table`, which reads the row; `commands.play`, which plays it.
 """
@@ -53,7 +53,7 @@ class LevelStage:
         try:
             level, visit = read_visit(path, id, visit)
         except FileNotFoundError as error:
-            raise CommandError(f"{path} has no levels.csv: no update has finished yet") from error
+            raise CommandError(f"{path} has no table of levels: no update has finished yet") from error
         except (KeyError, ValueError) as error:
             raise CommandError(str(error.args[0])) from error
         config = replace(run.config, threads=1)

@@ -1,4 +1,4 @@
-"""An adversary's proposals by column of θ, compared with the program's distribution; from a run's levels.csv.
+"""An adversary's proposals by column of θ, compared with the program's distribution; from the table of a run's levels.
 
 Read next: `commands.inspect`, which prints it; `pictures.level_plots`, which draws it.
 """
@@ -13,10 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.results import align
-from regista.experiments.run.table import read_columns, read_rows
 from ued.core.cells import Cells
 from ued.core.parameters import Parameter, axis_of, choice_in
+from ued.levels.table import table_of
 from ued.recorder.shades import unique_names
 
 PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # shares of a run's updates
@@ -41,8 +42,8 @@ class ColumnOfProposals(NamedTuple):
 
 def read_proposals(run: Path, draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
     """Return a run's proposals by column. Raises `CommandError` for a run without proposals."""
-    table, path = read_columns(run / "levels.csv"), run / "levels.csv"
-    proposed = np.array([row["source"] == "proposed" for row in read_rows(path)], bool)
+    table, path = read_levels(run, "update", "source", "theta/", "score"), table_of(run)
+    proposed = table.get("source", np.zeros(0, str)) == "proposed"
     if not proposed.any():
         raise CommandError(f"{run} has no levels proposed by an adversary: {path} has no row with source 'proposed'")
     columns = []

@@ -15,6 +15,7 @@ import numpy as np
 from regista.experiments.run import build, replays, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage
 from regista.experiments.run.reporting import Update
 from regista.experiments.run.table import read_columns
@@ -63,7 +64,7 @@ class RunRecorder:
 
     def _recall(self) -> None:
         """Pass the recorder the levels of updates in an earlier part of the recording."""
-        levels, metrics = read_columns(self.run.levels.path), read_columns(self.run.metrics.path)
+        levels, metrics = read_levels(self.run.path, "update", "theta/"), read_columns(self.run.metrics.path)
         if not levels or self.recorder is None:
             return
         theta = np.stack([column for name, column in levels.items() if name.startswith("theta/")], 1)

@@ -130,9 +130,12 @@ class Tables:
         if batch is not None:
             facts = batch.facts()
             columns = {"update": np.full(len(batch.theta), update.number), **facts}
-            columns["program"] = self.programs[facts["program"]]
+            if len(self.programs) > 1 or "program" in self.run.levels.columns:  # a table of an older version has it
+                columns["program"] = self.programs[facts["program"]]
+            else:
+                del columns["program"]
             columns |= {f"theta/{name}": batch.theta[:, d] for d, name in enumerate(self.names)}
-            self.run.levels.append_columns(columns | batch.outcomes())  # first, since it raises if its columns differ
+            self.run.levels.append_levels(columns | batch.outcomes())  # first, since it raises if its columns differ
         self.run.metrics.append([update.metrics])
         if update.events:
             self.run.events.append([place | event._asdict() for event in update.events])

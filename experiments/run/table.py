@@ -1,6 +1,6 @@
 """An append-only CSV table that survives a kill: whole rows, flushed, cut back to the checkpoint on resume.
 
-Read next: `run.folder`, which holds several such tables.
+Read next: `run.folder`, which holds several such tables; `run.level_table`, that of levels.
 """
 
 from __future__ import annotations
@@ -14,9 +14,11 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
+from ued.core.columns import read_csv
 from ued.core.files import write_whole
 from ued.core.renamed import present_names
 
+DECIMALS = 5  # of other columns given by column
 EXACT = "theta/"  # prefix of columns whose numbers are not rounded
 WORDS = ("source", "program", "event", "text")  # text columns of a run's tables
 
@@ -56,7 +58,7 @@ class Table:
             raise CommandError(f"{self.path} has the columns {', '.join(self.columns)}, expected {', '.join(columns)}")
         if not self.columns:
             self._widen(list(columns))
-        cells = [_spell_all(values, 5 if not name.startswith(EXACT) else None) for name, values in columns.items()]
+        cells = [_spell_all(rounded(name, values)) for name, values in columns.items()]
         self._write("".join(",".join(row) + "\n" for row in zip(*cells, strict=True)))
 
     def until(self, update: int) -> list[str]:
@@ -69,11 +71,11 @@ class Table:
     def _widen(self, names: list[str]) -> None:
         old = read_rows(self.path) if self.columns else []
         self.columns += names
-        header = ",".join(map(_quote, self.columns)) + "\n"
+        header = ",".join(map(quoted, self.columns)) + "\n"
         self.replace([header, *(self._line(row) for row in old)])
 
     def _line(self, row: Mapping[str, Any]) -> str:
-        return ",".join(_quote(spell(row.get(name))) for name in self.columns) + "\n"
+        return ",".join(quoted(spell(row.get(name))) for name in self.columns) + "\n"
 
     def replace(self, lines: list[str]) -> None:
         """Replace the file atomically, so that a kill leaves the old or the new one. Without lines, do nothing."""
@@ -119,19 +121,16 @@ def _lines(path: Path) -> tuple[str, list[tuple[str, list[str]]]]:
 
 
 def read_columns(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns as float64 arrays, NaN for empty cells; columns in WORDS are skipped."""
+    """Return the columns as float64 arrays, NaN for empty cells; columns in WORDS are skipped.
+
+    Without a file there are none. Raises `CommandError` for a damaged file.
+    """
     if not path.exists():
         return {}
-    header, lines = _lines(path)
-    names = present_names(next(csv.reader([header]), []))
     try:
-        return {
-            name: np.array([_number(cells[at]) for _, cells in lines])
-            for at, name in enumerate(names)
-            if name not in WORDS
-        }
+        return read_csv(path, lambda name: name not in WORDS)
     except ValueError as error:
-        raise CommandError(f"{path} is damaged: {error}") from error
+        raise CommandError(str(error)) from error
 
 
 def check_files(folder: Path) -> None:
@@ -156,18 +155,25 @@ def spell(value: Any) -> str:
     return str(value)
 
 
-def _spell_all(values: np.ndarray, decimals: int | None) -> list[str]:
-    """Format numbers or words `[R]` as cells: floats rounded to `decimals`, empty for NaN."""
+def rounded(name: str, values: np.ndarray) -> np.ndarray:
+    """Round the floats `[R]` of a column to DECIMALS, except θ; -0 becomes 0."""
     if values.dtype.kind != "f":
-        return [_quote(str(value)) for value in values.tolist()]
+        return values
     numbers = values.astype(np.float64)
-    rounded = (numbers if decimals is None else np.round(numbers, decimals)) + 0.0  # no negative zero
-    return ["" if value != value else repr(value).removesuffix(".0") for value in rounded.tolist()]
+    return (numbers if name.startswith(EXACT) else np.round(numbers, DECIMALS)) + 0.0
+
+
+def _spell_all(values: np.ndarray) -> list[str]:
+    """Format numbers or words `[R]` as cells; empty for NaN."""
+    if values.dtype.kind != "f":
+        return [quoted(str(value)) for value in values.tolist()]
+    return ["" if value != value else repr(value).removesuffix(".0") for value in values.tolist()]
 
 
 def _number(text: str) -> float:
     return float(text) if text else math.nan
 
 
-def _quote(text: str) -> str:
+def quoted(text: str) -> str:
+    """Return a cell, in quotes if it needs them."""
     return f'"{text}"' if "," in text or '"' in text else text

@@ -27,6 +27,7 @@ from regista.experiments.commands.train import restore
 from regista.experiments.run import build, origin
 from regista.experiments.run.errors import USERS, CommandError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.table import read_columns
 from tests.envs.hostile import damaged
 from ued.adapters.policy import load_policy
@@ -240,7 +241,7 @@ class Target(Folder):
         run = RunFolder.open(self.copy)
         if not run.checkpoint.exists():  # it begins anew, and not with what the last attempt has left in it
             self.method = build.make_method(self.config, self.upomdp)
-        read_columns(run.metrics.path), read_columns(run.levels.path)
+        read_columns(run.metrics.path), read_levels(run.path)
         origin.begin_with(run, self.method)
         restore(run, self.method)
         if self.quick and rng.random() < UPDATED:

@@ -140,7 +140,9 @@ def test_a_budget_is_not_kept_by_a_run_that_cannot_go_on(begun, tmp_path, name, 
     assert contents(copy) == before
 
 
-@pytest.mark.parametrize("damage", [("best/student", "x"), ("source,", "sauce,"), ("theta/length1", "theta/length0")])
+@pytest.mark.parametrize(
+    "damage", [("success/student", "x"), ("source,", "sauce,"), ("theta/length1", "theta/length0")]
+)
 def test_a_gallery_of_damaged_levels_is_refused(begun, tmp_path, damage):
     copy = with_text(begun, tmp_path, "levels.csv", *damage)
     code, said = quietly(["evaluate", "--gallery", str(copy)])

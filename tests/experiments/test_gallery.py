@@ -12,6 +12,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import read_header, read_rows
 from tests.experiments.test_files import documented
@@ -58,6 +59,13 @@ def stage_of(run):
     return Stage(env, task.painter(env))
 
 
+def levels_of(run):
+    """Return the rows of the levels of a run by the number of the visit, as replays.csv spells it."""
+    columns = read_levels(run.path)
+    rows = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+    return {str(int(row["visit"])): row for row in rows}
+
+
 def data_of(page):
     return json.loads(re.search(r"^const data = (.*);$", page.read_text(), re.M)[1])
 
@@ -67,7 +75,7 @@ def test_every_row_plays_the_very_episodes_again(run):
     stage, rows = stage_of(run), read_rows(run.replays.path)
     assert documented()["replays.csv"] == read_header(run.replays.path)
     assert len(rows) > 40 and {row["student"] for row in rows} == {"protagonist", "antagonist"}
-    told = {row["visit"]: row for row in read_rows(run.levels.path)}
+    told = levels_of(run)
     for row in rows:
         replay = Replay.of_row(row, stage.env)
         assert {name: str(value) for name, value in replay.row().items()} == row
@@ -75,8 +83,8 @@ def test_every_row_plays_the_very_episodes_again(run):
         assert came_out_alike(replay, returns) and 1 < len(frames) <= len(replay.actions)
         assert begins[0] == 0 and len(begins) == len(returns) and all(frames[k][0, 0] == 0 for k in begins)
         level = told[row["visit"]]
-        assert abs(float(level[f"return/{row['student']}"]) - returns.mean()) < 1e-4
-        assert str(replay.level["seed"][0]) == level["seed"]
+        assert abs(level[f"return/{row['student']}"] - returns.mean()) < 1e-4
+        assert replay.level["seed"][0] == level["seed"]
 
 
 @pytest.mark.slow
@@ -94,10 +102,10 @@ def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
 
 
 def test_the_levels_of_the_highest_scores_are_kept(run):
-    rows, levels = read_rows(run.replays.path), read_rows(run.levels.path)
+    rows, levels = read_rows(run.replays.path), levels_of(run)
     for update in {row["update"] for row in rows}:
         kept = {row["visit"] for row in rows if row["update"] == update}
-        scores = {row["visit"]: float(row["score"]) for row in levels if row["update"] == update}
+        scores = {visit: row["score"] for visit, row in levels.items() if row["update"] == int(update)}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
 
@@ -107,12 +115,12 @@ def test_the_page_shows_levels_cards_scenes_and_replays(run, capsys):
     flags = ["--gallery-levels", "20", "--gallery-replays", "7"]
     assert main(["evaluate", str(run.path), "--gallery", *flags]) == 0
     assert "7 with replays" in capsys.readouterr().out
-    data, levels = data_of(page), {row["visit"]: row for row in read_rows(run.levels.path)}
+    data, levels = data_of(page), levels_of(run)
     shown = data["levels"]
     assert 20 <= len(shown["id"]) <= 27 and len(data["replays"]) == 7
     for index, visit in enumerate(shown["visit"]):
         row = levels[str(int(visit))]
-        assert shown["source"][index] == row["source"] and abs(shown["score"][index] - float(row["score"])) < 1e-4
+        assert shown["source"][index] == row["source"] and abs(shown["score"][index] - row["score"]) < 1e-4
     for key, students in data["replays"].items():
         assert key in levels and set(students) == {"protagonist", "antagonist"}
         assert all(each["alike"] and each["frames"] > 1 for each in students.values())
@@ -148,9 +156,10 @@ def test_a_row_that_unpacks_to_a_gigabyte_is_refused(run):
 def test_a_run_of_an_older_version_is_refused(run, tmp_path, capsys):
     old = tmp_path / "old"
     shutil.copytree(run.path, old, ignore=shutil.ignore_patterns("gallery.html"))
-    lines = [line.split(",") for line in (old / "levels.csv").read_text().splitlines()]
-    visit = lines[0].index("visit")
-    (old / "levels.csv").write_text("".join(",".join(row[:visit] + row[visit + 1 :]) + "\n" for row in lines))
+    lines = (old / "levels.csv").read_text().splitlines()
+    assert "visit" not in lines[0] and "parent" not in lines[0]
+    more = ["parent", *[""] * (len(lines) - 1)]  # the older table had it, but no number of visits
+    (old / "levels.csv").write_text("".join(f"{line},{cell}\n" for line, cell in zip(lines, more, strict=True)))
     assert main(["evaluate", "--gallery", str(old)]) == 1 and "older version" in capsys.readouterr().err
     assert not (old / "gallery.html").exists()
 
@@ -178,7 +187,7 @@ def test_recordings_off_leaves_no_tape(run, tmp_path):
     command = ["train", f"{task}:task", "--method", "dr", "--total-env-steps", "600", *SHORT, "--no-record"]
     assert main([*command, "--out", str(tmp_path / "run")]) == 0
     assert not (tmp_path / "run" / "replays.csv").exists()
-    assert np.isfinite([float(row["seed"]) for row in read_rows(tmp_path / "run" / "levels.csv")]).all()
+    assert np.isfinite(read_levels(tmp_path / "run", "seed")["seed"]).all()
 
 
 def test_a_run_without_a_finished_level_has_no_page(run, tmp_path, capsys):

@@ -20,6 +20,7 @@ from ued.core.curriculum import ThetaSpace
 from ued.core.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
+from ued.recorder.layout import shown
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
@@ -145,6 +146,39 @@ def test_every_entity_of_the_layout_is_there(recorded):
         "/theta/over_time/cursor",
         "/levels/card",
     } <= entities
+
+
+def test_every_entity_is_one_chunk_although_it_was_flushed_in_between(recorded):
+    from rerun.chunk import RrdReader
+
+    chunks = [chunk for chunk in RrdReader(str(recorded[0])).stream() if not chunk.is_static]
+    found = [(str(chunk.entity_path), tuple(chunk.timeline_names)) for chunk in chunks]
+    metrics = [path for path, _ in found if path.startswith("/metrics/")]
+    assert len(metrics) == len(set(metrics)) > 4
+    timelines = {path: set(names) for path, names in found}
+    assert timelines["/metrics/regret"] == {"update", "env_steps"}
+    assert timelines["/metrics/score_per_level"] == {"update", "env_steps", "movie"}
+
+
+def test_looks_are_written_once(recorded):
+    from rerun.chunk import RrdReader
+
+    path, _ = recorded
+    still = {}
+    for chunk in RrdReader(str(path)).stream():
+        if chunk.is_static:
+            still[str(chunk.entity_path)] = chunk.to_record_batch()
+    painter = ProbePainter()
+    for place in ("levels/0/points", "rollout/protagonist/now"):
+        looks = still[f"/scene/{place}"]
+        assert looks.column("Points2D:class_ids").to_pylist() == [list(painter.classes)]
+        assert looks.column("Points2D:show_labels").to_pylist() == [[False]]
+    assert table(path, "/theta/depth/histogram", "BarChart:values").keys() == {1, *range(5, UPDATES + 1, 5)}
+    assert len(still["/theta/depth/histogram"].column("BarChart:widths").to_pylist()[0]) == 24
+
+
+def test_every_curve_of_the_layout_is_shown():
+    assert shown("metrics/eval/a scene") and shown("metrics/levels/random") and not shown("metrics/time/sim")
 
 
 def test_two_equal_names_are_told_apart():

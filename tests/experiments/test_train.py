@@ -16,6 +16,7 @@ from regista.experiments.run import build
 from regista.experiments.run.config import ProgramConfig, TrainConfig
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import football_game
+from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.probe import ProbeMethod
 
@@ -320,9 +321,11 @@ SMALL_BUFFER = {  # so that levels are replayed within a short run
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["paired", "accel"])  # an adversary, a buffer of levels
-def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method):
-    flags = [*FOOTBALL, *BUDGET, "--method", method, *SMALL_BUFFER.get(method, [])]
+@pytest.mark.parametrize(
+    ("method", "form"), [("paired", "csv"), ("accel", "csv"), ("accel", "parquet")]
+)  # an adversary, a buffer of levels
+def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, method, form):
+    flags = [*FOOTBALL, *BUDGET, "--method", method, *SMALL_BUFFER.get(method, []), "--levels-format", form]
     assert main(["train", *flags, "--out", str(tmp_path / "whole")]) == 0
     killed = regista("train", *flags, "--out", str(tmp_path / "killed"))
     deadline = time.monotonic() + 300
@@ -331,10 +334,11 @@ def test_sigkill_and_resume_end_with_the_numbers_of_a_run_left_alone(tmp_path, m
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL
     assert main(["train", "--resume", str(tmp_path / "killed")]) == 0
-    for name in ("metrics.csv", "levels.csv"):
-        rows = without_time(tmp_path / "killed" / name)
-        assert rows == without_time(tmp_path / "whole" / name)
-        assert len(rows) > 10
+    rows = without_time(tmp_path / "killed" / "metrics.csv")
+    assert rows == without_time(tmp_path / "whole" / "metrics.csv") and len(rows) > 10
+    name = "levels.csv" if form == "csv" else "levels.parquet/part-00000.parquet"
+    assert (tmp_path / "killed" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+    assert len(read_levels(tmp_path / "killed")["id"]) > 10
     if method in SMALL_BUFFER:
         replayed = read_columns(tmp_path / "killed" / "metrics.csv")["levels/replayed"]
         assert replayed[-10:].sum() > 0

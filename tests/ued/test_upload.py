@@ -100,6 +100,7 @@ def test_all_students_observe_before_the_first_one_acts():
             step=lambda t: said.append(f"{name} acts {t}"),
             finish=lambda: said.append(f"{name} ends"),
             rollout=SimpleNamespace(reward=np.zeros(2)),
+            is_compiled=False,
         )
 
     collect([worker("a"), worker("b")])

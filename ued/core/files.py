@@ -15,10 +15,9 @@ PARTIAL = ".partial"  # the end of the name of a file that is being written
 def write_whole(path: Path, content: bytes | memoryview | str) -> None:
     """Write a file atomically: to a temporary file, synced, renamed.
 
-    Raises OSError with its name; the file then stays unchanged. Removes temporary files of killed processes.
+    Raises OSError with its name; the file then stays unchanged. See `partial_of` for the temporary file.
     """
-    _tidy(path)
-    partial = path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
+    partial = partial_of(path)
     try:
         with open(partial, "wb") as file:
             file.write(content.encode() if isinstance(content, str) else content)
@@ -31,6 +30,12 @@ def write_whole(path: Path, content: bytes | memoryview | str) -> None:
         with suppress(OSError):  # missing after the renaming, or without the folder
             partial.unlink()
     _sync_folder(path.parent)
+
+
+def partial_of(path: Path) -> Path:
+    """Return the temporary file of this process for a file; those of ended processes are removed."""
+    _tidy(path)
+    return path.with_name(f".{path.name}.{os.getpid()}{PARTIAL}")
 
 
 def is_partial(name: str) -> bool:

@@ -23,6 +23,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from gymnasium.vector import AutoresetMode, VectorEnv
 
+from ued.core.compiled import CompiledRollout
 from ued.core.level_space import SEEDS, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Parameter
 
@@ -178,6 +179,37 @@ class UPOMDP(LevelSpace, VectorEnv):
         environment that prepares many levels in hardly more time than one can prepare them together. By default
         nothing happens.
         """
+
+    @property
+    def plays_rollouts(self) -> bool:
+        """Whether `play` plays whole rollouts in one call: its class defines `_prepare` and `_play`."""
+        return False
+
+    def _prepare(self, levels: np.ndarray) -> np.ndarray:
+        """Prepare levels `[k]` for `_play`; return the rows under which it finds them, negative for invalid ones."""
+        raise NotImplementedError(f"{type(self).__name__} does not play rollouts")
+
+    def _play(self, rollout: CompiledRollout) -> None:
+        """Play steps of a rollout in a kernel, until it is over or a level is needed; see `kernels.rollout.play`."""
+        raise NotImplementedError(f"{type(self).__name__} does not play rollouts")
+
+    def play(self, rollout: CompiledRollout, levels: np.ndarray) -> None:
+        """Play steps of a rollout, with these levels `[k]` at hand, which `rollout.levels` describes.
+
+        Steps and episodes are the same as those of `advance`, `play_again` and `reset_to_levels`.
+        """
+        envs, ended = rollout.envs, rollout.events
+        rollout.levels.start[: len(levels)] = self._prepare(levels) if len(levels) else ()
+        envs.seed[:], envs.visit[:], envs.episode[:] = self.levels["seed"], self.visits, self.episodes
+        self._play(rollout)
+        self.visits[:], self.episodes[:] = envs.visit, envs.episode
+        taken = np.flatnonzero(ended.taken[: rollout.counters["events"][0]] >= 0)
+        for event in taken.tolist():  # in their order: an environment may have taken several
+            self.levels[ended.env[event]] = levels[ended.taken[event]]
+
+    def report_failure(self) -> None:
+        """Raise the error of an environment that failed in `play`."""
+        raise NotImplementedError(f"{type(self).__name__} does not play rollouts")
 
     def _playable(self, levels: np.ndarray) -> np.ndarray:
         """Return which levels `[k]` are valid: bool `[k]`."""

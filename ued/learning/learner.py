@@ -17,13 +17,14 @@ from gymnasium.spaces import Discrete
 from ued.config import PPOConfig
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
+from ued.learning.compiled import CompiledWorker
 from ued.learning.kl import AnnealedKL, KLRegularizer
 from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae
 from ued.learning.student import Student
 from ued.learning.upload import Upload
 from ued.learning.value_stats import EpisodeValues
-from ued.learning.worker import Episodes, OnEpisodeEnd, RolloutWorker
+from ued.learning.worker import Episodes, OnEpisodeEnd
 
 RECENT = 100  # episodes of a rolling return
 
@@ -57,7 +58,7 @@ class Learner:
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
         self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_scale, agents)
-        self.worker = RolloutWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
+        self.worker = CompiledWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
         self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT

@@ -39,8 +39,10 @@ class Categorical:
         self.log_probs = torch.log_softmax(logits, -1)  # [B, A]
 
     def sample(self, generator: torch.Generator) -> Tensor:
-        exponential = torch.empty_like(self.log_probs).exponential_(generator=generator)
-        return (self.log_probs - exponential.log()).argmax(-1)  # Gumbel-max: -log of an exponential is Gumbel
+        """Sample by the inverse of the cumulative distribution: one number in [0, 1) per choice."""
+        uniform = torch.rand(self.log_probs.shape[:-1], generator=generator)
+        cumulative = self.log_probs.exp().cumsum(-1)  # [B, A]
+        return (cumulative[..., :-1] < uniform[..., None] * cumulative[..., -1:]).sum(-1)
 
     def mode(self) -> Tensor:
         return self.log_probs.argmax(-1)

@@ -56,8 +56,13 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        deviation = torch.maximum((self.variance + 1e-8).sqrt(), self.floor)  # [size]
-        return (observation - self.mean).div_(deviation).clamp_(-CLIP, CLIP)  # in place: fresh memory is slow to get
+        return (
+            (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
+        )  # in place: fresh memory is slow to get
+
+    def deviation(self) -> Tensor:
+        """Return the divisors of features, `[size]`, or `[policies, size]`."""
+        return torch.maximum((self.variance + 1e-8).sqrt(), self.floor)
 
     def track(self, observation: Tensor) -> None:
         """Update the statistics with a batch of observations `[B, size]` or `[B, A, size]`."""

@@ -28,20 +28,24 @@ class ActionTape:
         self._actions: np.ndarray | None = None  # [capacity, N, ...]
         self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by visit
 
-    def begin(self, envs: np.ndarray, visits: np.ndarray) -> None:
-        """Start these visits `[k]` in the environments `[k]`."""
+    def begin(self, envs: np.ndarray, visits: np.ndarray, ago: int = 0) -> None:
+        """Start these visits `[k]` in the environments `[k]`, or say that they started `ago` steps ago."""
         for env in envs:
-            self._keep(int(env))
-        self._visit[envs], self._began[envs] = visits, self._steps
+            self._keep(int(env), self._steps - ago)
+        self._visit[envs], self._began[envs] = visits, self._steps - ago
 
     def note(self, actions: np.ndarray) -> None:
         """Append the actions `[N, ...]` of a step."""
+        self.extend(actions[None])
+
+    def extend(self, actions: np.ndarray) -> None:
+        """Append the actions of several steps, `[k, N, ...]`."""
         if self._actions is None:
-            self._actions = np.empty((64, *actions.shape), actions.dtype)
-        if self._steps == len(self._actions):
-            self._make_room()
-        self._actions[self._steps] = actions
-        self._steps += 1
+            self._actions = np.empty((64, *actions.shape[1:]), actions.dtype)
+        while self._steps + len(actions) > len(self._actions):
+            self._make_room(len(actions))
+        self._actions[self._steps : self._steps + len(actions)] = actions
+        self._steps += len(actions)
 
     def pop(self, visits: np.ndarray) -> dict[int, np.ndarray]:
         """Remove and return the actions `[T, ...]` of these visits, by their numbers, if known.
@@ -49,23 +53,25 @@ class ActionTape:
         A visit that continues, because its environment waits for others, has its actions so far.
         """
         for env in np.flatnonzero(np.isin(self._visit, visits)):
-            self._keep(int(env))
+            self._keep(int(env), self._steps)
             self._visit[env] = NONE
         return {visit: self._over.pop(visit) for visit in visits.tolist() if visit in self._over}
 
-    def _keep(self, env: int) -> None:
+    def _keep(self, env: int, end: int) -> None:
         if self._visit[env] != NONE and self._actions is not None:
-            self._over[int(self._visit[env])] = self._actions[self._began[env] : self._steps, env].copy()
+            self._over[int(self._visit[env])] = self._actions[self._began[env] : end, env].copy()
             if len(self._over) > MOST_VISITS:
                 self._over.popitem(last=False)
 
-    def _make_room(self) -> None:
-        """Drop the steps before the oldest open visit, and double the tape where that is not half of it."""
+    def _make_room(self, steps: int) -> None:
+        """Drop the steps before the oldest open visit; double the tape until half of it, and `steps`, are free."""
         assert self._actions is not None
         known = self._visit != NONE
         first = int(self._began[known].min()) if known.any() else self._steps
         kept = self._actions[first : self._steps].copy()
-        capacity = len(self._actions) if 2 * len(kept) <= len(self._actions) else 2 * len(self._actions)
+        capacity = len(self._actions)
+        while max(2 * len(kept), len(kept) + steps) > capacity:
+            capacity *= 2
         self._actions = np.empty((capacity, *kept.shape[1:]), kept.dtype)
         self._actions[: len(kept)] = kept
         self._began -= first

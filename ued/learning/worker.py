@@ -22,6 +22,8 @@ from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
 
+COMPILED = True  # False: all rollouts step by step in torch, the reference of the compiled ones
+STRIDE = 16  # steps that a worker plays before it is the turn of the next
 # Called with the environments `[k]` whose episodes have just ended, their returns, and their success `[k]` (1, 0, nan:
 # unknown); returns the environments `[c]` that change their level, and their new level records `[c]`.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -87,6 +89,15 @@ class RolloutWorker(Resumable):
         """Start a rollout: store the memory of the student at its first step."""
         self.rollout.memory.copy_(self.memory)
 
+    @property
+    def is_compiled(self) -> bool:
+        """Whether `play` plays many steps in one call; see `learning.compiled`. Otherwise `observe` and `step` do."""
+        return False
+
+    def play(self, until: int) -> None:
+        """Play the rollout up to this step."""
+        raise NotImplementedError("rollouts of this worker are played step by step")
+
     def observe(self, t: int) -> None:
         """Compute the policy and values at the observations of step t; a GPU works while the host continues."""
         assert self.observation is not None
@@ -116,7 +127,7 @@ class RolloutWorker(Resumable):
         self.env_steps += self.upomdp.num_envs
         ended = terminated | truncated
         if ended.any():
-            self._end_episodes(ended, info)
+            self.end_episodes(ended, info)
 
     def _act(self, t: int) -> np.ndarray:
         """Sample the actions of step t, store them in the rollout, and return them for the environments."""
@@ -135,12 +146,16 @@ class RolloutWorker(Resumable):
             where = torch.as_tensor(cut)
             self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
-    def _end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
+    def note_episodes(self, returns: np.ndarray, lengths: np.ndarray) -> None:
+        """Note the returns and lengths of episodes that ended, `[k]`, in their order."""
+        self._ended[0].extend(returns.tolist())
+        self._ended[1].extend(lengths.tolist())
+
+    def end_episodes(self, mask: np.ndarray, info: dict[str, Any]) -> None:
         """Record the episodes that ended, `mask` bool `[N]`, and start the next ones."""
         ended = np.flatnonzero(mask)
         returns = self.returns[ended]
-        self._ended[0].extend(returns.tolist())
-        self._ended[1].extend(self.lengths[ended].tolist())
+        self.note_episodes(returns, self.lengths[ended])
         self.returns[ended] = 0.0
         self.lengths[ended] = 0
         self.memory.numpy()[ended] = 0.0
@@ -216,16 +231,29 @@ def visits_of(records: np.ndarray) -> np.ndarray:
 
 
 def collect(workers: Sequence[RolloutWorker]) -> None:
-    """Fill the workers' rollouts, one step of each in turn.
+    """Fill the workers' rollouts, some steps of each in turn."""
+    for worker in workers:
+        worker.begin()
+    num_steps, alone = len(workers[0].rollout.reward), len(workers) == 1
+    compiled = [worker for worker in workers if worker.is_compiled]
+    others = [worker for worker in workers if not worker.is_compiled]
+    stride = (num_steps if alone else STRIDE) if compiled else 1
+    for first in range(0, num_steps, stride):
+        until = min(first + stride, num_steps)
+        for worker in compiled:
+            worker.play(until)
+        play_in_turn(others, first, until)
+    for worker in workers:
+        worker.finish()
+
+
+def play_in_turn(workers: Sequence[RolloutWorker], first: int, until: int) -> None:
+    """Play steps `first` to `until` of the rollouts, one step of each worker in turn.
 
     All networks are evaluated before the first worker steps: a GPU evaluates the others while it simulates.
     """
-    for worker in workers:
-        worker.begin()
-    for t in range(len(workers[0].rollout.reward)):
+    for t in range(first, until):
         for worker in workers:
             worker.observe(t)
         for worker in workers:
             worker.step(t)
-    for worker in workers:
-        worker.finish()

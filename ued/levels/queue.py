@@ -15,8 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from ued.core.compiled import Events
 from ued.core.curriculum import Curriculum
-from ued.core.level_space import as_void_view
+from ued.core.level_space import SEEDS, as_void_view
 from ued.core.resumable import Resumable
 from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
@@ -105,6 +106,10 @@ class LevelQueue(Resumable):
             self.needs_new_level[student, changing] = False
         return changing, self._take(student, changing)
 
+    def of(self, student: int) -> StudentQueue:
+        """Return the part of the queue that belongs to one student."""
+        return StudentQueue(self, student)
+
     def _take(self, student: int, envs: np.ndarray) -> np.ndarray:
         start = int(self.taken[student])
         missing = start + len(envs) - len(self.records)
@@ -121,13 +126,14 @@ class LevelQueue(Resumable):
             for env, episodes in zip(envs.tolist(), records["num_episodes"].tolist(), strict=True):
                 self._due[student][env] = episodes
             self.taken[student] += len(envs)
-            if records["visit"][-1] > self._announced[student]:
-                self._announce(student)
+            self.announce_if_new(student)
         return records
 
-    def _announce(self, student: int) -> None:
-        """Let a student's environments know which levels come after those that it has begun."""
+    def announce_if_new(self, student: int) -> None:
+        """Let a student's environments know which levels come next, once it has begun all that they know of."""
         start = int(self.taken[student])
+        if not start or self.records["visit"][start - 1] <= self._announced[student]:
+            return
         coming = self.records[start : start + PREFETCH]
         self._announced[student] = int(coming["visit"][-1] if len(coming) else self.records["visit"][start - 1])
         self.prefetch[student](coming["level"])
@@ -216,6 +222,48 @@ class LevelQueue(Resumable):
         due = self.records["num_episodes"][:, None] - self.records["num_played"]  # [R, S]
         due = np.concatenate([due, np.zeros((1, students), np.int64)])  # NONE, -1, is the last
         self._due = due[self.playing, np.arange(students)[:, None]].tolist()
+
+
+class StudentQueue:
+    """One student's part of a queue: an `OnEpisodeEnd`, and the `LevelsAhead` of compiled rollouts."""
+
+    def __init__(self, queue: LevelQueue, student: int) -> None:
+        self.queue, self.student = queue, student
+
+    def __call__(self, ended: np.ndarray, returns: np.ndarray, success: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """See `LevelQueue.on_episode_end`."""
+        return self.queue.on_episode_end(self.student, ended, returns, success)
+
+    def at_hand(self) -> np.ndarray:
+        """Return the next records, at most PREFETCH; with one level per rollout none: each end is asked for."""
+        start = int(self.queue.taken[self.student])
+        return self.queue.records[start : start + (0 if self.queue.once_per_rollout else PREFETCH)]
+
+    def most(self) -> int:
+        """Return how many levels the student may take before it is `max_lead` ahead of the slowest other one."""
+        taken = self.queue.taken.tolist()
+        others = taken[: self.student] + taken[self.student + 1 :]
+        return max(0, min(others) + self.queue.max_lead - taken[self.student]) if others else SEEDS
+
+    def due(self) -> list[int]:
+        """Return the episodes left on the level of each environment `[N]`."""
+        due = self.queue._due[self.student]
+        return [1] * len(due) if self.queue.once_per_rollout else due
+
+    def apply(self, events: Events, due: list[int]) -> None:
+        """Note the episodes that ended and the levels taken; `due` as it is now."""
+        if not len(events.env):
+            return
+        queue, start = self.queue, int(self.queue.taken[self.student])
+        playing, rows = queue.playing[self.student].tolist(), []
+        for env, taken in zip(events.env.tolist(), events.taken.tolist(), strict=True):
+            rows.append(playing[env])
+            playing[env] = start + taken if taken >= 0 else playing[env]
+        ended = np.array(rows), events.left.tolist(), events.returns.copy(), events.success.copy()
+        queue._ended[self.student].append(ended)
+        queue._due[self.student], queue.playing[self.student] = due, playing
+        queue.taken[self.student] += int((events.taken >= 0).sum())
+        queue.announce_if_new(self.student)
 
 
 def _check_range(name: str, numbers: np.ndarray, shape: tuple[int, ...], low: int, high: int) -> None:

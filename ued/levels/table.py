@@ -1,25 +1,92 @@
-"""Read levels from levels.csv, the table of a run, whose rows hold played levels at full precision.
+"""Read the table of a run's levels: levels.csv, or levels.parquet, a folder of Parquet files.
 
-Read next: `levels.batch`, the columns.
+All readers of the repository use this module, so that they read either form, and tables of older runs. Read next:
+`levels.batch`, the columns; `core.columns`, which reads files.
 """
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ued.core.columns import Columns, read_csv, read_parts
 from ued.core.level_space import level_dtype
-from ued.core.renamed import present_keys
+
+CSV, PARQUET = "levels.csv", "levels.parquet"
+WORDS = ("source", "program")  # columns of text
+IMPLIED: dict[str, str | float] = {"visit": "id", "parent": np.nan, "episodes": 1.0}  # see `implied_by`
+
+
+def table_of(run: str | Path) -> Path:
+    """Return the table of a run folder, levels.csv if it has none yet; another path is a table and is returned."""
+    path = Path(run)
+    if path.name in (CSV, PARQUET) or not path.is_dir():
+        return path
+    return path / PARQUET if (path / PARQUET).exists() else path / CSV
+
+
+def implied_by(name: str) -> str | float | None:
+    """Return the values of a column where levels.csv leaves it out: those of another column, or a number in all rows.
+
+    None: it is never left out, because no other column has its values.
+    """
+    if name.startswith("best/"):
+        return f"return/{name.removeprefix('best/')}"  # after one episode
+    return IMPLIED.get(name)
+
+
+def read_levels(run: str | Path, *names: str) -> Columns:
+    """Return columns of the table of a run's levels, `[R]` each, with those that levels.csv leaves out.
+
+    Args:
+        run: the folder of a run, or the path of its levels.csv or levels.parquet.
+        names: the wanted columns; `"theta/"` stands for all that begin with it. None: all. Columns that the table does
+            not have are missing in the result.
+
+    Numbers are float64, nan where not available; `source` and `program` are strings. Raises `FileNotFoundError` without
+    a table, `ValueError` for a damaged one, `ModuleNotFoundError` for levels.parquet without PyArrow.
+    """
+    path = table_of(run)
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist: no update has finished yet")
+    sources = [source for source in map(implied_by, names) if isinstance(source, str)]
+
+    def wanted(name: str) -> bool:
+        return not names or _matches(name, [*names, *sources])
+
+    columns = read_parts(path, wanted) if path.is_dir() else read_csv(path, wanted, WORDS)
+    columns = with_implied(columns)
+    return {name: values for name, values in columns.items() if not names or _matches(name, names)}
+
+
+def with_implied(columns: Columns) -> Columns:
+    """Return the columns of a table with those that it leaves out.
+
+    A table with `parent` but without `visit` is of an older version, which numbered no visits.
+    """
+    best = [f"best/{name.removeprefix('return/')}" for name in columns if name.startswith("return/")]
+    missing = {}
+    for name in ("visit", "parent", "episodes", *best):
+        source = implied_by(name)
+        older = name == "visit" and "parent" in columns
+        if name in columns or older or "id" not in columns:
+            continue
+        number = source if isinstance(source, float) else np.nan
+        missing[name] = columns[source] if isinstance(source, str) else np.full(len(columns["id"]), number)
+    return columns | missing
+
+
+def _matches(name: str, patterns: Sequence[str]) -> bool:
+    return any(name == each or (each[-1] == "/" and name.startswith(each)) for each in patterns)
 
 
 def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray:
     """Return a level of a run as a record `[1]` of `level_dtype(D)`, for `UPOMDP.reset_to_levels`.
 
     Args:
-        run: the folder of a run, or the path of its levels.csv.
+        run: the folder of a run, or the path of its levels.csv or levels.parquet.
         id: the number of the level.
         visit: the number of a visit of it; None: any, since all visits have the same level.
 
@@ -31,29 +98,26 @@ def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray
 
 def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.ndarray, int]:
     """Return a level, see `read_level`, and the number of the visit; for None the first one in the table."""
-    path = Path(run)
-    path = path / "levels.csv" if path.is_dir() else path
-    with open(path, newline="", encoding="utf-8") as file:
-        for row in map(present_keys, csv.DictReader(file)):
-            if row.get("id") == str(id) and visit in (None, _whole(row, "visit", path)):
-                return _level(row, path), _whole(row, "visit", path)
-    at = "" if visit is None else f" at visit {visit}"
-    raise KeyError(f"{path} has no level {id}{at}; see its column id for the levels that were played")
-
-
-def _level(row: dict[str, Any], path: Path) -> np.ndarray:
-    names = [name for name in row if name and name.startswith("theta/")]
+    path = table_of(run)
+    columns = read_levels(path, "id", "visit", "parent", "seed", "theta/")
+    for name in ("id", "visit", "seed"):
+        if name not in columns:
+            raise ValueError(f"{path} is damaged: it has no column {name}")
+    rows = np.flatnonzero((columns["id"] == id) & (visit is None or columns["visit"] == visit))
+    if not len(rows):
+        at = "" if visit is None else f" at visit {visit}"
+        raise KeyError(f"{path} has no level {id}{at}; see its column id for the levels that were played")
+    row = {name: values[rows[0]] for name, values in columns.items()}
+    names = [name for name in row if name.startswith("theta/")]
     level = np.zeros(1, level_dtype(len(names)))
-    level["seed"] = _whole(row, "seed", path)
-    try:
-        level["theta"] = [float(row[name]) for name in names]
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"{path} is damaged: θ of level {row['id']} must be {len(names)} numbers") from error
-    return level
+    level["theta"] = [row[name] for name in names]
+    if np.isnan(level["theta"]).any():
+        raise ValueError(f"{path} is damaged: θ of level {id} must be {len(names)} numbers")
+    level["seed"] = _whole(row["seed"], "seed", path)
+    return level, _whole(row["visit"], "visit", path)
 
 
-def _whole(row: dict[str, Any], name: str, path: Path) -> int:
-    try:
-        return int(row[name])
-    except (KeyError, TypeError, ValueError) as error:
-        raise ValueError(f"{path} is damaged: {name} must be a whole number, got {row.get(name)!r}") from error
+def _whole(value: float, name: str, path: Path) -> int:
+    if not (value >= 0 and float(value).is_integer()):
+        raise ValueError(f"{path} is damaged: {name} must be a whole number, got {value}")
+    return int(value)

@@ -12,7 +12,6 @@ Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -88,8 +87,7 @@ class Method:
         if not scripted:
             check_learners(self.ppo, upomdp.agent_observation_space, upomdp.num_envs, upomdp.num_agents, index + 1)
         self.queue.prefetch[index] = upomdp.prefetch
-        on_episode_end = partial(self.queue.on_episode_end, index)
-        self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, on_episode_end, scripted))
+        self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, self.queue.of(index), scripted))
         self.learners[index].start(self.queue.first(index))
         return self.learners[index]
 

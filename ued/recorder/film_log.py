@@ -5,6 +5,8 @@ Read next: `recorder.scene_log`, for environments with a painter.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import rerun
 
@@ -21,7 +23,7 @@ class FilmLog:
     def __init__(self, stream: rerun.RecordingStream) -> None:
         self.stream = stream
 
-    def open(self) -> None:
+    def open(self, students: Sequence[str]) -> None:
         """Do nothing: there is no static content."""
 
     def note(self, theta: np.ndarray) -> None:

@@ -27,6 +27,10 @@ TOP_LEVELS = 6  # slots of the Levels tab
 MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in view units
 SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
+BUFFERED = ("/metrics/buffer/score", "/metrics/buffer/generation")
+RETURNS, SCORE, TESTS = "/metrics/return_per_level/", "/metrics/score_per_level", "/metrics/eval/"
+PROGRAMS, CHOICES = "/metrics/program/", "/metrics/choice_ratio/"
+CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # what views show
 DARK: Colour = (12, 12, 14)
 
 
@@ -51,6 +55,11 @@ def layout(
         active_tab=0,
     )
     return blueprint(tabs, "update", 10, "Following")
+
+
+def shown(path: str) -> bool:
+    """Return whether a view of the layout shows the curve of this entity, such as `metrics/score`."""
+    return f"/{path}".startswith(CURVES)
 
 
 @contextmanager
@@ -129,12 +138,12 @@ def _plain(students: Sequence[str]) -> Any:
 
 def _progress(students: Sequence[str], mixed: bool) -> Any:
     """Return the views of returns, scores of levels, and θ over updates."""
-    curves = [_curves("Return per level (mean ± std)", "/metrics/return_per_level/**", "RightBottom")]
+    curves = [_curves("Return per level (mean ± std)", f"{RETURNS}**", "RightBottom")]
     if len(students) > 1:
-        curves.append(_curves("Regret per level (mean ± std)", "/metrics/score_per_level", "RightTop"))
+        curves.append(_curves("Regret per level (mean ± std)", SCORE, "RightTop"))
     if mixed:
-        curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
-    curves.append(_curves("Return on the test scenes", "/metrics/eval/**", "LeftTop"))
+        curves.append(_curves("Share of the levels by program", f"{PROGRAMS}**", "RightTop"))
+    curves.append(_curves("Return on the test scenes", f"{TESTS}**", "LeftTop"))
     return rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
 
 
@@ -173,10 +182,10 @@ def _teacher(mixed: bool, chosen: bool) -> Any:
         _curves("Entropy of θ in nats: of the adversary, and of all levels", ENTROPIES, "RightTop"),
     ]
     if mixed:
-        curves.append(_curves("Share of the levels by program", "/metrics/program/**", "RightTop"))
+        curves.append(_curves("Share of the levels by program", f"{PROGRAMS}**", "RightTop"))
     if chosen:
         name = "Options: frequency in proposals relative to the program"
-        curves.append(_curves(name, "/metrics/choice_ratio/**", "RightTop"))
+        curves.append(_curves(name, f"{CHOICES}**", "RightTop"))
     aim = rrb.TextDocumentView(origin="/teacher/aim", name="Chosen levels of this update")
     events = rrb.TextLogView(origin="/events", name="Warnings")
     return rrb.Horizontal(rrb.Vertical(*curves), rrb.Vertical(aim, events, row_shares=[1.6, 1]), name="Teacher")
@@ -193,7 +202,7 @@ def _buffer() -> Any:
         rrb.BarChartView(origin=f"/buffer/{name}", name=title, plot_legend=rrb.PlotLegend(visible=False))
         for name, title in (("scores", "Scores"), ("staleness", "Levels played since the last visit"))
     )
-    curves = _curves("Content", ("/metrics/buffer/score", "/metrics/buffer/generation"), "LeftTop")
+    curves = _curves("Content", BUFFERED, "LeftTop")
     return rrb.Horizontal(tree, rrb.Vertical(scores, staleness, curves), column_shares=[1.6, 1], name="Buffer")
 
 

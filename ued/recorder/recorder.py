@@ -13,7 +13,6 @@ The recorder is independent of the domain: a `ScenePainter` defines the look of 
     /theta/<name>/...                quantiles and histogram of each column of θ
     /theta/over_time/...             update x bin densities of all columns, with a cursor
     /levels/card                     the level with the highest score, as text
-    /levels/all                      every level of this update with the columns of levels.csv, for programs
     /teacher/aim                     distribution of the chosen levels, as text
     /buffer/...                      scores, staleness and ancestry of a buffer's levels
     /events                          warnings, as text
@@ -40,13 +39,15 @@ from ued.levels.buffer import LevelBuffer
 from ued.recorder import buffer_log
 from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
-from ued.recorder.layout import layout
+from ued.recorder.layout import layout, shown
+from ued.recorder.rows import MOVIE_SECONDS, Rows
 from ued.recorder.scene_log import Episodes, SceneLog, by_score
 from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
-from ued.recorder.writer import Writer
+from ued.recorder.writer import Writer, compact
 
-MOVIE_SECONDS = 1.0  # of the `movie` timeline per update
+APPLICATION = "regista"
+TIMELINES = ("update", "env_steps")  # metrics that are times of all others
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,7 @@ class CurriculumRecorder:
     def __init__(self, recording: Recording, painter: ScenePainter | None, draws: Sequence[Parameter]) -> None:
         self.recording, self.painter = recording, painter
         self.stream = rerun.RecordingStream(
-            "regista",
+            APPLICATION,
             recording_id=recording.id,
             # Large batches: with the default of 0.2 s every update writes a chunk per entity, six times the bytes.
             batcher_config=rerun.ChunkBatcherConfig(
@@ -77,10 +78,12 @@ class CurriculumRecorder:
         self.stream.set_log_time_enabled(False)
         self.writer = Writer(self.stream)
         self.scenes = FilmLog(self.stream) if painter is None else SceneLog(self.stream, painter)
-        self.theta = ThetaLog(self.stream, draws)
+        self.rows = Rows(self.stream, shown)
+        self.theta = ThetaLog(self.stream, self.rows, draws)
         self.buffer = BufferLog(self.stream)
-        self._opened = False
-        self._pending: list[tuple[int, int, dict[str, float]]] = []  # update, env_steps, metrics
+        self._opened, self._views = False, None
+        self._flushes = 0
+        self._last = 0  # update that was recorded
 
     def recall(self, update: int, env_steps: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update that an earlier part of the recording already shows."""
@@ -94,17 +97,21 @@ class CurriculumRecorder:
         if not self._opened:
             self._open(list(batch.returns), {name.partition("/")[0] for name in metrics})
         self._at(update, env_steps)
-        self._pending.append((update, env_steps, dict(metrics)))
+        self._last = update
+        for name, value in metrics.items():
+            if name not in TIMELINES and np.isfinite(value):
+                self.rows.scalars(["metrics", *name.split("/")], [value])
         if not len(batch.theta):
             return
         self.recall(update, env_steps, batch.theta)
         self._bands(batch)
         self.scenes.record(batch)
-        self.stream.log("levels/card", self._card(update, batch))
-        columns: Any = {name.replace("/", "_"): values for name, values in (batch.facts() | batch.outcomes()).items()}
-        self.stream.log("teacher/aim", self._aim(batch))
-        self.stream.log("levels/all", rerun.DynamicArchetype("Level", components=columns))
+        self.stream.log("levels/card", rerun.TextDocument.from_fields(text=self._card(update, batch)))
+        self.stream.log("teacher/aim", rerun.TextDocument.from_fields(text=self._aim(batch)))
         self.theta.record(update, batch.theta)
+        if self.recording.connect:  # who watches does not wait for a checkpoint
+            self.theta.record_densities(update)
+            self.rows.send()
 
     def level_buffer(self, update: int, buffer: LevelBuffer) -> None:
         """Write the content of a buffer, every few updates, at the last recorded update."""
@@ -130,16 +137,19 @@ class CurriculumRecorder:
         Raises Rerun's errors if the disk fails; then recording cannot continue.
         """
         if self._opened:
-            self._send_metrics()
+            self.theta.record_densities(self._last)  # every version stays in the file, so not more often
+            self.rows.send()
+            self._flushes += 1
             self.writer.wait_for(self.stream.flush)
 
     def close(self) -> None:
-        """Finish the file."""
+        """Finish the file, and merge what each flush has added. Raises the errors of `flush` and `compact`."""
         if self._opened:
-            if self._pending:
-                self.theta.record_densities(self._pending[-1][0])
+            self.theta.record_densities(self._last, growth=1.0)
             self.flush()
         self.writer.finish()
+        if self._flushes > 1:
+            compact(self.recording.path, APPLICATION, self.recording.id, self._views)
 
     # ------------------------------------------------------------ pieces
 
@@ -148,59 +158,51 @@ class CurriculumRecorder:
 
     def _open(self, students: list[str], kinds: Set[str]) -> None:
         """Write the layout, the static content and the styles of curves for these `kinds` of metrics."""
-        views = layout(self.painter, self.theta.names, students, kinds)
+        self._views = layout(self.painter, self.theta.names, students, kinds)
         sinks: list[Any] = [rerun.FileSink(str(self.recording.path))]
         if self.recording.connect:
             sinks.append(rerun.GrpcSink(f"rerun+http://{self.recording.connect}/proxy"))
-        self.writer.wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=views))
+        self.writer.wait_for(lambda: self.stream.set_sinks(*sinks, default_blueprint=self._views))
         self.stream.send_recording_name(self.recording.name)
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
+        for index, student in enumerate(students):
+            self._look(f"metrics/return_per_level/{student}", student, STUDENT_COLOURS[index])
+        self._look("metrics/score_per_level", "score", SCORE_COLOUR)
         for source, colour in SOURCE_COLOURS.items():
             looks = rerun.SeriesLines(colors=[colour], names=[source], widths=[2.0])
             self.stream.log(f"metrics/levels/{source}", looks, static=True)
-        self.scenes.open()
+        for path in ("levels/card", "teacher/aim"):
+            markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
+            self.stream.log(path, markdown, static=True)
+        self.scenes.open(students)
         self.theta.open()
 
     def _at(self, update: int, env_steps: int) -> None:
+        self.rows.at(update, env_steps)
         self.stream.reset_time()
         self.stream.set_time("update", sequence=update)
         self.stream.set_time("env_steps", sequence=env_steps)
         self.stream.set_time("movie", duration=update * MOVIE_SECONDS)
 
     def _bands(self, batch: LevelBatch) -> None:
-        for index, (student, returns) in enumerate(batch.returns.items()):
-            self._band(f"metrics/return_per_level/{student}", student, returns, STUDENT_COLOURS[index])
-        self._band("metrics/score_per_level", "score", batch.score, SCORE_COLOUR)
+        bands = {f"return_per_level/{student}": returns for student, returns in batch.returns.items()}
+        for name, values in (bands | {"score_per_level": batch.score}).items():
+            known = values[np.isfinite(values)]
+            if len(known):
+                self.rows.band(["metrics", *name.split("/")], known)
 
-    def _band(self, path: str, name: str, values: np.ndarray, colour: Colour) -> None:
-        known = values[np.isfinite(values)]
-        if len(known):
-            band = rerun.Measurements(known.mean(), variances=known.var(), colors=[colour], names=[name], widths=[2.0])
-            self.stream.log(path, band)
+    def _look(self, path: str, name: str, colour: Colour) -> None:
+        """Write the style of a band."""
+        style = rerun.Measurements.from_fields(colors=[colour], names=[name], widths=[2.0])
+        self.stream.log(path, style, static=True)
 
-    def _send_metrics(self) -> None:
-        """Send the pending metrics in columns, a hundred times cheaper than row by row."""
-        for name in dict.fromkeys(name for _, _, metrics in self._pending for name in metrics):
-            rows = [(u, s, m[name]) for u, s, m in self._pending if np.isfinite(m.get(name, np.nan))]
-            if not rows:
-                continue
-            updates, steps, values = (np.array(column) for column in zip(*rows, strict=True))
-            times = [
-                rerun.TimeColumn("update", sequence=updates),
-                rerun.TimeColumn("env_steps", sequence=steps),
-                rerun.TimeColumn("movie", duration=updates * MOVIE_SECONDS),
-            ]
-            path = rerun.new_entity_path(["metrics", *name.split("/")])  # a name may contain spaces
-            self.stream.send_columns(path, times, rerun.Scalars.columns(scalars=values.astype(float)))
-        self._pending.clear()
-
-    def _aim(self, batch: LevelBatch) -> Any:
+    def _aim(self, batch: LevelBatch) -> str:
         """Describe the levels chosen by the teacher, all except random ones, as a Markdown document."""
         chosen = np.isin(batch.source, ("proposed", "replayed", "edited"))
         sources = ", ".join(f"{int((batch.source == name).sum())} {name}" for name in dict.fromkeys(batch.source))
         if not chosen.any():
-            return rerun.TextDocument(f"{sources}: no level was chosen", media_type=rerun.MediaType.MARKDOWN)
+            return f"{sources}: no level was chosen"
         low, middle, high = self.theta.values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
         spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform
         rows = "\n".join(
@@ -208,9 +210,9 @@ class CurriculumRecorder:
             for d, name in enumerate(self.theta.names)
         )
         head = "| θ of the chosen levels | 10% | median | 90% | spread / random levels |\n|---|---|---|---|---|"
-        return rerun.TextDocument(f"### {sources}\n\n{head}\n{rows}\n", media_type=rerun.MediaType.MARKDOWN)
+        return f"### {sources}\n\n{head}\n{rows}\n"
 
-    def _card(self, update: int, batch: LevelBatch) -> Any:
+    def _card(self, update: int, batch: LevelBatch) -> str:
         """Describe the level with the highest score, as a Markdown document."""
         score, level = batch.score, by_score(batch)[0]
         quantiles = (np.quantile(batch.theta, share, 0) for share in (0.1, 0.9))
@@ -223,8 +225,7 @@ class CurriculumRecorder:
             f"| {name} | {value[d]:.2f} | {low[d]:.2f} to {high[d]:.2f} |" for d, name in enumerate(self.theta.names)
         )
         title = f"score {score[level]:.3f}, the highest of {len(score)}" if np.isfinite(score[level]) else "one level"
-        text = (
+        return (
             f"### Update {update}: {title}\n\n| student | return | episodes |\n|---|---|---|\n{returns}\n\n"
             f"| θ | value | batch, 10% to 90% |\n|---|---|---|\n{rows}\n"
         )
-        return rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)

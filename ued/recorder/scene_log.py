@@ -50,13 +50,27 @@ class SceneLog:
         cells = int(np.ceil((y_high - y_low) / HEAT_CELL)), int(np.ceil((x_high - x_low) / HEAT_CELL))
         self._heat = np.zeros(cells)  # [rows, columns], y from low to high
 
-    def open(self) -> None:
-        """Write the static content."""
+    def open(self, students: Sequence[str]) -> None:
+        """Write what does not change: the ground, and the looks of points, lines and notes."""
         turn_y_up(self.stream)
         log_ground(self.stream, "scene", self.painter)
         x_low, _, y_low, _ = self.painter.bounds
         heat = rerun.Transform3D(translation=[x_low, y_low, 0], scale=[HEAT_CELL, HEAT_CELL, 1])
         self.stream.log("scene/heat", heat, static=True)
+        style = rerun.Image.from_fields(opacity=0.9, draw_order=-9)  # below 1, otherwise Rerun ignores alpha
+        self.stream.log("scene/heat/map", style, static=True)
+        self.stream.log("scene/batch", rerun.Points2D.from_fields(show_labels=False), static=True)
+        rollouts = [f"scene/rollout/{student}" for student in students]
+        points = [*(f"{root}/{part}" for root in rollouts for part in ("now", "path/start"))]
+        notes = [f"{root}/path/outcome" for root in rollouts]
+        for slot in range(TOP_LEVELS):
+            points.append(f"scene/levels/{slot}/points")
+            notes.append(f"scene/levels/{slot}/note")
+        for path in points:
+            self.stream.log(path, self._looks(), static=True)
+        for path in notes:
+            note = rerun.Points2D.from_fields(colors=(225, 225, 225), radii=0.01, show_labels=True)
+            self.stream.log(path, note, static=True)
 
     def note(self, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the heat map."""
@@ -75,18 +89,17 @@ class SceneLog:
         for slot in range(TOP_LEVELS):
             path = f"scene/levels/{slot}"
             if slot < len(best):
-                self.stream.log(f"{path}/points", self._points(places[best[slot]]))
+                self.stream.log(f"{path}/points", rerun.Points2D.from_fields(positions=places[best[slot]]))
                 self.stream.log(f"{path}/note", self._note_above(labels[best[slot]], self.painter.bounds))
             else:  # a smaller batch: clear the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
         share = unit(batch.score)
         known = np.isfinite(batch.score).any()
-        dots = rerun.Points2D(
-            places[:, self.painter.focus],
+        dots = rerun.Points2D.from_fields(
+            positions=places[:, self.painter.focus],
             colors=ramp(share, CALM_TO_RED) if known else np.full((len(share), 3), 225, np.uint8),
             radii=0.5 + 0.6 * share,
             labels=labels,
-            show_labels=False,
         )
         self.stream.log("scene/batch", dots)
         self.stream.log("scene/heat/map", self._heat_image())
@@ -97,7 +110,7 @@ class SceneLog:
         strips = [strip for part in parts for strip in part.transpose(1, 0, 2)]
         colours = np.tile(self._colours, (len(parts), 1))
         self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colours, radii=0.2))
-        self.stream.log(f"{root}/start", self._points(parts[0][0]))
+        self.stream.log(f"{root}/start", rerun.Points2D.from_fields(positions=parts[0][0]))
         ends = np.concatenate([part[-1] for part in parts])
         radii = np.tile(self._radii * END_SIZE, len(parts))
         self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
@@ -111,33 +124,30 @@ class SceneLog:
         self.stream.send_columns(
             root,
             [rerun.TimeColumn("movie", duration=seconds)],
-            [
-                *rerun.Points2D.columns(positions=episodes.positions.reshape(-1, 2)).partition(lengths),
-                *rerun.Points2D.columns(class_ids=np.tile(self.painter.classes, steps)).partition(lengths),
-                *rerun.Points2D.columns(radii=np.tile(self._radii, steps)).partition(lengths),
-                *rerun.Points2D.columns(show_labels=[False] * steps),
-            ],
+            rerun.Points2D.columns(positions=episodes.positions.reshape(-1, 2)).partition(lengths),
         )
         self.stream.reset_time()
         self.stream.set_time("movie", duration=float(seconds[-1] + episodes.step_seconds))
         self.stream.log(root, rerun.Clear(recursive=True))
 
-    def _points(self, places: np.ndarray) -> Any:
-        """Return the points of one scene `[K, 2]`; all fields are set, to override old colors and radii."""
-        return rerun.Points2D(places, class_ids=self.painter.classes, radii=self._radii, show_labels=False)
+    def _looks(self) -> Any:
+        """Return the looks of the points of a scene."""
+        return rerun.Points2D.from_fields(class_ids=self.painter.classes, radii=self._radii, show_labels=False)
 
     def _note_above(self, text: str, bounds: Sequence[float]) -> Any:
         """Return a note at the upper edge of bounds: x low, x high, y low, y high."""
         x_low, x_high, y_low, y_high = bounds
         place = [[(x_low + x_high) / 2, y_high - NOTE_SHARE * (y_high - y_low) * (1 + text.count("\n"))]]
-        return rerun.Points2D(place, labels=[text], colors=[(225, 225, 225)], radii=0.01, show_labels=True)
+        return rerun.Points2D.from_fields(positions=place, labels=[text])
 
     def _heat_image(self) -> Any:
         density = smooth(self._heat)
         density /= density.max() + 1e-9
         alpha = 235 * np.clip(density * 1.35, 0, 1) ** 0.7
         image = np.dstack([ramp(0.15 + 0.85 * density, INFERNO), alpha.astype(np.uint8)])
-        return rerun.Image(image, opacity=0.9, draw_order=-9)  # below 1, otherwise Rerun ignores alpha
+        height, width, _ = image.shape
+        pixels = rerun.components.ImageFormat(width=width, height=height, color_model="RGBA", channel_datatype="U8")
+        return rerun.Image.from_fields(buffer=image.tobytes(), format=pixels)
 
 
 def by_score(batch: LevelBatch) -> np.ndarray:

@@ -6,18 +6,21 @@ Read next: `recorder.scene_log`.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import rerun
 
 from ued.core.parameters import Parameter, axis_of, choice_in
 from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
+from ued.recorder.rows import Rows
 from ued.recorder.shades import smooth, unique_names
 
 BINS = 24  # of a histogram of θ
 MOST_COLUMNS = 40  # shown columns of θ
 MAP_COLUMNS = 400  # maximum width of the densities over updates
 MAP_BLUR = 1.2  # of those densities, in columns and bins
+HEIGHTS = "BarChart:values"  # the only part of a histogram that changes
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
 MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, which bounds the file size
 
@@ -25,11 +28,12 @@ MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, whic
 class ThetaLog:
     """Writes `/theta/...` of a recording, in the units of the parameters if their range is finite."""
 
-    def __init__(self, stream: rerun.RecordingStream, draws: Sequence[Parameter]) -> None:
+    def __init__(self, stream: rerun.RecordingStream, rows: Rows, draws: Sequence[Parameter]) -> None:
         draws = draws[:MOST_COLUMNS]
         axes = [axis_of(parameter) for parameter in draws]
         shown = zip(unique_names(draws), axes, strict=True)
-        self.stream, self.names = stream, [axis.note.format(name) for name, axis in shown]
+        self.stream, self.rows = stream, rows
+        self.names = [axis.note.format(name) for name, axis in shown]
         low, high = np.array([(axis.low, axis.high) for axis in axes], float).reshape(-1, 2).T
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ is shown
@@ -50,15 +54,22 @@ class ThetaLog:
             self._density = np.zeros((len(self.names), min(self._horizon, MAP_COLUMNS), BINS))
 
     def open(self) -> None:
-        """Write the styles of the curves, and the uniform distribution for comparison."""
-        for name in self.names:
+        """Write what does not change: styles, the uniform distribution for comparison, and the axes."""
+        for d, name in enumerate(self.names):
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
             quantiles = rerun.SeriesLines(colors=shades, names=["10%", name, "90%"], widths=[1, 2.5, 1])
             self.stream.log(["theta", name, "quantiles"], quantiles, static=True)
-            known = self._cells[self.names.index(name)]
+            known = self._cells[d]
             weights = np.full(BINS, 1 / BINS) if known is None else known.shares
-            prior = self._bars(name, weights, 1.0, (120, 120, 120, 60))
-            self.stream.log(["theta", name, "uniform"], prior, static=True)
+            prior = self._bars(d, len(weights), 1.0, (120, 120, 120, 60))
+            heights = weights.astype(np.float32)
+            self.stream.log(["theta", name, "uniform"], rerun.BarChart(heights, **prior), static=True)
+            bars = rerun.BarChart(heights, **self._bars(d, len(weights), 0.92, (130, 200, 255)))
+            style = [part for part in bars.as_component_batches() if part.component_descriptor().component != HEIGHTS]
+            self.stream.log(["theta", name, "histogram"], style, static=True)
+        line = rerun.LineStrips2D.from_fields(colors=(255, 255, 255), radii=-0.8)
+        self.stream.log("theta/over_time/cursor", line, static=True)
+        self._axes()
 
     def note(self, update: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the densities over updates."""
@@ -68,24 +79,23 @@ class ThetaLog:
             self._density[d, column] += self._shade(d, theta[:, d])
 
     def record(self, update: int, theta: np.ndarray) -> None:
-        """Write the quantiles of an update's levels `[L, D]`, and periodically histograms and densities."""
+        """Write the quantiles of an update's levels `[L, D]`, and periodically histograms."""
         values = self.values(theta)  # [L, D]
+        quantiles = np.quantile(values, [0.1, 0.5, 0.9], axis=0)  # [3, D]
         for d, name in enumerate(self.names):
-            self.stream.log(["theta", name, "quantiles"], rerun.Scalars(np.quantile(values[:, d], [0.1, 0.5, 0.9])))
+            self.rows.scalars(["theta", name, "quantiles"], quantiles[:, d])
             if update % HISTOGRAM_EVERY == 0 or update == 1:
                 known = self._cells[d]
                 counts = (
-                    np.histogram(values[:, d], bins=BINS, range=self._range(name))[0]
+                    np.histogram(values[:, d], bins=BINS, range=self._range(d))[0]
                     if known is None
                     else np.bincount(known.index(theta[:, d]), minlength=known.count)
                 )
-                chart = self._bars(name, counts / len(values), 0.92, (130, 200, 255))
-                self.stream.log(["theta", name, "histogram"], chart)
+                heights = (counts / len(values)).astype(np.float32)
+                self.stream.log(["theta", name, "histogram"], rerun.BarChart.from_fields(values=heights))
         x = (update + 0.5) / self._horizon * MAP_WIDTH
-        cursor = rerun.LineStrips2D([[[x, -2.0], [x, MAP_HEIGHT]]], colors=(255, 255, 255), radii=-0.8)
+        cursor = rerun.LineStrips2D.from_fields(strips=[[[x, -2.0], [x, MAP_HEIGHT]]])
         self.stream.log("theta/over_time/cursor", cursor)
-        if update >= MAP_GROWTH * self._mapped:
-            self.record_densities(update)
 
     def _shade(self, d: int, theta: np.ndarray) -> np.ndarray:
         """Count the levels `[L]` in each bin of the densities; the options of a choice get equal numbers of bins."""
@@ -95,24 +105,35 @@ class ThetaLog:
         options = np.bincount(known.index(theta), minlength=known.count)
         return options[np.arange(BINS) * known.count // BINS]
 
-    def _bars(self, name: str, heights: np.ndarray, width: float, colour: tuple[int, ...]) -> rerun.BarChart:
-        edges = np.linspace(*self._range(name), len(heights) + 1)  # for a choice, one bar per option
+    def _bars(self, d: int, count: int, width: float, colour: tuple[int, ...]) -> dict[str, Any]:
+        """Return places, widths and color of `count` bars of a column."""
+        edges = np.linspace(*self._range(d), count + 1)  # for a choice, one bar per option
         widths = (np.diff(edges) * width).astype(np.float32)
-        return rerun.BarChart(heights, abscissa=(edges[1:] + edges[:-1]) / 2, widths=widths, color=colour)
+        return {"abscissa": ((edges[1:] + edges[:-1]) / 2).astype(np.float32), "widths": widths, "color": colour}
 
-    def record_densities(self, update: int) -> None:
-        """Write the densities of all columns of θ over updates, stacked in one view."""
-        columns, ticks, texts = self._density.shape[1], [], []
-        band = MAP_HEIGHT / max(len(self.names), 1)
-        for d, name in enumerate(self.names):
+    def record_densities(self, update: int, growth: float = MAP_GROWTH) -> None:
+        """Write the densities of all columns of θ over updates, stacked in one view.
+
+        Nothing is written before the updates have grown by a factor since the last time.
+        """
+        if update < growth * self._mapped or update == self._mapped:
+            return
+        for d in range(len(self.names)):
             density = smooth(self._density[d], MAP_BLUR)  # [columns, bins]: a single update has few levels
             density /= np.maximum(density.max(1, keepdims=True), 1e-9)
-            scale = [MAP_WIDTH / columns, (band - MAP_GAP) / BINS, 1.0]
+            pixels = np.ascontiguousarray((255 * density.T[::-1]).round(), np.uint8)
+            image = rerun.DepthImage(pixels, colormap="inferno", depth_range=[0.0, 255.0], draw_order=-5)
+            self.stream.log(f"theta/over_time/{d}/map", image, static=True)
+        self._mapped = update
+
+    def _axes(self) -> None:
+        """Write the places of the densities and their labels."""
+        columns, band = self._density.shape[1], MAP_HEIGHT / max(len(self.names), 1)
+        scale = [MAP_WIDTH / columns, (band - MAP_GAP) / BINS, 1.0]
+        ticks, texts = [], []
+        for d, name in enumerate(self.names):
             place = rerun.Transform3D(translation=[0, d * band, 0], scale=scale)
             self.stream.log(f"theta/over_time/{d}", place, static=True)
-            pixels = np.ascontiguousarray(density.T[::-1], np.float32)
-            image = rerun.DepthImage(pixels, colormap="inferno", depth_range=[0.0, 1.0], draw_order=-5)
-            self.stream.log(f"theta/over_time/{d}/map", image, static=True)
             ticks.append([-32, (d + 0.5) * band])
             texts.append(f"{name}: {self.low[d]:g} to {self.high[d]:g}")
         for mark in np.linspace(0, self._horizon, 5):
@@ -120,8 +141,6 @@ class ThetaLog:
             texts.append(f"#{mark:.0f}")
         axis = rerun.Points2D(ticks, labels=texts, radii=0.001, colors=(205, 210, 215), show_labels=True)
         self.stream.log("theta/over_time/axis", axis, static=True)
-        self._mapped = update
 
-    def _range(self, name: str) -> tuple[float, float]:
-        d = self.names.index(name)
+    def _range(self, d: int) -> tuple[float, float]:
         return self.low[d], max(self.high[d], self.low[d] + 1e-9)

@@ -8,13 +8,19 @@ from __future__ import annotations
 
 import atexit
 import ctypes
+import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 import rerun
 
+from ued.core.files import partial_of
+
 PATIENCE = 60.0  # s, time limit for writing pending data
+COMPACTED = 256_000_000  # bytes; larger files are not compacted, which needs several times their size of memory
 
 
 class Writer:
@@ -55,3 +61,31 @@ class Writer:
     def _end(self) -> None:
         with suppress(Exception):
             self.finish()
+
+
+def compact(path: Path, application: str, recording_id: str, views: Any) -> None:
+    """Merge the chunks of a complete file: one of each entity for every flush, kilobytes each.
+
+    Args:
+        path: the file, which is replaced atomically.
+        application, recording_id: its names.
+        views: its blueprint.
+
+    Large files stay as they are. Raises OSError or RuntimeError if the new file cannot be written; the old one stays.
+    """
+    from rerun.chunk import OptimizationProfile, RrdReader
+
+    if path.stat().st_size > COMPACTED:
+        return
+    merged = RrdReader(str(path)).stream().collect(optimize=OptimizationProfile.OBJECT_STORE)
+    stream = rerun.RecordingStream(application, recording_id=recording_id, send_properties=False)
+    partial, writer = partial_of(path), Writer(stream)
+    try:
+        with open(partial, "wb"):  # Rerun only warns about an unwritable path
+            pass
+        writer.wait_for(lambda: stream.save(partial, default_blueprint=views))
+        stream.send_chunks(merged)
+        writer.finish()
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

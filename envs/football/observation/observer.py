@@ -77,6 +77,10 @@ class Observer:
         shape = (count, self._agents)
         return View(np.zeros((*shape, *vectors), np.float32), np.zeros((*shape, *planes), np.uint8))
 
+    def view_of(self, vectors: np.ndarray) -> View:
+        """Return the view of these vectors `[N, A, F]`, without planes."""
+        return View(vectors, np.zeros((*vectors.shape[:2], 0, 0, 0), np.uint8))
+
     def minimap_history(self, count: int) -> tuple[np.ndarray, np.ndarray]:
         """Allocate the memory of `count` matches, see `smm`."""
         return empty_history(count if self.kind in (SMM, SMM_STACKED) else 0, self._players, self._agents)

@@ -128,7 +128,8 @@ class Lineup:
     def limits(self) -> Limits:
         """The limits of the fields of its matches."""
         any_match = placed(self._unplaced, np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), [0], self.config)
-        return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64))
+        random = [f".players[{place}].role" for place, _ in self._random_roles]
+        return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64), random)
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""

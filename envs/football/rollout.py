@@ -1,0 +1,71 @@
+"""Whole rollouts of matches in one kernel: policy, steps and new episodes without a return to Python.
+
+A match is stepped by the same kernels as in `batch`, so it plays the same. Read next: `kernels.rollout.play`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from regista.envs.football.batch import begin_match, begin_row, finish_row, run_monitors
+from regista.envs.football.constants import NO_FAULT
+from regista.envs.football.observation.observe import observe
+from regista.envs.football.simulator import play
+from regista.kernels.jit import kernel
+from regista.kernels.rng import start_of
+from regista.kernels.rollout.play import act, choose_levels, copy, luck_seed, note
+
+
+@kernel
+def play_matches(rollout, batch, pool, outcome, seen, settings, code):
+    """Play matches until the rollout is full, a level is needed, or a program has failed.
+
+    `pool` are the initial states of the levels at hand; observations are written into the View `seen`, whose vectors
+    are those of the rollout's environments.
+    """
+    envs = rollout.envs
+    while act(rollout):
+        for e in range(len(envs.action)):
+            if begin_row(batch, envs.action, settings, code, e):
+                play(batch.matches[e])
+                run_monitors(batch, settings, code, e)
+            finish_row(batch, outcome, seen, settings, e)
+            note_match(rollout, batch, outcome, settings, e)
+        if has_failed(outcome.faults):
+            rollout.counters[0].failed = True
+            return
+        if not choose_levels(rollout):
+            return
+        for e in range(len(envs.action)):
+            if envs.restart[e]:
+                start_match(rollout, batch, pool, settings, e)
+                observe(batch, e, seen, settings.observation)
+
+
+@kernel
+def note_match(rollout, batch, outcome, settings, e):
+    """Note the results of a step; a program that defines rewards leaves unknown whether its episodes succeed."""
+    rewards = rollout.steps.reward[rollout.counters[0].step, e]
+    if len(rewards) > 1:
+        copy(outcome.agent_rewards[e], rewards)
+    success = math.nan if settings.rewarding else 1.0 if outcome.success[e] else 0.0
+    note(rollout, e, outcome.rewards[e], outcome.terminated[e], outcome.truncated[e], success)
+
+
+@kernel
+def has_failed(faults):
+    """Return whether any match has a fault."""
+    failed = False
+    for e in range(len(faults)):
+        failed |= faults[e] != NO_FAULT
+    return failed
+
+
+@kernel
+def start_match(rollout, batch, pool, settings, e):
+    """Start the next episode of an environment, on another level if it took one."""
+    row = rollout.envs.start[e]
+    if row >= 0:
+        batch.starts[e] = pool.matches[row]
+        copy(pool.registers[row], batch.start_registers[e])
+    begin_match(batch, e, start_of(luck_seed(rollout, e, True)), settings)

@@ -1,0 +1,22 @@
+"""Calls of kernels from Python. Read next: `envs.football.engine`, which calls them for every step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+
+
+def compiles() -> bool:
+    """Return whether kernels are compiled: not with `NUMBA_DISABLE_JIT=1`."""
+    config: Any = numba.config
+    return not config.DISABLE_JIT
+
+
+def overload_of(function: Any, arguments: tuple[Any, ...]) -> Any:
+    """Return the machine code of a kernel for arguments of these types, which calls without inferring types again."""
+    if not hasattr(function, "get_overload"):
+        return function
+    types = tuple(map(numba.typeof, arguments))
+    function.compile(types)
+    return function.get_overload(types)

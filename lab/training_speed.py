@@ -1,0 +1,139 @@
+"""How many environment steps does training make per second of one core, and where does the time go?
+
+    python -m lab.training_speed --csv lab/results/training_speed.csv
+    python -m lab.training_speed --against ../other-checkout       # both, in turns
+
+Every measurement is a process of its own: a method that has made a few updates trains for some seconds of processor
+time. Rounds repeat all measurements, and the table has their medians; speeds of one round lie side by side in time.
+The physical limit is the floating point operations of forward passes and learning at the speed of a large matrix
+product on this core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import statistics
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parents[1]
+SHARES = ("sim", "forward", "levels", "learn", "curriculum")
+COLUMNS = ("round", "code", "game", "method", "num_envs", "num_steps", "steps_per_second", *SHARES, "limit")
+BACKWARD = 2  # the gradient of a product takes two products
+
+# What one process measures; it must run with the code of older checkouts, too.
+MEASURED = """
+import json, sys, time
+from dataclasses import replace
+
+import torch
+
+from regista.experiments.run import build
+
+game, method, num_envs, num_steps, seconds, warm = json.loads(sys.argv[1])
+torch.set_num_threads(1)
+found = build.find_game(game)
+config = found.start("fast")
+ppo = replace(config.ppo, num_steps=num_steps)
+config = replace(config, method=method, minigame=game, num_envs=num_envs, ppo=ppo, seed=1)
+made = build.make_method(config, build.make_upomdp(found.task(config).make, num_envs, 1))
+for _ in range(warm):
+    made.update()
+steps, began, spent = made.env_steps, time.process_time(), {}
+while time.process_time() - began < seconds:
+    for name, value in made.update().items():
+        if name.startswith("time/"):
+            spent[name[5:]] = spent.get(name[5:], 0.0) + value
+steps, took = made.env_steps - steps, time.process_time() - began
+products = sum(weight.numel() for weight in made.student.parameters() if weight.ndim == 2)
+print(json.dumps({"steps_per_second": steps / took, "products": products, "epochs": ppo.update_epochs}
+      | {name: value / steps * 1e6 for name, value in spent.items()}))
+"""
+PEAK = """
+import time
+import torch
+torch.set_num_threads(1)
+a, b, c = (torch.randn(1024, 1024) for _ in range(3))
+best = 0.0
+for _ in range(20):
+    began = time.process_time()
+    torch.mm(a, b, out=c)
+    best = max(best, 2 * 1024**3 / (time.process_time() - began))
+print(best)
+"""
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Measure, print the table, and write the rows."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--game", default="1v1Rare")
+    parser.add_argument("--methods", nargs="+", default=["dr", "paired", "plr"])
+    parser.add_argument("--shapes", nargs="+", default=["16x512", "128x64"], help="environments x steps of a rollout")
+    parser.add_argument("--against", type=Path, help="another checkout, measured in turns with this one")
+    parser.add_argument("--seconds", type=float, default=5.0, help="processor time of each measurement")
+    parser.add_argument("--warm", type=int, default=4, help="updates before it")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--csv", type=Path)
+    options = parser.parse_args(argv)
+    codes = {"this": ROOT} | ({"against": options.against} if options.against else {})
+    peak = float(run_python(PEAK, ROOT))
+    rows = [
+        {"round": number, "code": code, **measure(folder, options, method, shape, peak)}
+        for number in range(options.rounds)
+        for method in options.methods
+        for shape in options.shapes
+        for code, folder in codes.items()
+    ]
+    if options.csv:
+        with options.csv.open("w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+    print(f"largest matrix product: {peak / 1e9:.0f} GFLOP/s\n\n{table(rows)}")
+
+
+def measure(folder: Path, options: argparse.Namespace, method: str, shape: str, peak: float) -> dict[str, Any]:
+    """Return a row: steps per second, microseconds per step of each activity, and the physical limit of those."""
+    num_envs, num_steps = map(int, shape.split("x"))
+    what = json.dumps([options.game, method, num_envs, num_steps, options.seconds, options.warm])
+    found = json.loads(run_python(MEASURED, folder, what))
+    flops = 2 * found["products"] * (1 + found["epochs"] * (1 + BACKWARD))
+    row = {"game": options.game, "method": method, "num_envs": num_envs, "num_steps": num_steps}
+    row |= {name: f"{found[name]:.2f}" for name in SHARES}
+    return row | {"steps_per_second": round(found["steps_per_second"]), "limit": f"{flops / peak * 1e6:.2f}"}
+
+
+def run_python(code: str, folder: Path, *arguments: str) -> str:
+    """Run code with the modules of a checkout; return the last line of what it prints."""
+    environment = os.environ | {"PYTHONPATH": str(folder.resolve()), "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-W", "ignore", "-c", code, *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, check=True, stdout=subprocess.PIPE, text=True)
+    return done.stdout.strip().splitlines()[-1]
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return medians over the rounds as a Markdown table; the ratio is that of both codes."""
+    lines = [
+        "| method | envs x steps | code | env steps/s | ratio | us per step: " + " | ".join(SHARES) + " | limit |",
+        "|---" * (6 + len(SHARES)) + "|",
+    ]
+    groups: dict[tuple[str, ...], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault((row["method"], f"{row['num_envs']} x {row['num_steps']}", row["code"]), []).append(row)
+    speeds = {key: statistics.median(float(row["steps_per_second"]) for row in group) for key, group in groups.items()}
+    for key, group in groups.items():
+        other = speeds.get((*key[:2], "against"))
+        ratio = f"{speeds[key] / other:.2f}" if other and key[2] == "this" else ""
+        medians = [f"{statistics.median(float(row[name]) for row in group):.2f}" for name in (*SHARES, "limit")]
+        lines.append(f"| {' | '.join(key)} | {speeds[key]:,.0f} | {ratio} | {' | '.join(medians)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""Tables on disk as numpy arrays by column: CSV files, and folders of Parquet files.
+
+PyArrow reads them where it is installed, several times faster; a CSV file can be read without it. Read next:
+`core.renamed`, the old names of columns; `levels.table`, the levels of a run.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Collection
+from importlib.util import find_spec
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ued.core.renamed import present_names
+
+Columns = dict[str, np.ndarray]
+Wanted = Callable[[str], bool]
+LARGE = 200_000  # bytes from which PyArrow saves more time than its import takes
+PARTS = "part-*.parquet"
+
+
+def every(name: str) -> bool:
+    """Return True: all columns are wanted."""
+    return True
+
+
+def read_csv(path: Path, wanted: Wanted = every, words: Collection[str] = ()) -> Columns:
+    """Return the wanted columns of a CSV file, `[R]` each, by their present names.
+
+    Numbers are float64, nan for empty cells; the columns in `words` are strings. A last line without its newline is
+    skipped. Raises `ValueError` for a damaged file: not text, a wrong number of cells, cells that are not numbers.
+    """
+    data = path.read_bytes()
+    data = data[: data.rfind(b"\n") + 1]
+    try:
+        if b"\n\n" in data:
+            raise ValueError("it has an empty line")
+        head = data[: data.find(b"\n") + 1]
+        names = present_names(next(csv.reader([head.decode()], strict=True), []))
+        columns = {name: at for at, name in enumerate(names) if wanted(name)}
+        read = _by_arrow if len(data) > LARGE and find_spec("pyarrow") else _by_rows
+        return read(data, len(head), len(names), columns, words)
+    except (ValueError, csv.Error) as error:  # errors of PyArrow are ValueErrors
+        reason = str(error).partition("\n")[0]
+        raise ValueError(f"{path} is damaged: {reason}") from error
+
+
+def _by_arrow(data: bytes, begin: int, width: int, columns: dict[str, int], words: Collection[str]) -> Columns:
+    import pyarrow as pa
+    from pyarrow import csv as arrow_csv
+
+    kinds = {str(at): pa.string() if name in words else pa.float64() for name, at in columns.items()}
+    if not kinds or begin == len(data):
+        return _by_rows(data, begin, width, columns, words)
+    table = arrow_csv.read_csv(
+        pa.BufferReader(memoryview(data)[begin:]),
+        arrow_csv.ReadOptions(use_threads=False, column_names=[str(at) for at in range(width)]),
+        arrow_csv.ParseOptions(ignore_empty_lines=False),
+        arrow_csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", "nan"]),
+    )
+    return {name: _plain(table[str(at)]) for name, at in columns.items()}
+
+
+def _by_rows(data: bytes, begin: int, width: int, columns: dict[str, int], words: Collection[str]) -> Columns:
+    rows = list(csv.reader(io.StringIO(data[begin:].decode(), newline=""), strict=True))
+    for number, row in enumerate(rows, 2):
+        if len(row) != width:
+            raise ValueError(f"line {number} is not a row of {width} cells")
+    return {
+        name: np.array([row[at] for row in rows], str if name in words else None)
+        if name in words
+        else np.array([float(row[at] or nan) for row in rows], np.float64)
+        for name, at in columns.items()
+    }
+
+
+def read_parts(folder: Path, wanted: Wanted = every) -> Columns:
+    """Return the wanted columns of the Parquet files `part-*.parquet` of a folder, in the order of their names.
+
+    Types as in `read_csv`. Raises `ValueError` for a damaged file, `ModuleNotFoundError` without PyArrow.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    tables = []
+    for path in sorted(folder.glob(PARTS)):
+        try:
+            with parquet.ParquetFile(path) as file:
+                names = [name for name in file.schema_arrow.names if wanted(name)]
+                tables.append(file.read(columns=names, use_threads=False))
+        except (pa.ArrowException, OSError, KeyError) as error:
+            reason = str(error).partition("\n")[0]
+            raise ValueError(f"{path} is damaged: {reason}") from error
+    if not tables:
+        return {}
+    try:
+        table = pa.concat_tables(tables)
+    except pa.ArrowException as error:
+        raise ValueError(f"{folder} is damaged: its parts have different columns") from error
+    return {name: _plain(table[name]) for name in table.column_names}
+
+
+def _plain(column: Any) -> np.ndarray:
+    """Return an Arrow column as float64, nan for null, or as strings."""
+    values = column.to_numpy()
+    return values.astype(str if values.dtype == object else np.float64, copy=False)
