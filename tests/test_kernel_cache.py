@@ -127,17 +127,23 @@ from regista.envs.football.config import FootballConfig
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.run.games import entry_points
 from regista.minigames.suites import NAMED
+from ued import METHODS, PPOConfig
 
-for name, count, settings in (
-    ("1v1Free", 3, {}),
-    ("Gauntlet", 2, {"representation": "smm_stacked", "rewards": "scoring,checkpoints"}),
-    ("Buildup", 1, {"representation": "raw", "control": "all"}),
+SMALL = PPOConfig(num_steps=4, num_minibatches=1, hidden_size=20)
+for name, count, settings, ppo in (
+    ("1v1Free", 3, {}, SMALL),
+    ("1v1Free", 20, {"representation": "simple115"}, replace(SMALL, memory="gru", shared_torso=True)),
+    ("Buildup", 2, {"control": "all"}, replace(SMALL, team="shared", critic="central")),
+    ("Buildup", 1, {"representation": "raw", "control": "all"}, None),
+    ("Gauntlet", 2, {"representation": "smm_stacked", "rewards": "scoring,checkpoints"}, None),
 ):
     env = FootballVectorEnv(NAMED[name].program, count, config=replace(FootballConfig(), **settings))
     env.reset(seed=0)
     env.step(np.zeros(env.action_space.shape, np.int64))
     env.set_state(env.get_state())
     env.program_actions()
+    if ppo is not None:
+        METHODS["plr"].load()(env, ppo, seed=0, env_steps=100).update()
 ours = [module for name, module in sys.modules.items() if name.startswith(("regista.", "scenic_lite."))]
 kernels = {id(kernel): kernel for module in ours for kernel in vars(module).values() if isinstance(kernel, Dispatcher)}
 assert [len(entry.signatures) for entry in entry_points()] == [1] * len(entry_points())

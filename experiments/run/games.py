@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from regista.minigames.suites import Minigame
     from scenic_lite import Program
 
-COMPILE_SECONDS = 30  # for all kernels, on a slow core
+COMPILE_SECONDS = 40  # for all kernels, on a slow core
 PROGRAM_WITH_BEHAVIORS = "Buildup"
 
 
@@ -135,6 +135,7 @@ def compile_football() -> None:
         return
     from regista.envs.football.vector_env import FootballVectorEnv
     from regista.minigames.suites import NAMED
+    from ued import METHODS, PPOConfig
 
     if not linked():
         say_once(f"{COMPILING} (once on this machine, about {2 * COMPILE_SECONDS} s)")
@@ -144,13 +145,15 @@ def compile_football() -> None:
         match.step(np.zeros(match.action_space.shape, np.int64))
         match.set_state(match.get_state())
         match.program_actions()
+        METHODS["dr"].load()(match, PPOConfig(num_steps=4, num_minibatches=1), seed=0, env_steps=4).update()
 
 
 def entry_points() -> tuple[Any, ...]:
     """Return the kernels of our simulator that Python calls."""
-    from regista.envs.football import batch, limits
+    from regista.envs.football import batch, limits, rollout
 
-    return batch.begin, batch.observe_batch, batch.step_batch, limits.first_outside, batch.ask_program
+    steps = batch.begin, batch.observe_batch, batch.step_batch
+    return *steps, limits.first_outside, batch.ask_program, rollout.play_matches
 
 
 class MixedGame:
