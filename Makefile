@@ -9,9 +9,10 @@ CONSTRAINTS ?= constraints.txt
 
 # Of the thousands of files that pip would compile to bytecode in half a minute, a tenth is ever imported: what every
 # command imports is compiled here, the rest where it is first used. Tests start hundreds of programs: also where
-# PYTHONDONTWRITEBYTECODE is set, they keep bytecode.
+# PYTHONDONTWRITEBYTECODE is set, they keep bytecode. Kernels are compiled here, too, once per machine: less than a minute.
 USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch._dynamo
 CACHED := PYTHONDONTWRITEBYTECODE=
+KERNELS := from regista.experiments.run.games import compile_football; compile_football()
 
 .PHONY: setup demo results transfer publish grf docs test test-quick torture lint format benchmark clean
 
@@ -22,6 +23,7 @@ $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --constraint $(CONSTRAINTS) --editable '.[dev]'
 	@$(CACHED) $(BIN)/python -c '$(USED)'
+	@$(CACHED) $(BIN)/python -c '$(KERNELS)'
 	@touch $@
 
 # A game in which one level of 51 is hard: what PAIRED's adversary proposes, and what students learn from it.

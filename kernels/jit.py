@@ -69,9 +69,14 @@ def kernel(function: Callable | None = None, *, parallel: bool = False, inline: 
     return decorate if function is None else decorate(function)
 
 
+def linked() -> bool:
+    """Return whether kernels are compiled by `numba_linking`, which shows its progress; otherwise by Numba alone."""
+    return LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]
+
+
 def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
     """Return the function as Numba's own dispatcher, or as a `Kernel` if this version of Numba supports it."""
-    if not (LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]):
+    if not linked():
         return numba.njit(cache=True, **options)(function)
     from regista.kernels.numba_linking import Kernel
 

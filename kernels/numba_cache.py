@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numba
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+from regista.kernels.notices import say_once
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista", "scenic_lite")
@@ -67,6 +70,33 @@ class _KernelCacheImpl(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one function, placed by `_PlaceWithin`."""
+    """Numba's cache of one function, placed by `_PlaceWithin`. A cache that cannot be read or written is no error."""
 
     _impl_class = _KernelCacheImpl
+
+    def holds(self, sig: Any, target_context: Any) -> bool:
+        """Return whether code for this signature is cached; damage is only found by loading it."""
+        this: Any = self  # Numba's own names for its files
+        target_context.refresh()
+        try:
+            file = this._cache_file._load_index().get(this._index_key(sig, target_context.codegen()))
+        except Exception:  # what unpickling raises depends on the damage
+            return False
+        return file is not None and Path(this._cache_file._data_path(file)).exists()
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the cached code, None if there is none or it is damaged, as after a loss of power."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception as error:
+            say_once(f"regista: cached kernels are damaged and compiled again ({type(error).__name__})")
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Cache the code, if the disk takes it."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            say_once(f"regista: compiled kernels are not cached: {error.strerror or error}: {self.cache_path}")

@@ -5,7 +5,7 @@ so that a chain of n calls is optimized n times over, and wraps each function fo
 are only called by other kernels. So a `Kernel` has two forms: the part that other kernels link, which stays as Numba's
 front end produced it, and the program that it becomes when Python calls it. This saves half of the first compilation;
 the machine code of functions called from Python is the same.
-Read next: `kernels.jit`, which makes kernels.
+Read next: `kernels.jit`, which makes kernels; `kernels.notices`, what the user sees meanwhile.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from __future__ import annotations
 import fcntl
 import gc
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from functools import partial
-from typing import Any
+from typing import IO, Any
 
 from numba.core import errors
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
@@ -25,6 +25,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.sigutils import normalize_signature
 from numba.core.types.functions import BaseFunction
 
+from regista.kernels import notices
 from regista.kernels.numba_cache import KernelCache
 
 # Compiler stages for what kernels never use: contexts, closures, exceptions, array expressions, source inlining.
@@ -87,6 +88,7 @@ class _ProgramLibrary(JITCodeLibrary):
     """The code of a program: only its own entry calls the linked functions, so the optimizer may do more."""
 
     def _optimize_final_module(self) -> None:
+        notices.generating()
         for function in self._final_module.functions:
             if not function.is_declaration and function.linkage.name in ("linkonce_odr", "weak_odr"):
                 function.linkage = "internal"
@@ -122,6 +124,11 @@ class _PartCompiler(Compiler):
             pipeline._runPass = partial(_run_pass, pipeline._analysis)
         return pipelines
 
+    def compile_extra(self, func: Any) -> Any:
+        result = super().compile_extra(func)
+        notices.compiled_part(func)
+        return result
+
 
 def _run_pass(analysis: Any, _: int, step: Any, state: Any) -> None:
     """Run one pass without Numba's report of it, which prints the types of all arguments."""
@@ -135,7 +142,8 @@ class _ProgramCompiler(_PartCompiler):
     def compile_extra(self, func: Any) -> Any:
         library = self.state.library = _ProgramLibrary(self.state.targetctx.codegen().usual, func.__qualname__)
         library.enable_object_caching()
-        return super().compile_extra(func)
+        with notices.compiling(func):
+            return super().compile_extra(func)
 
 
 @contextmanager
@@ -192,9 +200,35 @@ class Kernel(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Load or compile the kernel; of programs that start together one compiles, and the others load its result."""
-        with ExitStack() as held:
-            with suppress(OSError):  # a folder that is read-only or does not support locks
-                name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
-                fcntl.flock(held.enter_context(open(name, "w")), fcntl.LOCK_EX)
-            held.enter_context(_in_haste())
+        name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
+        cached = sig in self.overloads or self._cache.holds(sig, self.targetctx)
+        with nullcontext() if cached else _turn(name), _in_haste():
             return super().compile(sig)
+
+
+@contextmanager
+def _turn(name: str) -> Iterator[None]:
+    """Hold the lock of this file; do without in a folder that is read-only or does not support locks.
+
+    The lock of a process that is killed is free at once.
+    """
+    with ExitStack() as held:
+        with suppress(OSError):
+            file = held.enter_context(open(name, "w"))
+            held.callback(_unlock, file)
+            _lock(file)
+        yield
+
+
+def _lock(file: IO[str]) -> None:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        with notices.waiting():
+            fcntl.flock(file, fcntl.LOCK_EX)
+
+
+def _unlock(file: IO[str]) -> None:
+    """Free the lock; closing the file is not enough, as a process forked meanwhile has it open, too."""
+    with suppress(OSError):
+        fcntl.flock(file, fcntl.LOCK_UN)

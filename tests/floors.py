@@ -19,6 +19,7 @@ LINKED = (
 # A room is a folder or a single file. A package's `__init__` is its roof: nothing inside the package imports it.
 FLOORS = {
     "kernels": (
+        "notices",
         "numba_cache",
         "numba_linking",
         "jit",

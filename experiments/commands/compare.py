@@ -23,6 +23,7 @@ from regista.experiments.run.errors import read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Game
+from regista.experiments.run.launch.seeds import prepare
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.report import Report
@@ -74,7 +75,9 @@ def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config, game = _read(argv)
     folder = config.out or Path("runs") / f"compare-{game.short}"
-    runs = prepare(config, game, folder)
+    seeds = range(config.first_seed, config.first_seed + config.seeds)
+    settings = replace(config.train, minigame=game.name)
+    runs = prepare(folder, settings, config.methods, seeds, config.from_, config.fine_tuning)
     # This compiles the kernels, which must happen before several processes start.
     scenes = EvalScenes(runs[0].config, game, config.episodes, config.held_out)
     with StopRequest() as stop:
@@ -82,20 +85,11 @@ def main(argv: Sequence[str]) -> int:
     if not trained:
         return stop.exit_code
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    report = Evaluator(scenes, config.levels, config.level_episodes, alike=True).report(runs)
+    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
+    parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
+    report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)
     show(report, runs, scenes, folder, config.rrd)
     return 0
-
-
-def prepare(config: CompareConfig, game: Game, folder: Path) -> list[RunFolder]:
-    """Create missing run folders and open existing ones, whose settings must match."""
-    runs = []
-    for seed in range(config.first_seed, config.first_seed + config.seeds):
-        for method in config.methods:
-            settings = replace(config.train, minigame=game.name, method=method, seed=seed)
-            runs.append(RunFolder.create_or_extend(folder / f"{method}-{seed}", settings))
-    origin.begin_all(runs, config.from_, config.fine_tuning)
-    return runs
 
 
 def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: Path, rrd: Path | None = None) -> None:

@@ -1,8 +1,9 @@
-"""`regista train`: train one run and write its run folder.
+"""`regista train`: train one run and write its run folder, or the runs of several seeds in parallel.
 
     regista train 1v1Restricted --method paired --seed 0
     regista train examples/hopper.py:hopper --method plr
     regista train --resume runs/1v1Restricted-paired-0
+    regista train 1v1Restricted --method paired --seeds 5            # in parallel, one run per core
     regista train 1v1Free --method dr --from runs/1v1Free-clone-0 --kl-to-clone 0.5
 
 Read next: `run.folder`, the files; `run.build`, from names to objects; then `ued.methods.paired`.
@@ -24,34 +25,58 @@ from regista.experiments.run.arguments import group, option
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, read_from, refused
 from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
+from regista.experiments.run.launch import seeds
 from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import LaunchConfig
 from regista.experiments.run.notes import telling_warnings, warn
 from regista.experiments.run.progress import Progress, count
 from regista.experiments.run.reporting import Console, Reporters
-from ued.config import FineTuningConfig, setting
+from ued.config import LARGEST_SEED, FineTuningConfig, setting
 from ued.core.task import Task
 
-DESCRIPTION = "Train students on a game or task. Ctrl-C saves and stops a run; --resume continues it."
+DESCRIPTION = (
+    "Train students on a game or task. Ctrl-C saves and stops a run; --resume continues it. A run uses one core well, "
+    "so runs are the unit of parallelism: on more cores train more --seeds, or compare methods."
+)
+OF_SEVERAL = {"launch.launcher", "launch.processes"}
 
 
 @dataclass(frozen=True)
 class TrainFlags:
     """Arguments of `regista train`."""
 
-    out: Path | None = setting(None, "run folder (default runs/MINIGAME-METHOD-SEED)")
-    resume: Path | None = setting(None, "continue this run; only its budget and bookkeeping may change")
+    out: Path | None = setting(
+        None,
+        "run folder (default runs/MINIGAME-METHOD-SEED); with --seeds, their folder (default runs/MINIGAME-METHOD)",
+    )
+    resume: Path | None = setting(
+        None, "continue this run, or the runs in this folder; only their budget and bookkeeping may change"
+    )
+    seeds: int | None = setting(
+        None,
+        "train so many runs in parallel processes, with seeds from --seed on, in folders METHOD-SEED",
+        ">=1",
+        most=10_000,
+    )
     from_: Path | None = setting(
         None, "initialize the student from this run or checkpoint, for example one from regista clone"
     )
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")
+    launch: LaunchConfig = group(LaunchConfig, "with --seeds", prefix="")
     fine_tuning: FineTuningConfig = group(FineTuningConfig, "with --from", prefix="")
 
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
-    run, connect = _open_run(argv)
+    typed = _typed(argv)
+    if "seeds" in typed or ("resume" in typed and seeds.opened(typed["resume"])):
+        return _train_several(typed)
+    for name in sorted(typed.keys() & OF_SEVERAL):
+        raise UsageError(f"{arguments.flag_name(name.partition('.')[2])} needs --seeds, or --resume with several runs")
+    connect = typed.pop("connect", None)
+    run = _resume(typed) if "resume" in typed else _begin(typed)
     stop = StopRequest()
     with run.locked():
         done = train(run, stop, connect)
@@ -161,30 +186,64 @@ def save(run: RunFolder, method: Any, elapsed: float) -> None:
     run.save({**progress, "method": method.state_dict() if whole else method.state_dict(episodes=False)})
 
 
-def _open_run(argv: Sequence[str]) -> tuple[RunFolder, str | None]:
-    """Return the run to train, and the address of a viewer or None."""
+def _typed(argv: Sequence[str]) -> dict[str, Any]:
+    """Return the given values by path of the field."""
     others = {case: [TrainFlags(config=config) for config in configs] for case, configs in _others(argv).items()}
-    typed = arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
-    connect = typed.pop("connect", None)
-    return _resume(typed) if "resume" in typed else _begin(typed), connect
+    return arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
+
+
+def _train_several(typed: dict[str, Any]) -> int:
+    """Train the runs of several seeds, or go on with those of a folder; return the exit code."""
+    if "connect" in typed:
+        raise UsageError("--connect shows one run; give it to a single run, without --seeds")
+    if "resume" in typed:
+        if "seeds" in typed:
+            raise UsageError(
+                "--seeds and --resume exclude each other; to add seeds, repeat the first command with more"
+            )
+        runs = [_extended(run, typed) for run in seeds.opened(typed.pop("resume"))]
+        for run in runs:
+            with run.locked():
+                run.save_config()
+        return seeds.train_together(runs, arguments.replace_paths(TrainFlags(), _launching(typed)).launch)
+    flags, _, stem = _settings(typed)
+    config, count = flags.config, int(flags.seeds or 1)
+    if config.seed + count - 1 > LARGEST_SEED:
+        raise UsageError(f"--seed {config.seed} --seeds {count} needs seeds above {LARGEST_SEED}, the largest")
+    folder = flags.out or Path("runs") / stem
+    several = range(config.seed, config.seed + count)
+    runs = seeds.prepare(folder, config, [config.method], several, flags.from_, flags.fine_tuning)
+    return seeds.train_together(runs, flags.launch)
+
+
+def _launching(typed: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in typed.items() if name in OF_SEVERAL}
 
 
 def _begin(typed: dict[str, Any]) -> RunFolder:
-    source = origin.load(typed["from_"]) if "from_" in typed else None
+    flags, source, stem = _settings(typed)
+    if source is not None:
+        origin.check(source, flags.config)
+    out = flags.out or Path("runs") / f"{stem}-{flags.config.seed}"
+    return RunFolder.create(out, flags.config, lambda run: origin.save(run, source, flags.fine_tuning))
+
+
+def _settings(typed: dict[str, Any]) -> tuple[TrainFlags, origin.Origin | None, str]:
+    """Return the settings of new runs, where their students come from or None, and the usual name of their folder."""
+    path = typed.get("from_")
+    if path is not None and "seeds" in typed:  # a folder may hold a student for each seed; all have the same network
+        path = origin.of_seed(path, int(typed.get("config.seed", 0)))
+    source = origin.load(path) if path is not None else None
     minigame: str = typed.get("config.minigame") or (source.config.minigame if source else TrainConfig().minigame)
     game = build.find_game(minigame)
     start = game.start(typed.get("preset", "fast"))
     base = TrainFlags(config=origin.like(source, start) if source else start)
     flags = arguments.replace_paths(base, typed)
-    config = replace(flags.config, minigame=game.name)
-    build.find_method(config.method)
-    build.find_device(config.device)
-    origin.check_needed(source.path if source else None, flags.fine_tuning)
-    if source is not None:
-        origin.check(source, config)
-    stem = f"{game.short}-{config.method}-{'from-clone-' if source else ''}{config.seed}"
-    out = flags.out or Path("runs") / stem
-    return RunFolder.create(out, config, lambda run: origin.save(run, source, flags.fine_tuning))
+    flags = replace(flags, config=replace(flags.config, minigame=game.name))
+    build.find_method(flags.config.method)
+    build.find_device(flags.config.device)
+    origin.check_needed(flags.from_, flags.fine_tuning)
+    return flags, source, f"{game.short}-{flags.config.method}{'-from-clone' if source else ''}"
 
 
 def _known(argv: Sequence[str]) -> Any:
@@ -199,19 +258,23 @@ def _others(argv: Sequence[str]) -> dict[str, list[Any]]:
 
 
 def _named_run(argv: Sequence[str]) -> Path | None:
-    paths = [Path(path) for flag, path in itertools.pairwise(argv) if flag in ("--resume", "--from")]
-    return next((path for path in paths if (path / "config.json").exists()), None)
+    pairs = [(flag, Path(path)) for flag, path in itertools.pairwise(argv) if flag in ("--resume", "--from")]
+    runs = [run.path for flag, path in pairs if flag == "--resume" for run in seeds.opened(path)]
+    return next((path for _, path in pairs if (path / "config.json").exists()), next(iter(runs), None))
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:
-    path = typed.pop("resume")
+    return _extended(RunFolder.open(typed.pop("resume")), typed)
+
+
+def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:
+    """Give a run the new settings; those that would change its results are refused."""
     for name in ("out", "preset", "from_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
             flag = arguments.flag_name(name.partition(".")[2] or name)
             raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its origin")
-    run = RunFolder.open(path)
     if run.label == "clone":
-        raise CommandError(f"{path} is a clone; start a new run from it: regista train --from {path}")
+        raise CommandError(f"{run.path} is a clone; start a new run from it: regista train --from {run.path}")
     flags = arguments.replace_paths(TrainFlags(config=run.config), typed)
     run.extend(flags.config)
     return run

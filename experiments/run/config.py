@@ -94,7 +94,7 @@ class RunConfig(Checked):
         3_000_000, "budget of environment steps, over all students (antagonist included)", ">=1", most=10**12
     )
     num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
-    threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
+    threads: int = setting(1, "threads of one run; with small networks, one is fastest", ">=1", most=most_threads)
     device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
     eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
     eval_episodes: int = setting(

@@ -9,12 +9,16 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from regista.experiments.run import build, versions
+from regista.experiments.run import build, trust, versions
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.launch.workers import apart
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
 from regista.experiments.run.watch import Watch
@@ -22,7 +26,6 @@ from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
 
 if TYPE_CHECKING:
     from regista.experiments.run.config import TrainConfig
-    from regista.experiments.run.folder import RunFolder
     from regista.experiments.run.games import Game
     from ued.evaluation import Evaluation
 
@@ -31,6 +34,7 @@ if TYPE_CHECKING:
 SEED = 20_000  # of every evaluation: all policies get the same levels and random numbers
 LEVELS_SEED = 20_001  # of random levels
 MOST_EPISODES = 10**9  # of a timed evaluation
+SHARED_SECONDS = 30.0  # of playing, from which on processes are worth while, which take some seconds to begin
 ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
@@ -43,6 +47,7 @@ class EvalScenes:
 
     def __init__(self, config: TrainConfig, game: Game, episodes: int, held_out: bool = False) -> None:
         self.episodes, self.every, self.game = episodes, config.eval_every, game
+        self.config, self.held_out = config, held_out
         self.simulator = versions.present_version(config)
         self.task: Task = game.task(config.scored())
         if held_out and not self.task.held_out:
@@ -135,12 +140,60 @@ def joined(rounds: Sequence[Evaluation]) -> Evaluation:
 
 
 class Policy(NamedTuple):
-    """A policy to evaluate: its name in tables, seed, env_steps and updates of training, and the policy itself."""
+    """A policy to evaluate: its name in tables, seed, env_steps and updates of training, and the policy itself.
+
+    `source` is its run folder, or the name of a baseline.
+    """
 
     method: str
     seed: int
     trained: tuple[int, int]
     policy: Any
+    source: Path | str
+
+
+class Plan(NamedTuple):
+    """What every policy plays, for other processes: the arguments of `EvalScenes`, and those of the random levels."""
+
+    config: Any
+    episodes: int
+    held_out: bool
+    levels: int
+    level_episodes: int
+
+
+class Plays(NamedTuple):
+    """The episodes of one policy: on each scene, and on the random levels, None without any."""
+
+    scenes: Played
+    levels: Evaluation | None
+
+    @property
+    def episodes(self) -> int:
+        """Number of episodes."""
+        return sum(len(one.returns) for one in (*self.scenes.values(), self.levels) if one is not None)
+
+
+def _play_source(plan: Plan, source: Path | str) -> Plays:
+    """Play a plan, in a process of its own, with the policy of a run folder (a path) or a baseline (a name).
+
+    The task is trusted: the process that made the plan has run it.
+    """
+    trust.allow(plan.config.minigame)
+    scenes = _scenes_of(plan)
+    if isinstance(source, Path):
+        policy, _ = load_student(RunFolder.open(source), scenes.game)
+    else:
+        policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])[source]
+    played = scenes.play(policy)  # first, as in one process: a policy may keep something
+    levels = scenes.play_random_levels(policy, plan.levels, plan.level_episodes) if plan.levels else None
+    return Plays(played, levels)
+
+
+@cache
+def _scenes_of(plan: Plan) -> EvalScenes:
+    """Return the scenes of a plan; a process plays them with several policies."""
+    return EvalScenes(plan.config, build.find_game(plan.config.minigame), plan.episodes, plan.held_out)
 
 
 @dataclass(frozen=True)
@@ -150,6 +203,7 @@ class Evaluator:
     `alike`: all runs have the same kind of initial student, so the method alone labels them.
     `minutes`: repeat the scenes in rounds over all policies, while another round fits into this time.
     `tell`: print the number of episodes to stderr.
+    `processes`: play in up to so many processes if that takes long; the numbers are the same.
     """
 
     scenes: EvalScenes
@@ -158,6 +212,7 @@ class Evaluator:
     alike: bool = False
     minutes: float | None = None
     tell: bool = False
+    processes: int = 1
 
     def report(self, runs: Sequence[RunFolder], baselines: bool = True) -> Report:
         """Evaluate the students of all runs, and the baselines.
@@ -168,15 +223,18 @@ class Evaluator:
         policies = [self._trained(run) for run in runs]
         if baselines:
             made = self.scenes.task.make_baselines(self.scenes.scenes[TRAINING_SCENE])
-            policies += [Policy(name, 0, (0, 0), policy) for name, policy in made.items()]
+            policies += [Policy(name, 0, (0, 0), policy, name) for name, policy in made.items()]
         planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)
         watch = Watch(planned) if self.minutes is None else Watch(MOST_EPISODES, 60 * self.minutes)
         if self.tell:
             print(self._plan(len(policies)), file=sys.stderr, flush=True)
         results: list[Result] = []
-        for one, played in zip(policies, self._play_scenes(policies, watch), strict=True):
-            results += [summarise(played[label], one.method, one.seed, label, one.trained) for label in played]
-        levels = [self._play_levels(one, watch) for one in policies] if self.levels else []
+        levels: list[LevelResult] = []
+        for one, played in zip(policies, self._play_all(policies, watch), strict=True):
+            scenes = played.scenes
+            results += [summarise(scenes[label], one.method, one.seed, label, one.trained) for label in scenes]
+            if played.levels is not None:
+                levels.append(summarise_levels(played.levels, one.method, one.seed))
         watch.finish()
         return Report(results, levels, self.scenes.task.success_word, self.scenes.simulator)
 
@@ -192,7 +250,28 @@ class Evaluator:
 
     def _trained(self, run: RunFolder) -> Policy:
         student, trained = load_student(run, self.scenes.game)
-        return Policy(run.config.method if self.alike else run.label, run.config.seed, trained, student)
+        name = run.config.method if self.alike else run.label
+        return Policy(name, run.config.seed, trained, student, run.path)
+
+    def _play_all(self, policies: Sequence[Policy], watch: Watch) -> list[Plays]:
+        """Play the scenes and random levels with every policy; in other processes if that is quicker."""
+        if self.processes > 1 and self.minutes is None and self._seconds(policies) > SHARED_SECONDS:
+            scenes = self.scenes
+            plan = Plan(scenes.config, scenes.episodes, scenes.held_out, self.levels, self.episodes)
+            tell = lambda played: watch.ended(sum(one.episodes for one in played))  # noqa: E731
+            return apart(partial(_play_source, plan), [one.source for one in policies], self.processes, tell)
+        played = self._play_scenes(policies, watch)
+        return [
+            Plays(scenes, self._play_levels(one, watch) if self.levels else None)
+            for one, scenes in zip(policies, played, strict=True)
+        ]
+
+    def _seconds(self, policies: Sequence[Policy]) -> float:
+        """Estimate how long one process would play, from the first policy on the training distribution."""
+        began = time.monotonic()
+        self.scenes.play(policies[0].policy, [TRAINING_SCENE])
+        each = len(self.scenes.scenes) + self.levels * self.episodes / self.scenes.episodes
+        return (time.monotonic() - began) * each * len(policies)
 
     def _play_scenes(self, policies: Sequence[Policy], watch: Watch) -> list[Played]:
         """Evaluate each policy on the scenes; with `minutes`, over as many rounds as fit."""
@@ -208,9 +287,8 @@ class Evaluator:
             for k in range(len(policies))
         ]
 
-    def _play_levels(self, one: Policy, watch: Watch) -> LevelResult:
-        played = self.scenes.play_random_levels(one.policy, self.levels, self.episodes, on_end=watch.ended)
-        return summarise_levels(played, one.method, one.seed)
+    def _play_levels(self, one: Policy, watch: Watch) -> Evaluation:
+        return self.scenes.play_random_levels(one.policy, self.levels, self.episodes, on_end=watch.ended)
 
 
 def check_one_game(runs: Sequence[RunFolder]) -> None:

@@ -16,7 +16,6 @@ import numpy as np
 
 from regista.experiments.run import arguments
 from regista.experiments.run.errors import UsageError, nearest
-from regista.experiments.run.notes import warn
 from regista.experiments.run.programs import load_program
 from ued.core.task import Task
 
@@ -25,7 +24,8 @@ if TYPE_CHECKING:
     from regista.minigames.suites import Minigame
     from scenic_lite import Program
 
-COMPILE_SECONDS = 20  # for all kernels, on a slow core
+COMPILE_SECONDS = 40  # for all kernels, on a slow core
+PROGRAM_WITH_BEHAVIORS = "Buildup"
 
 
 class Source(NamedTuple):
@@ -112,16 +112,48 @@ class FootballGame:
 
 
 def prepare_kernels(env: FootballConfig, threads: int) -> None:
-    """Set the number of threads of the kernels; print a note if they still have to be compiled."""
+    """Set the number of threads of the kernels; compile those of our simulator if they are not cached."""
     import numba
 
-    from regista.envs.football.batch import step_batch
-    from regista.kernels.jit import compiled
-
-    if env.engine == "regista" and not compiled(step_batch):
-        warn(f"compiling kernels (once, about {COMPILE_SECONDS} s)")
     settings: Any = numba.config
     numba.set_num_threads(min(threads, settings.NUMBA_NUM_THREADS))
+    if env.engine == "regista":
+        compile_football()
+
+
+def compile_football() -> None:
+    """Compile all kernels that Python calls, in one process: one alone would first compile what it shares with others.
+
+    The types of their arguments are the same for all programs and representations, so one match of any program with
+    behaviors does for all. Processes that start together share the work.
+    """
+    from regista.kernels.jit import compiled, linked
+    from regista.kernels.notices import COMPILING, at_work, say_once
+
+    missing = [entry.__name__ for entry in entry_points() if not compiled(entry)]
+    if not missing:
+        return
+    from regista.envs.football.vector_env import FootballVectorEnv
+    from regista.minigames.suites import NAMED
+    from ued import METHODS, PPOConfig
+
+    if not linked():
+        say_once(f"{COMPILING} (once on this machine, about {2 * COMPILE_SECONDS} s)")
+    with at_work(missing, COMPILE_SECONDS):
+        match = FootballVectorEnv(NAMED[PROGRAM_WITH_BEHAVIORS].program)
+        match.reset(seed=0)
+        match.step(np.zeros(match.action_space.shape, np.int64))
+        match.set_state(match.get_state())
+        match.program_actions()
+        METHODS["dr"].load()(match, PPOConfig(num_steps=4, num_minibatches=1), seed=0, env_steps=4).update()
+
+
+def entry_points() -> tuple[Any, ...]:
+    """Return the kernels of our simulator that Python calls."""
+    from regista.envs.football import batch, limits, rollout
+
+    steps = batch.begin, batch.observe_batch, batch.step_batch
+    return *steps, limits.first_outside, batch.ask_program, rollout.play_matches
 
 
 class MixedGame:

@@ -47,7 +47,7 @@ def effective(monkeypatch):
     monkeypatch.setattr(RunFolder, "create", lambda out, config, prepare: made.append(config))
 
     def settings(argv):
-        train._open_run(argv)
+        train._begin(train._typed(argv))
         return flat(made[-1])
 
     return settings

@@ -14,8 +14,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,11 +23,12 @@ from pathlib import Path
 from typing import Any, Literal, Protocol, TextIO
 
 from regista.experiments.run.errors import CommandError
-from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
+from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with, held_back
 from regista.experiments.run.progress import Progress
 from ued.config import Checked, most_threads, setting
 
 POLL_SECONDS = 1.0  # between reads of the tables, which cost time of a training core
+EXIT_SECONDS = 0.05  # between looks for ended processes, whose core is idle until the next run starts
 
 
 class Job(Protocol):
@@ -77,13 +78,18 @@ class LaunchConfig(Checked):
 
     def at_a_time(self, threads: int, runs: int) -> int:
         """Return the number of parallel runs: the requested number, or as many as the cores allow."""
-        cores = (os.cpu_count() or 1) // threads if self.launcher == "local" else runs
+        cores = _usable_cores() // threads if self.launcher == "local" else runs
         return min(self.processes or max(1, cores), runs)
 
     @property
     def messages(self) -> TextIO:
         """Stream of messages; stderr if command lines are printed to stdout."""
         return sys.stderr if self.launcher == "commands" else sys.stdout
+
+
+def _usable_cores() -> int:
+    """Return the number of cores that this process may use: fewer than the machine has, in a batch job."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) -> bool:
@@ -119,9 +125,11 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
     Raises `CommandError` if one fails, after a request to the others to save and end.
     """
     pool = _make_pool(launcher)
-    waiting, active = list(runs), dict[Any, Job]()
-    total = sum(run.config.total_env_steps for run in runs)
-    progress = Progress(total, sum(run.env_steps() for run in runs))
+    done = {id(run): _trained(run) for run in runs}
+    # The longest first: a run that is left at the end has one core to itself, and the others are idle.
+    waiting = sorted(runs, key=lambda run: done[id(run)] - run.config.total_env_steps)
+    active = dict[Any, Job]()
+    progress = Progress(sum(run.config.total_env_steps for run in runs), sum(done.values()))
     try:
         while (waiting and not stop) or active:
             while waiting and len(active) < most and not stop:
@@ -129,13 +137,14 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
                 active[pool.start(run)] = run
             if stop:
                 pool.ask(active)
-            for task in pool.ended(active):
+            ended, before = pool.ended(active), list(active.values())
+            for task in ended:
                 run = active.pop(task)
                 words = pool.failure(task, run)
                 if words is not None and not stop:
                     raise _failed(run, words, len(active))
-            done = sum(min(run.env_steps(), run.config.total_env_steps) for run in runs)
-            progress.show(done, {})
+            done |= {id(run): _trained(run) for run in before}  # not of the others: reading a long table takes time
+            progress.show(sum(done.values()), {})
     except KeyboardInterrupt:  # the second Ctrl-C
         pool.kill(active)
         raise
@@ -143,6 +152,11 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
         pool.ask(active)
         pool.close(active)
     progress.finish(f"{len(runs)} runs trained" if not stop else "stopped")
+
+
+def _trained(run: Job) -> int:
+    """Return the env_steps that count as progress of the run."""
+    return int(min(run.env_steps(), run.config.total_env_steps))
 
 
 def _make_pool(launcher: str) -> Pool:
@@ -172,9 +186,13 @@ class Processes:
             return subprocess.Popen(command, stdout=log, stderr=log, env=environment, start_new_session=True)
 
     def ended(self, active: Collection[subprocess.Popen]) -> Sequence[subprocess.Popen]:
-        """Wait briefly; return the finished processes."""
-        time.sleep(POLL_SECONDS)
-        return [process for process in active if process.poll() is not None]
+        """Wait until a process ends, but only briefly; return the finished processes."""
+        until = time.monotonic() + POLL_SECONDS
+        while not (over := [process for process in active if process.poll() is not None]):
+            if time.monotonic() >= until:
+                break
+            time.sleep(EXIT_SECONDS)
+        return over
 
     def failure(self, task: subprocess.Popen, job: Job) -> str | None:
         """Return the error message of a failed process, None for a successful one."""
@@ -221,6 +239,21 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
         for process in multiprocessing.active_children():
             process.kill()
         pool.shutdown(cancel_futures=True)
+
+
+def apart(function: Callable, items: Sequence[Any], count: int, over: Callable[[list[Any]], None]) -> list[Any]:
+    """Return `function(item)` of each item, computed in up to `count` processes; `over` gets results as they come.
+
+    Raises what the function raises, and `CommandError` if a process is killed.
+    """
+    with processes(min(count, len(items))) as pool:
+        with held_back():
+            futures = [pool.submit(function, item) for item in items]
+        waiting = set(futures)
+        while waiting:
+            ended, waiting = wait(waiting, timeout=POLL_SECONDS)
+            over([future.result() for future in ended])
+        return [future.result() for future in futures]
 
 
 def _join(parent: int) -> None:

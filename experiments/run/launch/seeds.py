@@ -1,0 +1,59 @@
+"""Runs that differ in method and seed alone, each in a folder `METHOD-SEED` of one folder: `compare`, `train --seeds`.
+
+Read next: `run.launch.workers`, which trains them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from regista.experiments.run import build, origin
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
+from ued.config import FineTuningConfig
+
+
+def prepare(
+    folder: Path, settings: Any, methods: Sequence[str], seeds: range, source: Path | None, tuning: FineTuningConfig
+) -> list[RunFolder]:
+    """Create missing run folders and open existing ones, whose settings must match.
+
+    `source` is the run from which students start, or a folder of one run for each seed; None: random students.
+    Raises `CommandError` if `folder` itself is a run.
+    """
+    if (folder / "config.json").exists():
+        raise CommandError(f"{folder} is a run folder; several runs need a folder of their own, --out")
+    runs = [
+        RunFolder.create_or_extend(folder / f"{method}-{seed}", replace(settings, method=method, seed=seed))
+        for seed in seeds
+        for method in methods
+    ]
+    origin.begin_all(runs, source, tuning)
+    return runs
+
+
+def opened(folder: Path) -> list[RunFolder]:
+    """Return the runs in a folder that `prepare` has made, by seed; none if there are none, or it is a run itself."""
+    if (folder / "config.json").exists():
+        return []
+    runs = [RunFolder.open(file.parent) for file in sorted(folder.glob("*-*/config.json"))]
+    alike = [run for run in runs if run.path.name == f"{run.config.method}-{run.config.seed}"]
+    return sorted(alike, key=lambda run: run.config.seed)
+
+
+def train_together(runs: Sequence[RunFolder], how: LaunchConfig) -> int:
+    """Train the unfinished of these runs in parallel and return the exit code of the command."""
+    config = runs[0].config
+    # This compiles the kernels and finds mistakes of a task, once, before several processes start.
+    build.find_game(config.minigame).task(config)
+    with StopRequest() as stop:
+        trained = train_unfinished(runs, how, stop)
+    if trained:
+        names = dict.fromkeys(f"{run.path.parent / run.config.method}-*" for run in runs)
+        print(f"{len(runs)} runs finished; evaluate them: regista evaluate {' '.join(names)}")
+    return stop.exit_code
