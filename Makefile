@@ -10,7 +10,7 @@ CONSTRAINTS ?= constraints.txt
 # Of the thousands of files that pip would compile to bytecode in half a minute, a tenth is ever imported: what every
 # command imports is compiled here, the rest where it is first used. Tests start hundreds of programs: also where
 # PYTHONDONTWRITEBYTECODE is set, they keep bytecode. Kernels are compiled here, too, once per machine: less than a minute.
-USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch._dynamo
+USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch
 CACHED := PYTHONDONTWRITEBYTECODE=
 KERNELS := from regista.experiments.run.games import compile_football; compile_football()
 

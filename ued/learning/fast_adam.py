@@ -7,7 +7,7 @@ torch's Python code around its kernel takes longer than the kernel. Weights, che
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -16,6 +16,11 @@ from torch import Tensor
 from torch.linalg import vector_norm
 
 FUSED_STEP: Any = partial(torch._fused_adam_, weight_decay=0.0, amsgrad=False, maximize=False)  # on any device
+
+
+def undecorated(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method of torch's optimizer without its decorator, which imports torch's compiler: almost a second."""
+    return getattr(method, "__wrapped__", method)
 
 
 class Vectors(NamedTuple):
@@ -37,6 +42,7 @@ class Adam(torch.optim.Adam):
     """
 
     _vectors: Vectors | None = None  # until the first gradient; no copy takes them along
+    add_param_group = undecorated(torch.optim.Adam.add_param_group)
 
     def __init__(self, weights: Iterable[Tensor], learning_rate: float, eps: float) -> None:
         super().__init__(weights, learning_rate, eps=eps, fused=True)
@@ -95,13 +101,14 @@ class Adam(torch.optim.Adam):
 
     def state_dict(self) -> dict[str, Any]:
         """Return what torch's would: each weight has its own tensors there, and no parts of vectors."""
-        state = super().state_dict()
+        state = undecorated(torch.optim.Adam.state_dict)(self)
         apart = {k: {name: part.clone() for name, part in known.items()} for k, known in state["state"].items()}
         return state | {"state": apart}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Take back what `state_dict` returned, but for the settings: they are those that it was made with."""
-        super().load_state_dict(state_dict | {"param_groups": self.state_dict()["param_groups"]})
+        groups = self.state_dict()["param_groups"]
+        undecorated(torch.optim.Adam.load_state_dict)(self, state_dict | {"param_groups": groups})
         self._vectors = None
 
 
