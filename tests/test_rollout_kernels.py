@@ -36,6 +36,11 @@ def logistic_all(values):
 
 
 @kernel
+def compute(weights, layers, x, y):
+    linear(weights, layers[0], x, y)
+
+
+@kernel
 def starts_of(seeds, starts):
     for i in range(len(seeds)):
         starts[i] = start_of(seeds[i])
@@ -88,7 +93,8 @@ def test_a_linear_layer(inputs, outputs):
     weights, bias = rng.normal(size=(outputs, inputs)), rng.normal(size=outputs)
     x, y = rng.normal(size=(inputs, LANES)), np.zeros((outputs + 1, LANES), np.float32)
     flat = np.concatenate([[0.0], weights.ravel(), bias]).astype(np.float32)
-    linear(flat, 1, 1 + weights.size, inputs, outputs, x.astype(np.float32).ravel(), y.reshape(-1))
+    layer = np.array([(False, False, 1, 1 + weights.size, inputs, outputs)], compiled.LAYER).view(np.recarray)
+    compute(flat, layer, x.astype(np.float32).ravel(), y.reshape(-1))
     np.testing.assert_allclose(y[:-1], weights @ x + bias[:, None], atol=1e-5 * np.sqrt(inputs))
     assert (y[-1] == 0).all()  # nothing is written beyond the outputs
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from regista.envs.football.batch import Batch, BatchSettings, Outcome, Pool, begin, step_batch
 from regista.envs.football.observation.observe import View
-from regista.envs.football.rollout import play_matches
+from regista.envs.football.rollout import Matches, play_matches
 from regista.kernels.calls import overload_of
 from scenic_lite.dynamics.machine.bytecode import Code
 from ued.core.compiled import CompiledRollout
@@ -66,9 +66,11 @@ class Simulator:
             self._compiled = overload_of(step_batch, arguments)
         self._compiled(*arguments)
 
-    def play(self, rollout: CompiledRollout, batch: Batch, pool: Pool, *rest: Any) -> None:
-        """Play steps of a rollout; `rest` are outcome, view and settings, as of `step`."""
-        arguments = rollout, batch, pool, *rest, self._code
+    def play(
+        self, rollout: CompiledRollout, batch: Batch, pool: Pool, outcome: Outcome, seen: View, settings: BatchSettings
+    ) -> None:
+        """Play steps of a rollout."""
+        arguments = rollout, Matches(batch, pool, settings, self._code), outcome, seen
         if self._rollouts is None:
             self._rollouts = overload_of(play_matches, arguments)
         self._rollouts(*arguments)

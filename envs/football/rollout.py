@@ -6,31 +6,41 @@ A match is stepped by the same kernels as in `batch`, so it plays the same. Read
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from regista.envs.football.batch import begin_match, begin_row, finish_row, run_monitors
+from regista.envs.football.batch import Batch, BatchSettings, Pool, begin_match, begin_row, finish_row, run_monitors
 from regista.envs.football.constants import NO_FAULT
 from regista.envs.football.observation.observe import observe
 from regista.envs.football.simulator import play
 from regista.kernels.jit import kernel
 from regista.kernels.rng import start_of
 from regista.kernels.rollout.play import act, choose_levels, copy, luck_seed, note
+from scenic_lite.dynamics.machine.bytecode import Code
+
+
+class Matches(NamedTuple):
+    """What is played."""
+
+    batch: Batch
+    pool: Pool  # initial states of the levels at hand
+    settings: BatchSettings
+    code: Code  # of the program
 
 
 @kernel
-def play_matches(rollout, batch, pool, outcome, seen, settings, code):
+def play_matches(rollout, matches, outcome, seen):
     """Play matches until the rollout is full, a level is needed, or a program has failed.
 
-    `pool` are the initial states of the levels at hand; observations are written into the View `seen`, whose vectors
-    are those of the rollout's environments.
+    Observations are written into the View `seen`, whose vectors are those of the rollout's environments.
     """
-    envs = rollout.envs
+    envs, batch, settings, code = rollout.envs, matches.batch, matches.settings, matches.code
     while act(rollout):
         for e in range(len(envs.action)):
             if begin_row(batch, envs.action, settings, code, e):
                 play(batch.matches[e])
                 run_monitors(batch, settings, code, e)
             finish_row(batch, outcome, seen, settings, e)
-            note_match(rollout, batch, outcome, settings, e)
+            note_match(rollout, outcome, settings, e)
         if has_failed(outcome.faults):
             rollout.counters[0].failed = True
             return
@@ -38,12 +48,12 @@ def play_matches(rollout, batch, pool, outcome, seen, settings, code):
             return
         for e in range(len(envs.action)):
             if envs.restart[e]:
-                start_match(rollout, batch, pool, settings, e)
+                start_match(rollout, matches, e)
                 observe(batch, e, seen, settings.observation)
 
 
 @kernel
-def note_match(rollout, batch, outcome, settings, e):
+def note_match(rollout, outcome, settings, e):
     """Note the results of a step; a program that defines rewards leaves unknown whether its episodes succeed."""
     rewards = rollout.steps.reward[rollout.counters[0].step, e]
     if len(rewards) > 1:
@@ -62,10 +72,10 @@ def has_failed(faults):
 
 
 @kernel
-def start_match(rollout, batch, pool, settings, e):
+def start_match(rollout, matches, e):
     """Start the next episode of an environment, on another level if it took one."""
-    row = rollout.envs.start[e]
+    row, batch, pool = rollout.envs.start[e], matches.batch, matches.pool
     if row >= 0:
         batch.starts[e] = pool.matches[row]
         copy(pool.registers[row], batch.start_registers[e])
-    begin_match(batch, e, start_of(luck_seed(rollout, e, True)), settings)
+    begin_match(batch, e, start_of(luck_seed(rollout, e, True)), matches.settings)

@@ -1,6 +1,6 @@
 """A network's forward pass on 16 rows, given by its weights and a table of its layers: `ued.core.compiled.Network`.
 
-The table is data, so that no other network compiles anything anew. Read next: `rollout.policy`.
+The table is data, so that another network needs no other code. Read next: `rollout.policy`.
 """
 
 from __future__ import annotations
@@ -15,25 +15,28 @@ def run_network(weights, layers, state, scratch):
 
     `weights` `[W]` are those of all layers. `state` `[H, 16]`, flat, of a GRU is updated.
     """
-    at = 0
-    for number in range(len(layers)):
+    at, number = 0, 0
+    while number < len(layers):
         layer = layers[number]
         if layer.gru:
-            _gru(weights, layer.matrix, layer.outputs, scratch[at], state, scratch)
-            at = 2
-        else:
-            to = 1 - at % 2
-            linear(weights, layer.matrix, layer.bias, layer.inputs, layer.outputs, scratch[at], scratch[to])
-            if layer.tanh:
-                for i in range(layer.outputs):
-                    tanh_at(scratch[to], LANES * i)
-            at = to
+            linear(weights, layer, scratch[at], scratch[3])
+            linear(weights, layers[number + 1], state, scratch[4])
+            _update_gru(scratch[3], scratch[4], state, scratch[2])
+            at, number = 2, number + 2
+            continue
+        to = 1 - at % 2
+        linear(weights, layer, scratch[at], scratch[to])
+        if layer.tanh:
+            for i in range(layer.outputs):
+                tanh_at(scratch[to], LANES * i)
+        at, number = to, number + 1
     return at
 
 
 @kernel
-def linear(weights, matrix, bias, inputs, outputs, x, y):
-    """Compute y = W x + b; W `[outputs, inputs]` begins at entry `matrix` of the weights, b at entry `bias`."""
+def linear(weights, layer, x, y):
+    """Compute y = W x + b of a layer."""
+    matrix, bias, inputs, outputs = layer.matrix, layer.bias, layer.inputs, layer.outputs
     j = 0
     while j + 8 <= outputs:
         tile_of_8(weights, matrix + j * inputs, bias + j, inputs, x, y, LANES * j)
@@ -49,26 +52,21 @@ def linear(weights, matrix, bias, inputs, outputs, x, y):
 
 
 @kernel
-def _gru(weights, row, size, x, state, scratch):
-    """Update the `state` of a GRU (see `ued.learning.memory.GRU`) and copy it into `scratch[2]`.
+def _update_gru(read, recalled, state, out):
+    """Update the `state` of a GRU and copy it to `out`; see `ued.learning.memory.GRU`.
 
-    Its weights are W, b of what it reads and W, b of what it recalls, each for reset, update and candidate.
+    `read` and `recalled` are the products of inputs and state for reset, update and candidate, `[3 H, 16]` flat.
     """
-    read, recalled, out = scratch[3], scratch[4], scratch[2]
-    square = 3 * size * size
-    linear(weights, row, row + square, size, 3 * size, x, read)
-    row += square + 3 * size
-    linear(weights, row, row + square, size, 3 * size, state, recalled)
-    gate, candidate = LANES * size, 2 * LANES * size
-    for i in range(candidate):
+    gate = len(state)  # entries of each of the three
+    for i in range(2 * gate):
         read[i] += recalled[i]
-    for i in range(2 * size):
-        logistic_at(read, LANES * i)
+    for i in range(0, 2 * gate, LANES):
+        logistic_at(read, i)
     for i in range(gate):
-        read[candidate + i] += read[i] * recalled[candidate + i]
-    for i in range(size):
-        tanh_at(read, candidate + LANES * i)
+        read[2 * gate + i] += read[i] * recalled[2 * gate + i]
+    for i in range(2 * gate, 3 * gate, LANES):
+        tanh_at(read, i)
     for i in range(gate):
-        new = read[candidate + i]
+        new = read[2 * gate + i]
         state[i] = new + read[gate + i] * (state[i] - new)
         out[i] = state[i]

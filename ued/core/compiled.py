@@ -18,7 +18,8 @@ import numpy as np
 LANES = 16  # rows that a network evaluates together
 SCRATCH = 5  # arrays that it needs for that
 
-# A layer: its kind (neither: linear), where its matrix `[outputs, inputs]` and its bias begin in the weights, its size.
+# A layer: whether tanh follows, or whether this is what a GRU reads and the next one what it recalls; where its matrix
+# `[outputs, inputs]` and its bias begin in the weights, and its size.
 LAYER = np.dtype(
     [("tanh", np.bool_), ("gru", np.bool_)] + [(name, np.int64) for name in ("matrix", "bias", "inputs", "outputs")]
 )
@@ -53,7 +54,7 @@ class Policy(NamedTuple):
     actor_width: int  # of an agent's memory
     critic_width: int
     scratch: np.ndarray  # [SCRATCH, widest * LANES] float32
-    state: np.ndarray  # [widest memory * LANES] float32
+    state: np.ndarray  # [units of a GRU, or 1, * LANES] float32
 
 
 class Steps(NamedTuple):

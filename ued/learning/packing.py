@@ -18,7 +18,7 @@ from ued.learning.student import CLIP, Normaliser, Student
 
 
 class Layer(NamedTuple):
-    """One layer: linear modules side by side on the same inputs, or what a GRU reads and what it recalls."""
+    """One row of the table: linear modules side by side on the same inputs."""
 
     modules: tuple[nn.Linear, ...]
     tanh: bool = False
@@ -28,7 +28,7 @@ class Layer(NamedTuple):
 def layers_of(torso: nn.Sequential, memory: Memory, heads: Sequence[nn.Linear]) -> list[Layer]:
     """Return the layers of an MLP torso, a memory, and heads that are evaluated as one layer."""
     layers = [Layer((module,), tanh=True) for module in torso if isinstance(module, nn.Linear)]
-    layers += [Layer((memory.read, memory.recall), gru=True)] if isinstance(memory, GRU) else []
+    layers += [Layer((memory.read,), gru=True), Layer((memory.recall,))] if isinstance(memory, GRU) else []
     return [*layers, Layer(tuple(heads))]
 
 
@@ -47,9 +47,9 @@ def empty_policy(student: Student, size: int) -> Policy:
     policies, critics = student.policies, 1 if student.central else student.policies
     table, critic_table = table_of(actor, policies), table_of(critic, critics)
     every = np.concatenate([table, critic_table])
-    widest = int(max(every["inputs"].max(), every["outputs"].max(), 3 * every["outputs"][every["gru"]].max(initial=0)))
-    agents = student.agents
-    width, critic_width = student.actor_memory.width, 0 if student.shared else student.critic_memory.width
+    widest = int(max(every["inputs"].max(), every["outputs"].max()))
+    width = student.actor_memory.width // student.agents
+    critic_width = 0 if student.shared else student.critic_memory.width // (1 if student.central else student.agents)
     return Policy(
         actor=Network(np.zeros((policies, weights_of(actor, policies)), np.float32), table.view(np.recarray)),
         critic=Network(np.zeros((critics, weights_of(critic, critics)), np.float32), critic_table.view(np.recarray)),
@@ -58,10 +58,10 @@ def empty_policy(student: Student, size: int) -> Policy:
         limit=np.full(1, CLIP, np.float32),
         numbered=student.numbered,
         central=student.central,
-        actor_width=width // agents,
-        critic_width=critic_width if student.central else critic_width // agents,
+        actor_width=width,
+        critic_width=critic_width,
         scratch=np.zeros((SCRATCH, LANES * widest), np.float32),
-        state=np.zeros(LANES * max(1, width, critic_width), np.float32),
+        state=np.zeros(LANES * max(1, width), np.float32),
     )
 
 
@@ -78,12 +78,9 @@ def fill_policy(policy: Policy, student: Student) -> None:
 
 
 def flat(layer: Layer, policies: int) -> list[Tensor]:
-    """Return the weights of a layer in their order, `[P, k]` each; heads side by side are one matrix and one bias."""
+    """Return the weights of a layer in their order, `[P, k]` each: modules side by side are one matrix and one bias."""
     matrices = [module.weight.view(policies, -1) for module in layer.modules]
-    biases = [module.bias.view(policies, -1) for module in layer.modules]
-    if layer.gru:
-        return [part for pair in zip(matrices, biases, strict=True) for part in pair]
-    return [*matrices, *biases]
+    return [*matrices, *(module.bias.view(policies, -1) for module in layer.modules)]
 
 
 def weights_of(layers: Sequence[Layer], policies: int) -> int:
@@ -95,11 +92,9 @@ def table_of(layers: Sequence[Layer], policies: int) -> np.ndarray:
     """Return the table of layers, LAYER `[L]`."""
     table, at = np.zeros(len(layers), LAYER), 0
     for row, layer in zip(table, layers, strict=True):
-        matrices = sum(module.weight.numel() for module in layer.modules) // policies
-        first = layer.modules[0]
+        inputs = layer.modules[0].in_features
         outputs = sum(module.out_features for module in layer.modules) // policies
-        size = first.in_features if layer.gru else outputs
-        row["tanh"], row["gru"], row["matrix"], row["bias"] = layer.tanh, layer.gru, at, at + matrices
-        row["inputs"], row["outputs"] = first.in_features, size
-        at += sum(part.shape[1] for part in flat(layer, policies))
+        row["tanh"], row["gru"], row["matrix"], row["bias"] = layer.tanh, layer.gru, at, at + inputs * outputs
+        row["inputs"], row["outputs"] = inputs, outputs
+        at += (inputs + 1) * outputs
     return table
