@@ -25,8 +25,11 @@ SHORT = "param game_duration = 7\n" + DUEL.replace("param game_duration = 30\n",
 REFUSED = DUEL + "require ego.position.x > 65\n"
 BROKEN = """
 behavior Divide():
-    do Idle() for 1 seconds
-    take SetDirection(1 / (ego.position.x - ego.position.x))
+    wait
+    wait
+    wait
+    if 1 / (ego.position.x - ego.position.x) > 0:
+        wait
 ego = LeftPlayer at (Range(60, 90), 0)
 ball = Ball at (50, 0)
 RightPlayer at (95, 0), with behavior Divide()
