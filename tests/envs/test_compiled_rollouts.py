@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +14,9 @@ from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import ScenicError
 from ued import METHODS, PPOConfig
 from ued.config import DRConfig
+from ued.core.upomdp import steps_as_it_plays
 from ued.learning import worker
+from ued.learning.worker import collect
 
 DUEL = """
 param game_duration = 30
@@ -155,3 +158,70 @@ def test_numbers_that_sample_actions_do_not_depend_on_how_many_are_drawn_at_once
     steps = torch.stack([torch.rand((16, 2), generator=one) for _ in range(5)])
     torch.testing.assert_close(torch.rand((5, 16, 2), generator=two), steps, rtol=0, atol=0)
     assert one.get_state().equal(two.get_state())
+
+
+def test_a_copied_method_plays_its_own_rollouts(monkeypatch):
+    method, _ = trained(CASES["a GRU"], True, monkeypatch, updates=1)
+    twin = copy.deepcopy(method)
+    for _ in range(2):
+        rollouts = []
+        for each in (method, twin):
+            each.update()
+            assert each.learners[0].worker.is_compiled
+            rollouts.append(each.learners[0].rollout)
+        for name, column in vars(rollouts[0]).items():
+            torch.testing.assert_close(column, getattr(rollouts[1], name), atol=0, rtol=0, msg=name)
+
+
+class Generous(FootballVectorEnv):
+    """Gives another reward than the kernels know of."""
+
+    def _advance(self, actions):
+        observation, reward, *rest = super()._advance(actions)
+        return observation, reward + 1.0, *rest
+
+
+def test_a_subclass_that_steps_otherwise_is_not_compiled():
+    learner = METHODS["dr"].load()(Generous(DUEL, 4), SMALL, None, seed=0).learners[0]
+    assert not learner.worker.is_compiled
+    collect([learner.worker])
+    assert (learner.rollout.reward >= 1.0 - 1e-6).any()
+    env = FootballVectorEnv(DUEL, 4)
+    assert steps_as_it_plays(env)
+    env.advance = env.advance  # as of a spy
+    assert not steps_as_it_plays(env)
+
+
+LATE = """
+behavior Stay():
+    while True:
+        take SetDirection(1)
+behavior Divide():
+    do Stay() for Range(0.5, 3) seconds
+    take SetDirection(1 / (ego.position.x - ego.position.x))
+ego = LeftPlayer at (Range(60, 90), 0)
+ball = Ball at (50, 0)
+RightPlayer at (95, 9), with behavior Divide()
+"""
+
+
+def test_training_goes_on_from_what_there_is_after_an_error():
+    env = FootballVectorEnv(LATE, 4)
+    worker = METHODS["dr"].load()(env, SMALL, None, seed=0).learners[0].worker
+    with pytest.raises(ScenicError):
+        collect([worker])
+    steps = int(worker.record.counters["step"][0])
+    assert steps > 2
+    others = env.episodes == env.episodes.min()  # the match that failed has begun its next episode
+    assert others.sum() == 3
+    np.testing.assert_array_equal(worker.observation[others], env.observe()[others])
+
+
+@pytest.mark.parametrize("spoil", [("program", 5), ("theta", 3.0), ("theta", np.nan)])
+def test_levels_at_hand_that_are_none_are_refused(spoil):
+    field, value = spoil
+    method = METHODS["plr"].load()(FootballVectorEnv(SHORT, 4), SMALL, None, seed=0)
+    assert len(method.queue.records) > 4
+    method.queue.records["level"][field][4:] = value
+    with pytest.raises(ValueError, match=rf"{field}.* {value:g}"):
+        method.update()

@@ -147,3 +147,15 @@ def test_it_resumes_where_it_was():
 def test_a_lead_shorter_than_the_environments_is_refused():
     with pytest.raises(ValueError, match=r"max_lead must be at least the number of environments \(4\), got 3"):
         make_queue(max_lead=3)
+
+
+@pytest.mark.parametrize("students", [1, 2])
+def test_without_a_lead_a_compiled_rollout_takes_no_level_either(students):
+    curriculum = Counting(1)
+    curriculum.dtype = level_record_dtype(level_dtype(1), students, 1)
+    queue = LevelQueue(curriculum, 4, max_lead=0)
+    for student in range(students):
+        queue.first(student)
+        changing, _ = queue.on_episode_end(student, np.arange(2), np.zeros(2), np.zeros(2))
+        assert len(changing) == 0
+    assert [queue.of(student).most() for student in range(students)] == [0] * students

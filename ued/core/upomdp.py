@@ -29,6 +29,7 @@ from ued.core.parameters import Parameter
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
 PREFETCH = 128  # levels that a trainer announces at a time, at most
+STEPPING = "advance", "_advance", "reset_to_levels", "play_again", "_start", "_begin", "observe", "valid", "_playable"
 LEVEL_STATE = ("levels", "visits", "episodes", "np_random")
 
 
@@ -60,6 +61,16 @@ def check_count(num_envs: Any) -> int:
     if isinstance(num_envs, bool) or not isinstance(num_envs, int | np.integer) or num_envs < 1:
         raise ValueError(f"num_envs must be a positive integer, got {num_envs!r}")
     return int(num_envs)
+
+
+def steps_as_it_plays(upomdp: UPOMDP) -> bool:
+    """Return whether single steps of an environment are those of its `_play`.
+
+    They are not where a subclass, or the environment alone, has methods for them that its kernel does not know.
+    """
+    kinds = type(upomdp).__mro__
+    depth = next(depth for depth, kind in enumerate(kinds) if "_play" in vars(kind))
+    return not any(name in vars(each) for each in (upomdp, *kinds[:depth]) for name in STEPPING)
 
 
 def set_stream(generator: np.random.Generator, state: Any) -> None:
@@ -196,8 +207,10 @@ class UPOMDP(LevelSpace, VectorEnv):
     def play(self, rollout: CompiledRollout, levels: np.ndarray) -> None:
         """Play steps of a rollout, with these levels `[k]` at hand, which `rollout.levels` describes.
 
-        Steps and episodes are the same as those of `advance`, `play_again` and `reset_to_levels`.
+        Steps and episodes are the same as those of `advance`, `play_again` and `reset_to_levels`, and so are the errors
+        of levels that are none, but before any of them is played.
         """
+        self._check_levels(levels, len(levels))
         envs, ended = rollout.envs, rollout.events
         rollout.levels.start[: len(levels)] = self._prepare(levels) if len(levels) else ()
         envs.seed[:], envs.visit[:], envs.episode[:] = self.levels["seed"], self.visits, self.episodes

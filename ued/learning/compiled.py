@@ -8,14 +8,14 @@ Read next: `core.compiled`, the records; `kernels.rollout`, the kernels; `learni
 from __future__ import annotations
 
 from time import perf_counter
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import torch
 from gymnasium.spaces import Discrete
 
 from ued.core.compiled import COUNTERS, LANES, CompiledRollout, Envs, Events, Levels, Steps
-from ued.core.upomdp import PREFETCH, UPOMDP
+from ued.core.upomdp import PREFETCH, UPOMDP, steps_as_it_plays
 from ued.learning import worker
 from ued.learning.packing import empty_policy, fill_policy
 from ued.learning.rollout import Rollout
@@ -48,16 +48,20 @@ class CompiledWorker(RolloutWorker):
 
     record: CompiledRollout | None = None  # until the first rollout
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "record": None}  # its arrays are those of this rollout, not those of a copied one
+
     @property
     def is_compiled(self) -> bool:
         """Whether the simulator plays the rollouts.
 
-        It must support that, the observations be vectors of float32, the actions discrete, the levels from a queue, and
-        the student on the host.
+        It must support that, and no subclass step otherwise; the observations be vectors of float32, the actions
+        discrete, the levels from a queue, and the student on the host.
         """
         return (
             worker.COMPILED
             and self.upomdp.plays_rollouts
+            and steps_as_it_plays(self.upomdp)
             and self.student is not None
             and self.student.device.type == "cpu"
             and isinstance(self.student.normaliser, Normaliser)
@@ -96,6 +100,7 @@ class CompiledWorker(RolloutWorker):
             counters.until = until
             self.upomdp.play(record, records["level"])
             self.seconds["sim"] += perf_counter() - began
+            self._look(record.envs)
             self._note(record, first, records)
             if counters.failed:
                 self.upomdp.report_failure()
@@ -103,13 +108,6 @@ class CompiledWorker(RolloutWorker):
                 self.end_episodes(record.envs.ended.copy(), {"success": record.envs.success})
                 self._show(record.envs)
                 counters.step += 1
-
-    def finish(self) -> None:
-        """End the rollout: take the observations back, and value them."""
-        if self.is_compiled and self.record is not None:
-            seen = self.record.envs.observation.copy()
-            self.observation = seen if self.upomdp.num_agents > 1 else seen[:, 0]
-        super().finish()
 
     @property
     def _student(self) -> Student:
@@ -136,6 +134,11 @@ class CompiledWorker(RolloutWorker):
         """Hand the observations to the simulator."""
         assert self.observation is not None
         envs.observation[:] = self.observation.reshape(envs.observation.shape)
+
+    def _look(self, envs: Envs) -> None:
+        """Take the observations back, also if the rollout ends here by an error: the next one begins with them."""
+        seen = envs.observation.copy()
+        self.observation = seen if self.upomdp.num_agents > 1 else seen[:, 0]
 
     def _announce(self, record: CompiledRollout, records: np.ndarray) -> None:
         """Write down the levels at hand, and how many episodes are left on the present ones."""

@@ -243,7 +243,9 @@ class StudentQueue:
         """Return how many levels the student may take before it is `max_lead` ahead of the slowest other one."""
         taken = self.queue.taken.tolist()
         others = taken[: self.student] + taken[self.student + 1 :]
-        return max(0, min(others) + self.queue.max_lead - taken[self.student]) if others else SEEDS
+        if not others:
+            return SEEDS if self.queue.max_lead else 0
+        return max(0, min(others) + self.queue.max_lead - taken[self.student])
 
     def due(self) -> list[int]:
         """Return the episodes left on the level of each environment `[N]`."""
