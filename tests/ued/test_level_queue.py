@@ -55,7 +55,7 @@ class Crowd:
 def test_every_level_is_finished_once_with_the_returns_made_on_it():
     queue = make_queue()
     rng = np.random.default_rng(0)
-    length = {(s, level): rng.integers(1, 30) for s in (0, 1) for level in range(2000)}
+    length = {(s, level): rng.integers(1, 30) for s in (0, 1) for level in range(8000)}
     crowd = Crowd(queue, lambda s, level: length[s, int(level)], lambda s, level: 10 * level + s)
     finished = []
     for _ in range(60):
@@ -97,6 +97,7 @@ def test_a_faster_student_stays_near_the_other_and_plays_on_meanwhile():
 
 def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
     queue = make_queue(num_envs=4, episodes=1)
+    queue.proposal_batch = 4
     queue.first(0)
     assert len(queue.records) == 4
     queue.on_episode_end(0, np.array([1]), np.array([0.0]), np.array([1.0]))  # takes one of a block of four
@@ -109,6 +110,7 @@ def test_what_nobody_has_begun_is_dropped_and_proposed_anew():
 
 def test_the_levels_that_a_student_will_begin_next_are_announced_once():
     queue, announced = make_queue(num_envs=4, episodes=1), []
+    queue.proposal_batch = 4
     queue.prefetch = [lambda levels, s=s: announced.append((s, levels["program"].tolist())) for s in range(2)]
 
     def end(student):

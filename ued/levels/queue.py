@@ -22,9 +22,10 @@ from ued.core.resumable import Resumable
 from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
-# Levels proposed ahead if all proposals are played: at least this many, and for many environments a share of their
-# number, since a request for many levels takes hardly longer than a request for one.
-PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
+# Levels proposed ahead, since a request for many levels takes hardly longer than a request for one. If all proposals are
+# played: at least this many, and for many environments a share of their number.
+PROPOSAL_BATCH, PROPOSAL_SHARE = 16, 4
+DROPPED_BATCH = 64  # at least this many, if those that no student has started are dropped after an update
 
 
 class LevelQueue(Resumable):
@@ -61,7 +62,10 @@ class LevelQueue(Resumable):
             raise ValueError(f"max_lead must be at least the number of environments ({num_envs}), got {max_lead}")
         self.curriculum, self.num_envs = curriculum, num_envs
         self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
-        self.proposal_batch = num_envs if drop_stale_proposals else max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
+        if not drop_stale_proposals:
+            self.proposal_batch = max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
+        else:  # without a lead each student plays the first levels alone
+            self.proposal_batch = max(DROPPED_BATCH, num_envs) if self.max_lead else num_envs
         self.students = curriculum.dtype["returns"].shape[0]
         self.records = np.zeros(0, curriculum.dtype)  # in the order of play; `pop_finished` removes finished ones
         self.taken = np.zeros(self.students, np.int64)  # [S] number of records that each student has started
