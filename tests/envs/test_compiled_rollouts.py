@@ -212,8 +212,8 @@ def test_training_goes_on_from_what_there_is_after_an_error():
         collect([worker])
     steps = int(worker.record.counters["step"][0])
     assert steps > 2
-    others = env.episodes == env.episodes.min()  # the match that failed has begun its next episode
-    assert others.sum() == 3
+    others = env.episodes == env.episodes.min()  # matches that failed have begun their next episode
+    assert 1 <= others.sum() < len(others)
     np.testing.assert_array_equal(worker.observation[others], env.observe()[others])
 
 

@@ -22,8 +22,8 @@ from ued.core.resumable import Resumable
 from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
-# Levels proposed ahead, since a request for many levels takes hardly longer than a request for one. If all proposals are
-# played: at least this many, and for many environments a share of their number.
+# Levels proposed ahead, since a request for many levels takes hardly longer than a request for one. If all proposals
+# are played: at least this many, and for many environments a share of their number.
 PROPOSAL_BATCH, PROPOSAL_SHARE = 16, 4
 DROPPED_BATCH = 64  # at least this many, if those that no student has started are dropped after an update
 
