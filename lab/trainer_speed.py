@@ -83,7 +83,7 @@ def measure(options: argparse.Namespace, trainer: str, torso: str, shape: str) -
     row = {"trainer": trainer, "torso": torso, "num_envs": num_envs, "num_steps": num_steps}
     found = run(row | {"game": options.game, "warm": options.warm, "seconds": options.seconds})
     row |= {"steps_per_second": round(found.pop("speed")), "load": " ".join(f"{load:.2f}" for load in os.getloadavg())}
-    return row | found
+    return row | found | {"gradient_steps": round(found["gradient_steps"], 3)}
 
 
 def run(asked: Mapping[str, Any]) -> dict[str, Any]:
