@@ -53,8 +53,9 @@ class NamedMaze(NamedTuple):
     about: str
 
     def make(self, num_envs: int, config: MazeConfig = MazeConfig()) -> DrawnMazes:  # noqa: B008 (frozen)
-        """Make N environments of this maze, seen as `config` says."""
-        return DrawnMazes(num_envs, self.draw, replace(config, side=self.side, max_steps=self.max_steps))
+        """Make N environments of this maze, seen as `config` says, that can be drawn."""
+        own = replace(config, side=self.side, max_steps=self.max_steps)
+        return DrawnMazes(num_envs, self.draw, own, "rgb_array")
 
 
 class DrawnMazes(Mazes):

@@ -13,7 +13,7 @@ from regista.experiments.commands import clone, compare, train
 from regista.experiments.run import build, starting, trust
 from regista.experiments.run.folder import RunFolder
 
-TASK = f"{Path(__file__).parents[2] / 'examples' / 'maze.py'}:make"
+TASK = f"{Path(__file__).parents[2] / 'examples' / 'own_levels.py'}:make"
 CASES = [
     [],
     [TASK],
