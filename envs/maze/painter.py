@@ -28,7 +28,7 @@ FORWARD_OF = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])  # x right, y up, by d
 
 
 class MazePainter:
-    """Draws walls, goal, agent and the side it faces as points; of an episode also the cells in view.
+    """Draws walls as squares, goal, agent and its front as discs; of an episode also the cells in view.
 
     Points without a place, such as walls that a maze does not have, are nan.
     """
@@ -41,6 +41,7 @@ class MazePainter:
         self.side = side = mazes.config.side
         self.bounds = self.reach = (0.0, CELL * side, 0.0, CELL * side)
         self.classes = np.array([WALLS] * side**2 + [SEEN] * VIEW**2 + [GOALS, AGENT, FRONT])
+        self.tiles, self.details = self.classes == WALLS, np.isin(self.classes, (SEEN, FRONT))
         self.focus = side**2 + VIEW**2  # the goal
         self._layouts = mazes.layouts_of
 
