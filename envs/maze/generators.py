@@ -31,9 +31,9 @@ def four_rooms(rng: np.random.Generator) -> Maze:
 def simple_crossing(rng: np.random.Generator) -> Maze:
     """Sample a room that five walls cross from side to side, MiniGrid's SimpleCrossingS11N5.
 
-    The walls stand in odd rows and columns. A monotone path of rooms leads from the agent, at the top left and facing
-    right, to the goal at the bottom right; where it crosses a wall there is a gap in a uniform cell. Gaps that fall on
-    no other wall are the only ones, so every maze has a path.
+    The walls stand in odd rows and columns. A path from room to room, down or right in random order, leads from the
+    agent, at the top left and facing right, to the goal at the bottom right. Each wall has one gap, in a uniform cell
+    beside the room from which the path crosses it.
     """
     side = CROSSING_SIDE
     lines = rng.permutation([(axis, place) for axis in (0, 1) for place in range(1, side - 1, 2)])[:CROSSINGS]
