@@ -4,8 +4,10 @@ import csv
 import json
 import shutil
 
+import numpy as np
 import pytest
 
+from regista.envs.maze.painter import CELL
 from regista.experiments.__main__ import main
 from regista.experiments.run.build import find_game
 from regista.experiments.run.built_in import BUILT_IN
@@ -140,3 +142,19 @@ def test_methods_are_compared_on_mazes(tmp_path, capsys):
         "learning_curves.png",
         "levels.png",
     }
+
+
+def test_walls_are_recorded_as_squares_and_only_the_agent_leaves_a_path(run):
+    from rerun.chunk import RrdReader
+
+    found = {}
+    for chunk in RrdReader(str(run / "curriculum.rrd")).stream():
+        batch = chunk.to_record_batch()
+        if str(chunk.entity_path).startswith("/scene/") and "LineStrips2D:strips" in batch.schema.names:
+            found.setdefault(str(chunk.entity_path), []).extend(batch.column("LineStrips2D:strips").to_pylist())
+    walls = [strips for strips in found["/scene/levels/0/tiles"] if strips]
+    points = np.array(walls[0]).reshape(len(walls[0]), -1, 2) / CELL  # [walls, points of a square, 2] cells
+    np.testing.assert_allclose(points.mean(1) % 1, 0.5, atol=1e-5)  # in the middle of cells
+    assert 10 < len(points) <= 25 and np.abs(points - points.mean(1, keepdims=True)).max() < 0.5
+    paths = [strips for strips in found["/scene/rollout/student/path/lines"] if strips]
+    assert len(paths[0]) % 2 == 0 and len(paths[0]) < 40  # goal and agent, of each episode, and no walls
