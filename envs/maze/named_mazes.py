@@ -7,7 +7,8 @@ percent.
 
 The agent faces a uniform direction in each episode; start and goal of a layout are fixed unless its row says otherwise.
 Time limits are DCD's 2 n^2 steps for a grid of n x n with its border ("over 5k steps" for n = 51 in ACCEL), and
-MiniGrid's own for FourRooms and SimpleCrossing. JaxUED allows 250 steps in all of its test mazes.
+MiniGrid's own for FourRooms and SimpleCrossing. JaxUED allows 250 steps in all of its test mazes. Limits, directions
+and what varies from episode to episode follow the papers; they were not compared with DCD's code.
 Read next: `drawings` and `generators`, the layouts; `task`, which tests students on them.
 """
 
