@@ -1,7 +1,7 @@
-"""The minigames as environments: importing this registers them with Gymnasium; PettingZoo's are made on demand.
+"""Minigames and mazes as environments: importing this registers them with Gymnasium; PettingZoo's are made on demand.
 
-Ids end in the version of the simulator. Of an older one Gymnasium says that it is deprecated, and which to use instead.
-Read next: `suites`, the rows that are registered.
+Ids of minigames end in the version of the simulator. Of an older one Gymnasium says that it is deprecated, and which to
+use instead. Read next: `suites`, the rows that are registered; `envs.maze.gym_env`, mazes.
 """
 
 from typing import Any
@@ -17,6 +17,13 @@ for _game in NAMED.values():
         entry_point="regista.envs.football.gym_env:FootballEnv",
         vector_entry_point="regista.envs.football.vector_env:make_vec",
         kwargs={"program": str(_game.program), "control": _game.control},
+    )
+
+for _namespace in ("regista", "Regista"):
+    gymnasium.register(
+        f"{_namespace}/Maze-v0",
+        entry_point="regista.envs.maze.gym_env:MazeEnv",
+        vector_entry_point="regista.envs.maze.gym_env:make_vec",
     )
 
 

@@ -74,7 +74,16 @@ FLOORS = {
         "maze.dynamics",  # a step
         "maze.levels",
         "maze.rollout",
+        "maze.paths",  # how far the goal is
+        "maze.picture",
         "maze.env",
+        "maze.gym_env",
+        "maze.drawings",  # test mazes, as text
+        "maze.generators",  # test mazes, drawn at random
+        "maze.named_mazes",  # all of them by name
+        "maze.shortest_path",  # a policy
+        "maze.painter",  # mazes in recordings
+        "maze.task",
         "scenic3.names",  # Scenic 3 itself: what is random, by name and line
         "scenic3.columns",  # as columns of theta
         "scenic3.program",  # theta -> scenes

@@ -19,5 +19,6 @@ Two things differ from the sources. Their agents have seven actions, four of whi
 agent that reaches the goal stays in the cell before it. Here it moves onto the goal, as in MiniGrid. In both cases the
 episode is over.
 
-Read next: `grid`, the arrays; `dynamics`, a step; `levels`, mazes as levels; `env`, the environment.
+Read next: `grid`, the arrays; `dynamics`, a step; `levels`, mazes as levels; `env`, the environment; `task`, what
+`regista train maze` trains on and is tested on.
 """

@@ -12,8 +12,20 @@ from gymnasium.spaces import Box, Discrete
 
 from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.dynamics import step_mazes
-from regista.envs.maze.grid import BORDER, DIRECTIONS, Agents, Outcome, Settings, empty_layouts, width_of
+from regista.envs.maze.grid import (
+    BORDER,
+    DIRECTIONS,
+    UNSEEN,
+    Agents,
+    Layouts,
+    Outcome,
+    Settings,
+    empty_layouts,
+    width_of,
+)
 from regista.envs.maze.levels import Maze, MazeFamily
+from regista.envs.maze.paths import UNREACHABLE, path_lengths
+from regista.envs.maze.picture import draw_maze, view_entries
 from regista.envs.maze.rollout import play_mazes
 from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, observe_all, vector_size, write_images
 from regista.kernels.calls import compiles
@@ -23,6 +35,7 @@ from ued.core.parameters import ThetaMap
 from ued.core.upomdp import UPOMDP, check_count
 
 NUM_ACTIONS = 3
+FACING = ("right", "down", "left", "up")
 MOST_CLOCK = 2**31  # of a state: the clock of an episode that is over runs on until the next one starts
 
 
@@ -32,6 +45,7 @@ class Mazes(UPOMDP):
     Args:
         num_envs: N.
         config: size, random mazes, time limit, view.
+        render_mode: None or "rgb_array".
 
     Observations are vectors `[N, F]`, float32 in [0, 1] (see `view`); actions `[N]` are 0 turn left, 1 turn right,
     2 forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both if the
@@ -41,8 +55,17 @@ class Mazes(UPOMDP):
 
     seed_is_luck = True  # the code fixes the maze
 
-    def __init__(self, num_envs: int = 32, config: MazeConfig = MazeConfig()) -> None:  # noqa: B008 (frozen)
-        self.config, count = config, check_count(num_envs)
+    metadata: dict[str, Any] = {**UPOMDP.metadata, "render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
+
+    def __init__(
+        self,
+        num_envs: int = 32,
+        config: MazeConfig = MazeConfig(),  # noqa: B008 (frozen)
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
+        self.config, count, self.render_mode = config, check_count(num_envs), render_mode
         self.level_family = self._family = MazeFamily(config.side, config.num_walls, config.random_count)
         self.theta_map = ThetaMap(self._family)
         as_image = config.representation == "image"
@@ -55,6 +78,21 @@ class Mazes(UPOMDP):
         self._outcome = Outcome(np.zeros(count), *(np.zeros(count, np.bool_) for _ in range(2)))
         self._pool = empty_layouts(0, config.side)
         self._started = False
+
+    @property
+    def layouts(self) -> Layouts:
+        """The mazes being played, `[N]`; to be read only."""
+        return self._layouts
+
+    @property
+    def agents(self) -> Agents:
+        """Where the agents are, `[N]`; to be read only."""
+        return self._agents
+
+    @property
+    def width(self) -> int:
+        """Entries per side of the grids of `layouts`."""
+        return self._settings.width
 
     @property
     def observation_scale(self) -> np.ndarray:
@@ -70,6 +108,26 @@ class Mazes(UPOMDP):
         if np.shape(maze.walls) != (side, side):
             raise ValueError(f"these mazes have {side} x {side} cells, got walls of shape {np.shape(maze.walls)}")
         return self._family.encode(maze)
+
+    def describe(self, theta: Any) -> list[dict[str, Any]]:
+        """Return what the mazes of θ `[K, D]` are, by name: walls, agent, goal, and the length of the shortest path."""
+        layouts = self.layouts_of(theta)
+        told = []
+        for row, steps in zip(theta, path_lengths(layouts, self.width), strict=True):
+            maze = self._family.decode(np.asarray(row))
+            told.append(
+                {
+                    "walls": int(maze.walls.sum()),
+                    "agent": f"{_cell(maze.start)} facing {FACING[maze.direction]}",
+                    "goal": _cell(maze.goal),
+                    "shortest path": "none" if steps == UNREACHABLE else f"{steps} steps",
+                }
+            )
+        return told
+
+    def layouts_of(self, theta: Any) -> Layouts:
+        """Return the mazes of θ `[K, D]` as arrays."""
+        return self._family.layouts(check_theta(theta, self.theta_dim))
 
     def _draw(self, count: int) -> np.ndarray:
         return self._family.draw_codes(self._stream, count)
@@ -139,6 +197,20 @@ class Mazes(UPOMDP):
         """Return which way the agents face: 0 right, 1 down, 2 left, 3 up, int `[N]`."""
         return self._agents.direction.copy()
 
+    def render(self) -> tuple[np.ndarray, ...] | None:
+        """Return a picture of each maze, uint8 `[pixels, pixels, 3]` (see `picture`); None without a render mode."""
+        if self.render_mode is None:
+            return None
+        agents, seen = zip(self._agents.at.tolist(), self._agents.direction.tolist(), strict=True), self.seen()
+        rows = zip(self._layouts.grid, agents, seen, strict=True)
+        return tuple(draw_maze(grid, *agent, entries) for grid, agent, entries in rows)
+
+    def seen(self) -> list[np.ndarray]:
+        """Return the entries of the grids that the agents see, of each of them an array."""
+        things = self.images()[..., 0].reshape(self.num_envs, CELLS)
+        agents = zip(things, self._agents.at.tolist(), self._agents.direction.tolist(), strict=True)
+        return [view_entries(at, direction, self.width)[view != UNSEEN] for view, at, direction in agents]
+
     # ------------------------------------------------------------ rollouts
 
     @property
@@ -192,3 +264,7 @@ class Mazes(UPOMDP):
         twin.set_state(self.get_state())
         twin._started = self._started
         return twin
+
+
+def _cell(place: tuple[int, int]) -> str:
+    return f"row {place[0]} column {place[1]}"

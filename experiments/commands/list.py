@@ -1,11 +1,12 @@
-"""`regista list`: show the minigames as a table, or the details of one.
+"""`regista list`: show the minigames and built-in tasks as tables, or the details of one.
 
     regista list
+    regista list maze
     regista list defense
     regista list offense/easy_crossing
     regista list --solved 1v1Free Gauntlet --total-env-steps 2_000_000
 
-Read next: `regista.minigames.suites`, the table itself; `commands.inspect`, which shows a program.
+Read next: `regista.minigames.suites`, the table itself; `run.built_in`, the tasks; `commands.inspect`, programs.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import arguments
+from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
+from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.games import all_starts
 from regista.experiments.run.programs import load_program
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Show the minigames: players (left v right), number D of free parameters θ (training, test scenes), the players "
-    "that one agent and a team control, and the published goal differences of PPO."
+    "that one agent and a team control, and the published goal differences of PPO. Below them, built-in tasks."
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
@@ -53,7 +55,7 @@ AGENTS = {
 class ListConfig(Checked):
     """Arguments of `regista list`."""
 
-    words: tuple[str, ...] = positional("minigames to show: a name or part of a name", default=())
+    words: tuple[str, ...] = positional("minigames or tasks to show: a name or part of a name", default=())
     solved: bool = setting(False, "train a student on these games and report the share of random levels it solves")
     solving: SolvedConfig = group(
         SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
@@ -77,14 +79,19 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{flag} needs --solved")
     from regista.minigames.suites import ALL
 
-    chosen = [game for game in ALL.values() if _chosen(game.name, config.words)]
+    names = [*ALL, *BUILT_IN]
+    chosen = [name for name in names if _chosen(name, config.words)]
     for word in config.words:
-        if not any(_chosen(game.name, (word,)) for game in chosen):
-            raise UsageError(f"no minigame has {word!r} in its name{nearest(word, ALL, 3)}")
+        if not any(_chosen(name, (word,)) for name in chosen):
+            raise UsageError(f"no minigame or task has {word!r} in its name{nearest(word, names, 3)}")
     if len(chosen) == 1:
-        print(card(chosen[0]))
-    else:
-        print(align([HEAD, *map(line, chosen)]))
+        print(card(ALL[chosen[0]]) if chosen[0] in ALL else task_card(chosen[0]))
+        return 0
+    games, tasks = ([name for name in chosen if name in known] for known in (ALL, BUILT_IN))
+    if games:
+        print(align([HEAD, *(line(ALL[name]) for name in games)]))
+    if tasks:
+        print(align([["\ntask" if games else "task", "what"], *([name, BUILT_IN[name].about] for name in tasks)]))
     return 0
 
 
@@ -152,6 +159,27 @@ def card(game: Minigame) -> str:
     known = measured(game)
     if len(known) > 1:
         parts.append(align(known))
+    return "\n\n".join(parts)
+
+
+def task_card(name: str) -> str:
+    """Return the details of a built-in task: what it is, its levels, its tests."""
+    game = build.find_game(name)
+    config = game.start("fast")
+    task = game.task(config)
+    upomdp = task.make(1)
+    rows = {
+        "what": BUILT_IN[name].about,
+        "task": game.name,
+        "observations": upomdp.single_observation_space,
+        "actions": upomdp.single_action_space,
+        "baselines": ", ".join(task.make_baselines(upomdp)),
+        "trained by default": f"{config.total_env_steps:_} env_steps in {config.num_envs} environments",
+    }
+    parts = [f"{name}: D = {upomdp.theta_dim}", "\n".join(f"{key:<20}{value}" for key, value in rows.items())]
+    for title, scenes in (("test", task.tests), ("held out", task.held_out)):
+        if scenes:
+            parts.append(align([[title, "what"], *([scene, task.about.get(scene, "")] for scene in scenes)]))
     return "\n\n".join(parts)
 
 

@@ -1,8 +1,9 @@
-"""`regista play`: play one match of a program, a level of a run, or a record, and write a video or a record of it.
+"""`regista play`: play a match, an episode of a task, a level of a run, or a record; write a video or a record of it.
 
     regista play 3v2FourBehaviors --video match.gif
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
+    regista play maze --scene Labyrinth --player runs/accel --video maze.gif      # the student of a run
     regista play --level runs/paired --id 1234                     # the level with this id in the run's levels.csv
     regista play --replay match.npz --video match.gif              # a recorded match, replayed exactly
 
@@ -15,7 +16,7 @@ import io
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,14 +27,20 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.games import single_game
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.table import cannot_write
+from regista.experiments.run.tasks import PythonTask
 from ued.config import LARGEST_SEED, Checked, setting
 from ued.core.files import write_whole
+from ued.core.task import TRAINING_SCENE
 
 if TYPE_CHECKING:
     from regista.envs.football.replay import Record
     from regista.experiments.run.level_stage import LevelStage
 
-DESCRIPTION = "Play one match of a program, a level of a run, or a recorded match, and write a film or a record of it."
+DESCRIPTION = (
+    "Play one match of a program, an episode of a task, a level of a run, or a recorded match, and write a film or a "
+    "record of it."
+)
+PLAYERS = ("bot", "random", "idle")  # of football
 WITH_REPLAY = {"replay", "match", "video", "speed"}
 
 
@@ -41,8 +48,11 @@ WITH_REPLAY = {"replay", "match", "video", "speed"}
 class PlayConfig(Checked):
     """Arguments of `regista play`."""
 
-    program: str = positional("minigame or path of a .scenic program", default="")
-    player: Literal["bot", "random", "idle"] = setting("bot", "policy of the agents' players")
+    program: str = positional("minigame, path of a .scenic program, or task", default="")
+    player: str = setting(
+        "bot", "policy of the agents: bot (tasks: random), random, idle; of a task also a baseline or a run folder"
+    )
+    scene: str = setting(TRAINING_SCENE, "with a task: the test whose level is played")
     control: str = setting("active", "left players of agents: active, closest1 to closest3, all, a number, ...")
     steps: int = setting(600, "maximum number of steps of 0.1 s; the match may end earlier", ">=1", most=1_000_000)
     seed: int = setting(
@@ -71,8 +81,8 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.replace_paths(PlayConfig(), typed)
     if not config.program and config.level is None and config.replay is None:
         raise UsageError(
-            "play needs a program: a minigame's name or the path of a .scenic file; or --level RUN --id N, or --replay "
-            "RECORD"
+            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --level RUN --id N, or "
+            "--replay RECORD"
         )
     if config.replay is not None:
         if typed.keys() - WITH_REPLAY:
@@ -87,17 +97,40 @@ def main(argv: Sequence[str]) -> int:
     check_film_of(config.video)
     if config.record and config.record.suffix != ".npz":
         raise UsageError(f"{config.record}: the name of a record must end in .npz")
-    if config.level is None:
+    if config.program and not isinstance(build.find_game(config.program), PythonTask):
+        if "scene" in typed:
+            raise UsageError(f"--scene is a test of a Python task; give a test scene as {config.program}/TEST")
+        _check_player(config)
         return play_match(config, _match_of_program(config))
-    usual = PlayConfig()
-    if (config.control, config.reading) != (usual.control, usual.reading):
-        raise UsageError("--level uses the settings of the run: omit --control and settings of the program")
+    stage = _stage(config)
+    print(stage.describe())
+    if not stage.is_match:
+        return _play_task(config, stage)
+    _check_player(config)
+    return play_match(config, stage.env)
+
+
+def _stage(config: PlayConfig) -> LevelStage:
+    """Return the environment of a level of a run, or of a task."""
     from regista.experiments.run.level_stage import LevelStage
 
+    usual = PlayConfig()
+    if (config.control, config.reading) != (usual.control, usual.reading):
+        raise UsageError("tasks and levels of runs have their own settings: omit --control and those of programs")
+    if config.level is None:
+        if config.playing != usual.playing:
+            raise UsageError("--engine says what plays football; a task brings its own environments")
+        return LevelStage.of_task(build.find_game(config.program), config.scene, config.seed)
     assert config.id is not None
-    stage = LevelStage.of_run(config.level, config.id, config.visit, config.playing)
-    print(stage.describe())
-    return play_match(config, stage.env) if stage.is_match else _play_task(config, stage)
+    if config.scene != usual.scene:
+        raise UsageError("--scene is a test of a task; --level RUN --id N says which level is played")
+    return LevelStage.of_run(config.level, config.id, config.visit, config.playing)
+
+
+def _check_player(config: PlayConfig) -> None:
+    """Raise `UsageError` for a player that does not play football."""
+    if config.player not in PLAYERS:
+        raise UsageError(f"--player of a football match is {', '.join(PLAYERS)}, not {config.player!r}")
 
 
 def _match_of_program(config: PlayConfig) -> Any:
@@ -158,14 +191,16 @@ def play_match(config: PlayConfig, env: Any) -> int:
 
 
 def _play_task(config: PlayConfig, stage: LevelStage) -> int:
-    """Play an episode of a Python task with random actions or a constant one; write its rendered frames as a video."""
+    """Play an episode of a Python task; write its rendered frames as a video."""
+    from regista.experiments.run.players import task_player
+
     if config.record:
         raise UsageError("--record supports football matches only; use --video for other environments")
     if config.video and stage.env.render_mode != "rgb_array":
         raise UsageError("--video requires environments with render_mode='rgb_array'")
-    played = stage.play(config.steps, config.seed, config.player == "idle")
-    player = "always the first action" if config.player == "idle" else "random actions"
-    print(f"{played.steps} steps by {player}, return {played.total:g}{', ended' * played.ended}")
+    player = task_player(config.player, stage, config.seed)
+    played = stage.play(config.steps, player.choose)
+    print(f"{played.steps} steps by {player.name}, return {played.total:g}{', ended' * played.ended}")
     if config.video:
         from regista.envs.football.view.picture import write_video
 

@@ -23,6 +23,7 @@ from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_rows
 from ued.core.files import write_whole
+from ued.core.painter import tiles_of, trails_of
 from ued.core.parameters import axis_of
 from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
 
@@ -135,6 +136,8 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
         "line": painter.line_colour,
         "lines": [np.round(strip, 2).tolist() for strip in painter.lines()],
         "markers": [painter.markers[index] for index in painter.classes],
+        "tiles": tiles_of(painter).tolist(),
+        "trails": trails_of(painter).tolist(),
         "focus": painter.focus,
     }
 

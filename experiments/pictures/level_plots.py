@@ -16,6 +16,7 @@ from regista.experiments.pictures import plots
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
+from ued.core.painter import details_of, tiles_of
 from ued.core.parameters import Parameter
 from ued.recorder.shades import smooth
 
@@ -120,8 +121,12 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
     places = painter.positions(np.concatenate(known))  # [L, K, 2]
     x_low, x_high, y_low, y_high = painter.bounds
     cell = CELL if _is_football(painter) else max(x_high - x_low, y_high - y_low) / CELLS
+    tiles = tiles_of(painter)
+    squares = tiles.any()
+    if squares:
+        cell = 2 * painter.markers[painter.classes[tiles.argmax()]][2]
     for _, points, shade in _kinds(painter):
-        _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell)
+        _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell, not squares)
 
 
 def point_legend(figure: Any, painter: Any) -> None:
@@ -145,9 +150,9 @@ def _kinds(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
             ("starting places of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
             ("of its opponents", opponents, PAPER_COLOURS[RIGHT_PLAYER]),
         ]
-    return [
-        (name, classes == kind, tuple(np.array(shade) / 255)) for kind, (name, shade, _) in enumerate(painter.markers)
-    ]
+    kept = np.unique(classes[~details_of(painter)]).tolist()
+    named = [(painter.markers[kind], classes == kind) for kind in kept]
+    return [(name, points, tuple(np.array(shade) / 255)) for (name, shade, _), points in named]
 
 
 def _draw_ground(axes: Axes, painter: Any) -> None:
@@ -160,7 +165,7 @@ def _draw_ground(axes: Axes, painter: Any) -> None:
 
 
 def _draw_density(
-    axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float
+    axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float, blurred: bool
 ) -> None:
     """Draw the density of `points` `[n, 2]` as a veil of one colour, opaque where it is highest."""
     from matplotlib.colors import to_rgb
@@ -170,10 +175,9 @@ def _draw_density(
     x_low, x_high, y_low, y_high = bounds
     bins = (max(int((y_high - y_low) / cell), 1), max(int((x_high - x_low) / cell), 1))
     counts, _, _ = np.histogram2d(points[:, 1], points[:, 0], bins, ((y_low, y_high), (x_low, x_high)))
-    density = smooth(
-        counts, width=5.0 * len(points) ** (-1 / 6)
-    )  # Scott's rule for a spread of 5 cells, 5 m on a pitch
+    width = 5.0 * len(points) ** (-1 / 6)  # Scott's rule for a spread of 5 cells, 5 m on a pitch
+    density = smooth(counts, width) if blurred else counts
     veil = np.zeros((*density.shape, 4))
     veil[..., :3] = to_rgb(shade)
     veil[..., 3] = 0.88 * (density / max(density.max(), 1e-9)) ** 0.6
-    axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic", zorder=2)
+    axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic" if blurred else "nearest", zorder=2)

@@ -13,6 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import games, tasks
+from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.games import Game
 from regista.experiments.run.heap import keep_freed_memory
@@ -33,8 +34,9 @@ ENGINE_BYTES = 55_000_000  # one engine of Google Research Football
 
 
 def find_game(name: str) -> Game:
-    """Return the game of a name: football or a Python task. Raises `UsageError` for an unknown name."""
-    return tasks.PythonTask(name) if tasks.NAME.fullmatch(name) else games.football_game(name)
+    """Return the game of a name: football, a built-in task, a Python task. Raises `UsageError` for an unknown name."""
+    is_task = name in BUILT_IN or tasks.NAME.fullmatch(name)
+    return tasks.PythonTask(name) if is_task else games.football_game(name)
 
 
 def find_method(name: str) -> str:

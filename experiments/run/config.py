@@ -27,7 +27,7 @@ from ued.methods import METHODS
 
 Config = TypeVar("Config")
 
-GAME = "minigame, .scenic program, or Python task file.py:name"
+GAME = "minigame, .scenic program, maze, or Python task file.py:name"
 TEST_ENVS = {"regista": 64, "grf": 8}  # parallel matches of an evaluation, by engine
 
 

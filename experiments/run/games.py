@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from regista.experiments.run import arguments
+from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.programs import load_program
 from ued.core.task import Task
@@ -238,11 +239,10 @@ def _single(name: str) -> FootballGame:
         return FootballGame(Minigame(path.stem, path, (), "your program"), str(path.resolve()))
     if path.suffix == ".py":
         raise UsageError(f"a Python task is given as file.py:name, got {name!r}")
-    if ":" in name:
+    if ":" in name or name in BUILT_IN:
         raise UsageError(f"{name} is a Python task; this command needs a football game")
-    raise UsageError(
-        f"unknown minigame {name!r}{nearest(name, NAMED, 3)}; regista list shows all, or give a .scenic file"
-    )
+    meant = nearest(name, [*NAMED, *BUILT_IN], 3)
+    raise UsageError(f"unknown minigame {name!r}{meant}; regista list shows all, or give a .scenic file")
 
 
 def all_starts(preset: str = "fast") -> list[Any]:

@@ -1,10 +1,11 @@
-"""A level from the table of a run's levels, in an environment at its start.
+"""A level from the table of a run's levels, or of a task, in an environment at its start.
 
-Read next: `ued.levels.table`, which reads the row; `commands.play`, which plays it.
+Read next: `ued.levels.table`, which reads the row; `run.players`, who plays it; `commands.play`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -12,11 +13,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run import build
-from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.folder import RunFolder
 
 if TYPE_CHECKING:
     from regista.experiments.run.config import EngineConfig
+    from regista.experiments.run.games import Game
+
+Choose = Callable[[Any], Any]  # observations -> actions
 
 
 class PlayedTask(NamedTuple):
@@ -33,13 +37,34 @@ class LevelStage:
     """A single environment at the start of a level.
 
     Attributes:
+        game: what the environment belongs to.
         env: the vector environment, of size 1.
         level: the level, a record `[1]`; `visit`: the visit whose random numbers it uses.
     """
 
+    game: Game
     env: Any
     level: np.ndarray
     visit: int
+
+    @classmethod
+    def of_task(cls, game: Game, scene: str, seed: int) -> LevelStage:
+        """Make the environment of a task on a random level of one of its scenes, or on its first level.
+
+        Raises `UsageError` for an unknown scene, `CommandError` for levels that do not fit the environments.
+        """
+        from ued.core.task import theta_of_scene
+
+        task = game.task(game.start("fast"))
+        scenes = {**task.scenes(), **task.held_out}
+        if scene not in scenes:
+            raise UsageError(f"{game.short} has no test {scene!r}{nearest(scene, scenes)}; it has {', '.join(scenes)}")
+        env = build.make_upomdp(task.make_scene(scenes[scene]), 1, seed)
+        try:
+            theta = theta_of_scene(scenes[scene], env)
+        except ValueError as error:
+            raise CommandError(f"the levels of the test '{scene}' do not fit {game.short}: {error}") from error
+        return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0)
 
     @classmethod
     def of_run(cls, path: Path, id: int, visit: int | None, playing: EngineConfig) -> LevelStage:
@@ -69,7 +94,7 @@ class LevelStage:
         _, info = env.reset_to_levels(level, None, visit)
         if info["replaced"][0]:
             raise CommandError(f"level {id} of {path} is no longer valid: its environments have changed")
-        return cls(env, level, visit)
+        return cls(game, env, level, visit)
 
     @property
     def is_match(self) -> bool:
@@ -85,14 +110,12 @@ class LevelStage:
         )
         return f"seed {int(self.level['seed'][0])}, visit {self.visit}: {spelled or 'no parameters'}"
 
-    def play(self, steps: int, seed: int, idle: bool) -> PlayedTask:
-        """Play the episode for at most this many steps, with random actions or, if `idle`, a constant one."""
-        space, total, ended = self.env.single_action_space, 0.0, False
-        space.seed(seed)
-        same, frames = space.sample(), [self._frame()]
+    def play(self, steps: int, choose: Choose) -> PlayedTask:
+        """Play the episode from its start, for at most this many steps; `choose` returns the actions `[1, ...]`."""
+        observation, _ = self.env.reset_to_levels(self.level, None, self.visit)
+        total, ended, frames = 0.0, False, [self._frame()]
         while len(frames) <= steps and not ended:
-            action = np.zeros_like(same) if idle else space.sample()
-            _, reward, terminated, truncated, _ = self.env.advance(np.asarray(action)[None])
+            observation, reward, terminated, truncated, _ = self.env.advance(choose(observation))
             total, ended = total + float(reward[0]), bool(terminated[0] or truncated[0])
             frames.append(self._frame())
         return PlayedTask(len(frames) - 1, total, ended, [frame for frame in frames if frame is not None])

@@ -1,7 +1,7 @@
 """Tasks in Python on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
-Importing the file executes its code; `run.trust` decides whether it may run. Read next: `ued.core.task`; `run.games`,
-football games.
+Importing the file executes its code; `run.trust` decides whether it may run. Built-in tasks have short names and may
+always run. Read next: `ued.core.task`; `run.games`, football games.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import trust
+from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
 
@@ -35,7 +36,7 @@ NAME = re.compile(r"(.+\.py|[\w./\\~-]+):[A-Za-z_]\w*")  # of a task; names of m
 
 
 class PythonTask:
-    """A task in a Python file or module, with the interface of `run.games.Game`.
+    """A task in a Python file or module, or a built-in one, with the interface of `run.games.Game`.
 
     The file is imported when its settings or environments are needed; see `load_task`.
     """
@@ -145,13 +146,17 @@ class CheckedPainter:
 
 
 def canonical(name: str) -> str:
-    """Return a task's name with the absolute path of its file, valid in every working directory."""
+    """Return a task's name with its module or the absolute path of its file, valid in every working directory."""
+    name = BUILT_IN[name].name if name in BUILT_IN else name
     place, _, attribute = name.rpartition(":")
     return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
 
 
 def short(name: str) -> str:
     """Return the short name of a task for folders and pictures."""
+    known = [key for key, task in BUILT_IN.items() if task.name == canonical(name)]
+    if known:
+        return known[0]
     place, _, attribute = name.rpartition(":")
     return f"{Path(place).stem if place.endswith('.py') else place.rpartition('.')[2]}-{attribute}"
 
@@ -181,7 +186,8 @@ def load_task(name: str) -> tuple[Task, str]:
     from ued.core.task import Task
 
     place, _, attribute = name.rpartition(":")
-    if not place.endswith(".py") or Path(place).expanduser().is_file():
+    built_in = name in [task.name for task in BUILT_IN.values()]
+    if not built_in and (not place.endswith(".py") or Path(place).expanduser().is_file()):
         trust.check(name)
     with user_code(f"{place} cannot be imported"):
         module = _import(place)

@@ -317,10 +317,10 @@ def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
     assert "grass, sand, ice" in capsys.readouterr().out
 
 
-def test_the_maze_is_a_task(tmp_path):
-    shutil.copy(ROOT / "examples" / "maze.py", tmp_path / "maze_copy.py")
+def test_a_family_of_levels_is_a_task(tmp_path):
+    shutil.copy(ROOT / "examples" / "own_levels.py", tmp_path / "levels_copy.py")
     out = tmp_path / "run"
-    assert train(f"{tmp_path / 'maze_copy.py'}:make", out, "--method", "accel", "--total-env-steps", "512") == 0
+    assert train(f"{tmp_path / 'levels_copy.py'}:make", out, "--method", "accel", "--total-env-steps", "512") == 0
     assert len(rows(out / "metrics.csv")) == 8
 
 

@@ -43,7 +43,7 @@ def test_other_levels_are_refused(levels):
         theta_of_scene(levels, make(1))
 
 
-@pytest.mark.parametrize("name", ["tests", "held_out", "baselines", "defaults"])
+@pytest.mark.parametrize("name", ["tests", "held_out", "baselines", "defaults", "about"])
 def test_whatever_has_names_is_a_mapping(name):
     with pytest.raises(ValueError, match=f"{name} must be a mapping by name"):
         Task(make, **{name: [1]})

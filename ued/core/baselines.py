@@ -21,6 +21,14 @@ class Policy(Protocol):
         """Return the actions for N observations `[N, ...]`; `generator` is torch's."""
 
 
+def within(policy: Any, upomdp: Any) -> Any:
+    """Return a policy for the environments that it is about to play in.
+
+    A policy that reads their state, more than it observes, has a method `within(upomdp)`; others play in any.
+    """
+    return policy.within(upomdp) if hasattr(policy, "within") else policy
+
+
 class Untrained:
     """A policy without memory."""
 

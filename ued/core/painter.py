@@ -11,7 +11,12 @@ Colour = tuple[int, int, int]
 
 
 class ScenePainter(Protocol):
-    """Look of a domain's levels. Positions are in meters, +y up."""
+    """Look of a domain's levels. Positions are in meters, +y up.
+
+    Two more attributes are optional, bool `[K]`, by default of no point. `tiles` are squares that stay where they are
+    throughout an episode, such as walls; their radius is half a side. `details` belong to a scene alone: recordings
+    show no path of them, and maps of many levels leave them out.
+    """
 
     bounds: tuple[float, float, float, float]  # of initial positions: x low, x high, y low, y high
     reach: tuple[float, float, float, float]  # of positions during an episode, in the same order
@@ -29,3 +34,18 @@ class ScenePainter(Protocol):
 
     def frame(self, env: Any) -> np.ndarray:
         """Return the current points of the first environment of `env`: `[K, 2]`."""
+
+
+def tiles_of(painter: ScenePainter) -> np.ndarray:
+    """Return which points of a painter are squares: bool `[K]`."""
+    return np.asarray(getattr(painter, "tiles", np.zeros(len(painter.classes), bool)))
+
+
+def details_of(painter: ScenePainter) -> np.ndarray:
+    """Return which points of a painter belong to scenes alone: bool `[K]`."""
+    return np.asarray(getattr(painter, "details", np.zeros(len(painter.classes), bool)))
+
+
+def trails_of(painter: ScenePainter) -> np.ndarray:
+    """Return the points of a painter whose paths are shown: bool `[K]`."""
+    return ~(tiles_of(painter) | details_of(painter))

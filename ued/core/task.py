@@ -40,6 +40,7 @@ class Task:
         baselines: untrained policies by name, made for environments; "random" is always there.
         defaults: settings of a run that differ from the preset's, by dotted path: `{"ppo.gamma": 0.9}`.
         success_word: what tables call successful episodes.
+        about: what the test scenes are, by name: a sentence each, for listings.
 
     Raises ValueError for parts of other types, and for names of scenes or baselines that are no single line of text or
     that are the training distribution's.
@@ -52,9 +53,10 @@ class Task:
     baselines: Mapping[str, Callable[[UPOMDP], Policy]] = field(default_factory=dict)
     defaults: Mapping[str, Any] = field(default_factory=dict)
     success_word: str = "success"
+    about: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("tests", "held_out", "baselines", "defaults"):
+        for name in ("tests", "held_out", "baselines", "defaults", "about"):
             if not isinstance(getattr(self, name), Mapping):
                 raise ValueError(f"{name} must be a mapping by name, got {getattr(self, name)!r}")
         for key in (*self.tests, *self.held_out, *self.baselines):

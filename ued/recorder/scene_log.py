@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import rerun
 
-from ued.core.painter import ScenePainter
+from ued.core.painter import ScenePainter, tiles_of, trails_of
 from ued.levels.batch import LevelBatch
 from ued.levels.record import NONE
 from ued.recorder.layout import TOP_LEVELS, log_ground, turn_y_up
@@ -21,6 +21,8 @@ HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # decay of the heat map per update
 NOTE_SHARE = 0.02  # half the line height of a note, relative to the view
 END_SIZE = 0.55  # size of end points relative to start points
+FILLING_RADIUS = 0.31  # of a line that fills a square from -1 to 1, as Rerun has no filled squares
+FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # its points
 
 
 class Episodes(NamedTuple):
@@ -46,6 +48,7 @@ class SceneLog:
         self.stream, self.painter = stream, painter
         self._colours = np.array([colour for _, colour, _ in painter.markers], np.uint8)[painter.classes]  # [K, 3]
         self._radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]  # [K]
+        self._tiles, self._trails = tiles_of(painter), trails_of(painter)  # [K]
         x_low, x_high, y_low, y_high = painter.bounds
         cells = int(np.ceil((y_high - y_low) / HEAT_CELL)), int(np.ceil((x_high - x_low) / HEAT_CELL))
         self._heat = np.zeros(cells)  # [rows, columns], y from low to high
@@ -89,7 +92,9 @@ class SceneLog:
         for slot in range(TOP_LEVELS):
             path = f"scene/levels/{slot}"
             if slot < len(best):
-                self.stream.log(f"{path}/points", rerun.Points2D.from_fields(positions=places[best[slot]]))
+                shown = places[best[slot]]
+                self._log_tiles(path, shown)
+                self.stream.log(f"{path}/points", rerun.Points2D.from_fields(positions=self._moving(shown)))
                 self.stream.log(f"{path}/note", self._note_above(labels[best[slot]], self.painter.bounds))
             else:  # a smaller batch: clear the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
@@ -107,28 +112,44 @@ class SceneLog:
     def record_path(self, student: str, episodes: Episodes) -> None:
         """Write the whole paths of a student's episodes, with their start and end points."""
         root, parts = f"scene/rollout/{student}/path", np.split(episodes.positions, episodes.begins[1:])
-        strips = [strip for part in parts for strip in part.transpose(1, 0, 2)]
-        colours = np.tile(self._colours, (len(parts), 1))
+        strips = [strip for part in parts for strip in part[:, self._trails].transpose(1, 0, 2)]
+        colours = np.tile(self._colours[self._trails], (len(parts), 1))
         self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colours, radii=0.2))
-        self.stream.log(f"{root}/start", rerun.Points2D.from_fields(positions=parts[0][0]))
-        ends = np.concatenate([part[-1] for part in parts])
-        radii = np.tile(self._radii * END_SIZE, len(parts))
+        self.stream.log(f"{root}/start", rerun.Points2D.from_fields(positions=self._moving(parts[0][0])))
+        ends = np.concatenate([part[-1, self._trails] for part in parts])
+        radii = np.tile(self._radii[self._trails] * END_SIZE, len(parts))
+        self._log_tiles(root, parts[0][0])
         self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
         self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome, self.painter.reach))
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on timeline `movie` only, starting at second `began`."""
-        root, (steps, points) = f"scene/rollout/{student}/now", episodes.positions.shape[:2]
+        root, places = f"scene/rollout/{student}/now", self._moving(episodes.positions)
+        steps, points = places.shape[:2]
         seconds = began + np.arange(steps) * episodes.step_seconds  # [T]
         lengths = np.full(steps, points)
         self.stream.send_columns(
             root,
             [rerun.TimeColumn("movie", duration=seconds)],
-            rerun.Points2D.columns(positions=episodes.positions.reshape(-1, 2)).partition(lengths),
+            rerun.Points2D.columns(positions=places.reshape(-1, 2)).partition(lengths),
         )
         self.stream.reset_time()
         self.stream.set_time("movie", duration=float(seconds[-1] + episodes.step_seconds))
         self.stream.log(root, rerun.Clear(recursive=True))
+
+    def _moving(self, places: np.ndarray) -> np.ndarray:
+        """Return points `[..., K, 2]` in which tiles are nan, as they are drawn apart."""
+        return np.where(self._tiles[:, None], np.nan, places) if self._tiles.any() else places
+
+    def _log_tiles(self, root: str, places: np.ndarray) -> None:
+        """Write the tiles among the points `[K, 2]` as squares, each a line that fills it to and fro: see `FILLING`."""
+        if not self._tiles.any():
+            return
+        shown = self._tiles & np.isfinite(places).all(1)
+        strips = places[shown, None] + self._radii[shown, None, None] * FILLING  # [n, 8, 2]
+        radii = self._radii[shown] * FILLING_RADIUS
+        tiles = rerun.LineStrips2D(strips, colors=self._colours[shown], radii=radii, draw_order=-6)
+        self.stream.log(f"{root}/tiles", tiles)
 
     def _looks(self) -> Any:
         """Return the looks of the points of a scene."""

@@ -1,0 +1,82 @@
+"""Test mazes with a new layout in every episode: MiniGrid's FourRooms and SimpleCrossing, and perfect mazes.
+
+Written from their descriptions. Sizes are inner sides: MiniGrid and DCD count the border of walls, two cells more.
+Read next: `named_mazes`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from regista.envs.maze.grid import DIRECTIONS
+from regista.envs.maze.levels import Maze
+
+FOUR_ROOMS_SIDE, CROSSING_SIDE, CROSSINGS = 17, 9, 5
+
+
+def four_rooms(rng: np.random.Generator) -> Maze:
+    """Sample four rooms in a square: each of the four walls between two of them has a gap.
+
+    Gaps, goal, agent and its direction are uniform (MiniGrid's documentation: "both the agent and the goal square are
+    randomly placed in any of the four rooms").
+    """
+    side, middle = FOUR_ROOMS_SIDE, FOUR_ROOMS_SIDE // 2
+    walls = np.zeros((side, side), bool)
+    walls[middle], walls[:, middle] = True, True
+    low, high = rng.integers(middle, size=2), rng.integers(middle + 1, side, size=2)
+    walls[middle, [low[0], high[0]]] = walls[[low[1], high[1]], middle] = False
+    return with_ends(walls, rng)
+
+
+def simple_crossing(rng: np.random.Generator) -> Maze:
+    """Sample a room that five walls cross from side to side, MiniGrid's SimpleCrossingS11N5.
+
+    The walls stand in odd rows and columns. A path from room to room, down or right in random order, leads from the
+    agent, at the top left and facing right, to the goal at the bottom right. Each wall has one gap, in a uniform cell
+    beside the room from which the path crosses it.
+    """
+    side = CROSSING_SIDE
+    lines = rng.permutation([(axis, place) for axis in (0, 1) for place in range(1, side - 1, 2)])[:CROSSINGS]
+    edges = [[-1, *sorted(lines[lines[:, 0] == axis, 1].tolist()), side] for axis in (0, 1)]  # of rooms: rows, columns
+    walls = np.zeros((side, side), bool)
+    walls[edges[0][1:-1]], walls[:, edges[1][1:-1]] = True, True
+    room = [0, 0]
+    for axis in rng.permutation(lines[:, 0]).tolist():
+        other = 1 - axis
+        gap = [0, 0]
+        gap[axis] = edges[axis][room[axis] + 1]
+        gap[other] = int(rng.integers(edges[other][room[other]] + 1, edges[other][room[other] + 1]))
+        walls[tuple(gap)] = False
+        room[axis] += 1
+    return Maze(walls, (0, 0), (side - 1, side - 1), 0)
+
+
+def perfect_maze(side: int, rng: np.random.Generator) -> Maze:
+    """Sample a maze of S x S cells, S odd, in which exactly one way joins any two cells.
+
+    A randomized depth-first search from a uniform cell joins the cells in even rows and columns (ACCEL, appendix).
+    Agent, goal and direction are uniform.
+    """
+    nodes, walls = (side + 1) // 2, np.ones((side, side), bool)
+    path = [tuple(rng.integers(nodes, size=2).tolist())]
+    walls[2 * path[0][0], 2 * path[0][1]] = False
+    while path:
+        row, column = path[-1]
+        ahead = [
+            (row + down, column + right)
+            for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))
+            if 0 <= row + down < nodes and 0 <= column + right < nodes
+            if walls[2 * (row + down), 2 * (column + right)]
+        ]
+        if not ahead:
+            path.pop()
+            continue
+        path.append(ahead[rng.integers(len(ahead))])
+        walls[2 * path[-1][0], 2 * path[-1][1]] = walls[row + path[-1][0], column + path[-1][1]] = False
+    return with_ends(walls, rng)
+
+
+def with_ends(walls: np.ndarray, rng: np.random.Generator) -> Maze:
+    """Return the maze with these walls, and uniform places of agent and goal in different empty cells."""
+    start, goal = (divmod(int(cell), len(walls)) for cell in rng.choice(np.flatnonzero(~walls), 2, replace=False))
+    return Maze(walls, start, goal, int(rng.integers(DIRECTIONS)))

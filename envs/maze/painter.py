@@ -1,0 +1,84 @@
+"""The look of mazes in recordings, galleries and plots of levels: a `ued.core.painter.ScenePainter`.
+
+Read next: `picture`, mazes as images.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from regista.envs.maze.grid import BORDER, GOAL, VIEW, WALL
+from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR
+
+if TYPE_CHECKING:
+    from regista.envs.maze.env import Mazes
+
+CELL = 4.0  # m: recordings have lines and dots of fixed size, made for a football pitch
+MARKERS = (
+    ("walls", (120, 126, 140), 0.5 * CELL),
+    ("seen cells", (255, 214, 90), 0.12 * CELL),
+    ("goal", GOAL_COLOUR, 0.42 * CELL),
+    ("agent", AGENT_COLOUR, 0.36 * CELL),
+    ("its front", (255, 255, 255), 0.14 * CELL),
+)
+WALLS, SEEN, GOALS, AGENT, FRONT = range(5)
+FORWARD_OF = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)])  # x right, y up, by direction
+
+
+class MazePainter:
+    """Draws walls as squares, goal, agent and its front as discs; of an episode also the cells in view.
+
+    Points without a place, such as walls that a maze does not have, are nan.
+    """
+
+    background = (24, 26, 32)
+    line_colour = (200, 204, 214)
+    markers = MARKERS
+
+    def __init__(self, mazes: Mazes) -> None:
+        self.side = side = mazes.config.side
+        self.bounds = self.reach = (0.0, CELL * side, 0.0, CELL * side)
+        self.classes = np.array([WALLS] * side**2 + [SEEN] * VIEW**2 + [GOALS, AGENT, FRONT])
+        self.tiles, self.details = self.classes == WALLS, np.isin(self.classes, (SEEN, FRONT))
+        self.focus = side**2 + VIEW**2  # the goal
+        self._layouts = mazes.layouts_of
+
+    def lines(self) -> list[np.ndarray]:
+        """Return the border."""
+        low, high = 0.0, CELL * self.side
+        return [np.array([(low, low), (high, low), (high, high), (low, high), (low, low)])]
+
+    def positions(self, theta: np.ndarray) -> np.ndarray:
+        """Return the points of the mazes of θ `[L, D]` at the start of an episode: `[L, K, 2]`."""
+        layouts = self._layouts(theta)
+        rows = zip(layouts.grid, layouts.start.tolist(), layouts.direction.tolist(), strict=True)
+        points = [self._points(grid, at, direction) for grid, at, direction in rows]
+        return np.stack(points) if points else np.zeros((0, len(self.classes), 2))
+
+    def frame(self, env: Any) -> np.ndarray:
+        """Return the current points of the first environment of `env`: `[K, 2]`."""
+        at, direction = int(env.agents.at[0]), int(env.agents.direction[0])
+        points = self._points(env.layouts.grid[0], at, direction)
+        seen = self._places(env.seen()[0])
+        inside = seen[((seen > 0) & (seen < CELL * self.side)).all(1)]
+        points[self.side**2 : self.side**2 + len(inside)] = inside
+        return points
+
+    def _points(self, grid: np.ndarray, at: int, direction: int) -> np.ndarray:
+        points = np.full((len(self.classes), 2), np.nan)
+        width = self.side + 2 * BORDER
+        inner = grid.reshape(width, width)[BORDER:-BORDER, BORDER:-BORDER]
+        walls = np.flatnonzero(inner.ravel() == WALL)
+        points[walls] = CELL * np.stack([walls % self.side + 0.5, self.side - 0.5 - walls // self.side], 1)
+        agent = self._places(np.array([at]))[0]
+        points[self.classes == GOALS] = self._places(np.flatnonzero(grid == GOAL)[:1])
+        points[self.classes == AGENT] = agent
+        points[self.classes == FRONT] = agent + 0.3 * CELL * FORWARD_OF[direction]
+        return points
+
+    def _places(self, entries: np.ndarray) -> np.ndarray:
+        """Return the centers of entries of the grid `[n]`: `[n, 2]` m."""
+        row, column = np.divmod(entries, self.side + 2 * BORDER)
+        return CELL * np.stack([column - BORDER + 0.5, self.side - 0.5 - (row - BORDER)], 1)

@@ -1,0 +1,126 @@
+"""Levels of your own that are no vectors of numbers: walls, a start and a goal, with PLR and ACCEL.
+
+    python examples/own_levels.py --method accel --env-steps 200000
+
+`Mazes` says how a maze is drawn, changed a little, and written as a code; that is all the toolkit asks of levels of
+your own.
+"""
+
+import argparse
+from typing import NamedTuple
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+import ued
+
+SIDE = 9
+LONGEST = 50  # steps
+MOST_WALLS = 30
+MOVES = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])  # up, down, left, right
+
+
+class Maze(NamedTuple):
+    """One level: which cells are walls `[SIDE, SIDE]`, where the walker begins, where the goal is."""
+
+    walls: np.ndarray
+    start: tuple[int, int]
+    goal: tuple[int, int]
+
+
+class Mazes:
+    """Mazes as levels: a `ued.LevelFamily`."""
+
+    size = SIDE * SIDE + 2  # a cell each, then the places of start and goal
+
+    def sample(self, rng: np.random.Generator) -> Maze:
+        """Put up to MOST_WALLS walls anywhere, start and goal in free cells."""
+        cells = rng.permutation(SIDE * SIDE)
+        walls = np.zeros(SIDE * SIDE, bool)
+        walls[cells[2 : 2 + rng.integers(MOST_WALLS + 1)]] = True
+        return Maze(walls.reshape(SIDE, SIDE), divmod(int(cells[0]), SIDE), divmod(int(cells[1]), SIDE))
+
+    def mutate(self, level: Maze, rng: np.random.Generator) -> Maze:
+        """Build or tear down one wall, or move the goal to a free cell."""
+        walls, cell = level.walls.copy(), tuple(rng.integers(SIDE, size=2).tolist())
+        if cell in (level.start, level.goal):
+            return level
+        if rng.random() < 0.2 and not walls[cell]:
+            return level._replace(goal=cell)
+        walls[cell] = not walls[cell]
+        return level._replace(walls=walls)
+
+    def encode(self, level: Maze) -> np.ndarray:
+        """Return walls as ±1, and two places between -1 and 1."""
+        places = [(2 * (y * SIDE + x) + 1) / SIDE**2 - 1 for y, x in (level.start, level.goal)]
+        return np.concatenate([np.where(level.walls.ravel(), 1.0, -1.0), places])
+
+    def decode(self, code: np.ndarray) -> Maze:
+        """Return the maze of a code."""
+        start, goal = (divmod(int((place + 1) / 2 * SIDE**2), SIDE) for place in code[-2:])
+        return Maze(code[:-2].reshape(SIDE, SIDE) > 0, start, goal)
+
+
+class MazeEnv(gymnasium.Env):
+    """Walk to the goal: paid 1 at once, less the later. Seen are walls, walker and goal, a plane each."""
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 8}  # noqa: RUF012
+    observation_space = Box(0, 255, (SIDE, SIDE, 3), np.uint8)
+    action_space = Discrete(4)
+    maze: Maze
+
+    def __init__(self, render_mode: str | None = None) -> None:
+        self.render_mode = render_mode
+
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.at, self.steps = self.maze.start, 0
+        return self._observe(), {}
+
+    def step(self, action):
+        y, x = np.clip(np.add(self.at, MOVES[action]), 0, SIDE - 1).tolist()
+        if not self.maze.walls[y, x]:
+            self.at = (y, x)
+        self.steps += 1
+        arrived = self.at == self.maze.goal
+        reward = 1 - 0.9 * self.steps / LONGEST if arrived else 0.0
+        return self._observe(), reward, arrived, self.steps >= LONGEST, {}
+
+    def render(self):
+        walls = np.where(self.maze.walls[..., None], (60, 60, 70), (235, 235, 230)).astype(np.uint8)
+        walls[self.maze.goal], walls[self.at] = (60, 170, 90), (220, 80, 50)
+        return walls.repeat(16, 0).repeat(16, 1)
+
+    def _observe(self) -> np.ndarray:
+        seen = np.zeros((SIDE, SIDE, 3), np.uint8)
+        seen[..., 0] = 255 * self.maze.walls
+        seen[(*self.at, 1)] = seen[(*self.maze.goal, 2)] = 255
+        return seen
+
+
+def put(env: gymnasium.Env, level: Maze) -> None:
+    """Put a level into an environment."""
+    env.unwrapped.maze = level
+
+
+def make(num_envs: int = 32) -> ued.GymUPOMDP:
+    """Make mazes to train on."""
+    return ued.GymUPOMDP(lambda: MazeEnv("rgb_array"), put, Mazes(), num_envs)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--method", choices=["plr", "accel"], default="accel")
+    parser.add_argument("--env-steps", type=int, default=200_000)
+    arguments = parser.parse_args()
+    buffer = ued.BufferConfig(capacity=256)
+    settings = ued.ACCELConfig(buffer=buffer) if arguments.method == "accel" else ued.PLRConfig(buffer=buffer)
+    method = ued.METHODS[arguments.method].load()(make(), ued.PPOConfig(num_steps=64), settings, seed=0)
+    while method.env_steps < arguments.env_steps:
+        metrics = method.update()
+        print(f"{method.env_steps} env_steps, return {metrics['return/student']:.2f}, {metrics['levels']:.0f} levels")
+
+
+if __name__ == "__main__":
+    main()
