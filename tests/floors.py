@@ -83,6 +83,7 @@ FLOORS = {
         "scenic3.vector_env",  # processes of them
     ),
     "ued": (
+        "settings",  # how they are declared
         "config",  # hyperparameters
         "statistics",
         "core.seeding",
