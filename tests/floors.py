@@ -72,6 +72,7 @@ FLOORS = {
         "maze.grid",  # the arrays of mazes
         "maze.view",  # what agents see
         "maze.dynamics",  # a step
+        "maze.builder",  # an adversary's steps
         "maze.levels",
         "maze.rollout",
         "maze.env",
@@ -94,6 +95,7 @@ FLOORS = {
         "core.columns",  # tables on disk, by column
         "core.checkpoint",
         "core.cells",  # of columns with finitely many values
+        "core.families",  # levels that are not vectors of parameters
         "core.processes",  # what a process asks of the system
         "core.parameters",  # what the columns of theta are
         "core.level_space",  # levels, and which there are

@@ -118,8 +118,29 @@ class DRConfig(Checked):
 
 
 @dataclass(frozen=True)
+class BuilderConfig(Checked):
+    """Settings of PPO for an adversary that builds levels step by step."""
+
+    learning_rate: float = setting(1e-3, "step size of Adam", ">0", most=10)
+    ent_coef: float = setting(
+        0.01, "weight of the entropy of each step's action (in nats); the regret is normalized", ">=0", most=1e6
+    )
+    gamma: float = setting(0.995, "discount per step", "0-1")
+    gae_lambda: float = setting(0.95, "lambda of generalized advantage estimation", "0-1")
+    num_minibatches: int = setting(1, "minibatches per epoch", ">=1", most=65_536)
+    update_epochs: int = setting(5, "passes over each batch of levels", ">=1", most=10_000)
+    memory: Literal["none", "gru"] = setting(
+        "none", "memory within a level: none, since the level so far is observed, or a GRU"
+    )
+
+
+@dataclass(frozen=True)
 class AdversaryConfig(Checked):
-    """Settings of the adversary and its learning."""
+    """Settings of the adversary and its learning.
+
+    An adversary that builds levels step by step learns with `steps`; of the others it uses `clip_coef`, `vf_coef`,
+    `max_grad_norm`, `adam_eps`, `context_size`, `hidden_size` and `min_batch`.
+    """
 
     learning_rate: float = setting(1e-2, "step size of Adam", ">0", most=10)
     ent_coef: float = setting(
@@ -149,6 +170,15 @@ class AdversaryConfig(Checked):
         "has passed since its last update; without a budget, one level per environment, at most 32)",
         ">=1",
         most=1_000_000,
+    )
+
+    builder: Literal["auto", "direct", "steps"] = setting(
+        "auto",
+        "how the adversary makes a level: direct, all of theta at once; steps, step by step, for a level family with a "
+        "builder; auto, in steps where that is possible",
+    )
+    steps: BuilderConfig = field(
+        default_factory=BuilderConfig, metadata={"help": "an adversary that builds levels step by step"}
     )
 
     @classmethod
