@@ -133,6 +133,15 @@ def test_a_resumed_run_on_mazes_goes_on_as_it_would_have(builder):
         assert one.last.theta.tobytes() == other.last.theta.tobytes()
 
 
+def test_a_buffer_may_replay_all_levels():
+    for family in (TypedWords(), DeclaredWords()):
+        assert len(teacher(family).propose(0)) == 0
+    config = dataclasses.replace(settings_of("repaired", "steps"), replay_prob=1.0, min_fill=0.01)
+    method = METHODS["repaired"].load()(Mazes(4, MAZES), SMALL, config, 0)
+    replayed = [method.update()["levels/replayed"] for _ in range(4)]
+    assert replayed[-1] > 0
+
+
 def test_proposals_that_wait_are_few():
     method = METHODS["paired"].load()(Mazes(4, MAZES), SMALL, settings_of("paired", "steps"), 0)
     for _ in range(12):
@@ -218,14 +227,18 @@ def test_a_refusal_says_what_would_have_been_right(family, builder, words):
 
 
 def test_families_that_contradict_themselves_are_refused():
-    short, still, flat = DeclaredWords(), TypedWords(), TypedWords()
+    short, still, flat, vast = DeclaredWords(), TypedWords(), TypedWords(), TypedWords()
     short.parameters = {"letter": (0, 1)}
-    still.builder, flat.builder = Typist(), Typist()
-    still.builder.steps = 0
+    still.builder, flat.builder, vast.builder = Typist(), Typist(), Typist()
+    still.builder.steps, vast.builder.steps = 0, 10**8
     flat.builder.observe = lambda levels: np.zeros(len(levels[0]))
     for family, words in (
         (short, "have 4 entries, so its `parameters` must be as many, got 1"),
         (still, "Typist must have at least one step and one action, got 0 steps of 4 actions"),
+        (
+            vast,
+            "a batch of 32 levels of 100_000_000 steps, each observed as 4 numbers, needs .* or use builder = direct",
+        ),
         (flat, r"Typist.observe must return a vector per level, for 2 levels \[2, F\], got \[2\]"),
     ):
         with pytest.raises(ValueError, match=words):

@@ -1,11 +1,12 @@
-"""Parameters of several kinds as columns of θ in [-1, 1], and levels that are not vectors of parameters.
+"""Parameters of several kinds as columns of θ in [-1, 1].
 
     {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
 
 A column with finitely many values divides [-1, 1] into cells, whose widths are proportional to the probabilities of the
 values. Every θ in a cell is the same value, and levels hold its center, so that equal levels have equal θ. Methods use
 these `Cells`: edits and adversaries draw values, entropy counts them. None depends on the order of a choice's options.
-Read next: `cells`; `upomdp`, the seam; `adapters.gym`, which puts values into environments.
+Read next: `cells`; `families`, levels that are not vectors; `upomdp`, the seam; `adapters.gym`, which puts values into
+environments.
 """
 
 from __future__ import annotations

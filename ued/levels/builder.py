@@ -27,10 +27,12 @@ from ued.config import AdversaryConfig, PPOConfig
 from ued.core.families import LevelBuilder
 from ued.core.level_space import SEEDS
 from ued.core.resumable import Resumable
+from ued.core.room import machine_bytes, size
 from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 from ued.levels.adversary import RunningScale
+from ued.levels.budget import BATCH
 
 
 class Built(NamedTuple):
@@ -55,7 +57,8 @@ class Builder(Resumable):
         config: its network and learning, see `AdversaryConfig.steps`.
         generator: random generator of weights, samples and minibatches.
 
-    Raises `ValueError` for a builder without steps or actions, or whose observations are no vectors.
+    Raises `ValueError` for a builder without steps or actions, whose observations are no vectors, or whose levels need
+    more memory than this machine has.
     """
 
     state_fields = ("ppo", "scale")
@@ -184,4 +187,10 @@ def _check(builder: LevelBuilder) -> int:
     shape = np.shape(builder.observe(builder.begin(np.zeros(2, np.int64))))
     if len(shape) != 2 or shape[0] != 2:
         raise ValueError(f"{name}.observe must return a vector per level, for 2 levels [2, F], got {list(shape)}")
+    needed = 4 * BATCH * builder.steps * (shape[1] + builder.steps)
+    if needed > machine_bytes():
+        raise ValueError(
+            f"a batch of {BATCH} levels of {builder.steps:_} steps, each observed as {shape[1]:_} numbers, needs "
+            f"{size(needed)}, this machine has {size(machine_bytes())}; build smaller levels, or use builder = direct"
+        )
     return shape[1]

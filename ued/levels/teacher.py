@@ -58,6 +58,8 @@ class Teacher(Resumable):
 
     def propose(self, count: int) -> np.ndarray:
         """Return `count` level records: proposals of the adversary, and a share of random levels."""
+        if not count:  # a buffer may replay all levels
+            return np.zeros(0, self.dtype)
         proposals = self.adversary.propose(count, self._context(count))
         theta = self.adversary.theta(proposals)  # [count, D]
         records = make_records(self.dtype, self.space.make_levels(theta), Origin.PROPOSED)
