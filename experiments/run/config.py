@@ -247,7 +247,7 @@ ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu"}
 ADDED |= {"levels_format": "csv"}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
-ADDED |= {f"{method}.adversary.builder": "direct" for method in TAUGHT}
+ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
