@@ -255,3 +255,6 @@ def test_the_state_of_the_other_adversary_is_refused():
     for own, other, words in ((direct, steps, "builds levels"), (steps, direct, "chooses levels in one step")):
         with pytest.raises(ValueError, match=f"the saved adversary {words}"):
             own.load_state_dict(other.state_dict())
+    wider = made(TypedWords(), hidden_size=9)
+    with pytest.raises(ValueError, match=r"its actor.layer.weight is \[4, 9\], this one's \[4, 64\]"):
+        steps.load_state_dict(wider.state_dict())

@@ -154,9 +154,19 @@ class Builder(Resumable):
         )
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`. Raises `ValueError` for the state of another kind of adversary."""
+        """Restore the state of `state_dict`. Raises `ValueError` for another kind of adversary, or of other levels."""
         if "ppo" not in state:
             raise ValueError("the saved adversary chooses levels in one step (builder = direct), this one builds them")
+        own, saved = (
+            {name: list(weight.shape) for name, weight in weights.items()}
+            for weights in (self.ppo.student.state_dict(), state["ppo"]["student"])
+        )
+        if own != saved:
+            other = next(name for name in sorted(own.keys() | saved.keys()) if own.get(name) != saved.get(name))
+            raise ValueError(
+                f"the saved adversary has other observations, actions or layers: its {other} is {saved.get(other)}, "
+                f"this one's {own.get(other)}"
+            )
         super().load_state_dict(state)
 
 
