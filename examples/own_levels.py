@@ -1,13 +1,13 @@
-"""Levels of your own that are no vectors of numbers: walls, a start and a goal, with PLR and ACCEL.
+"""Levels of your own that are no vectors of numbers: walls, a start and a goal, with PLR, ACCEL and PAIRED.
 
     python examples/own_levels.py --method accel --env-steps 200000
 
-`Mazes` says how a maze is drawn, changed a little, and written as a code; that is all the toolkit asks of levels of
-your own.
+`Mazes` says how a maze is drawn, changed a little, and written as a code; that is all that PLR and ACCEL need of levels
+of your own. PAIRED also needs `parameters`, which say what the columns of a code are.
 """
 
 import argparse
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -33,6 +33,11 @@ class Mazes:
     """Mazes as levels: a `ued.LevelFamily`."""
 
     size = SIDE * SIDE + 2  # a cell each, then the places of start and goal
+    parameters: ClassVar = {  # optional, for adversaries: what the columns of a code are
+        **{f"wall {cell}": ued.Choice(False, True, weights=(5, 1)) for cell in range(SIDE * SIDE)},
+        "start": ued.Choice(*range(SIDE * SIDE)),
+        "goal": ued.Choice(*range(SIDE * SIDE)),
+    }
 
     def sample(self, rng: np.random.Generator) -> Maze:
         """Put up to MOST_WALLS walls anywhere, start and goal in free cells."""
@@ -57,9 +62,11 @@ class Mazes:
         return np.concatenate([np.where(level.walls.ravel(), 1.0, -1.0), places])
 
     def decode(self, code: np.ndarray) -> Maze:
-        """Return the maze of a code."""
+        """Return the maze of a code, without walls at start and goal."""
         start, goal = (divmod(int((place + 1) / 2 * SIDE**2), SIDE) for place in code[-2:])
-        return Maze(code[:-2].reshape(SIDE, SIDE) > 0, start, goal)
+        walls = code[:-2].reshape(SIDE, SIDE) > 0
+        walls[start] = walls[goal] = False
+        return Maze(walls, start, goal)
 
 
 class MazeEnv(gymnasium.Env):
@@ -104,22 +111,33 @@ def put(env: gymnasium.Env, level: Maze) -> None:
     env.unwrapped.maze = level
 
 
+def is_maze(level: Maze) -> bool:
+    """Return whether a level can be played; an adversary may propose others."""
+    return level.start != level.goal
+
+
 def make(num_envs: int = 32) -> ued.GymUPOMDP:
     """Make mazes to train on."""
-    return ued.GymUPOMDP(lambda: MazeEnv("rgb_array"), put, Mazes(), num_envs)
+    return ued.GymUPOMDP(lambda: MazeEnv("rgb_array"), put, Mazes(), num_envs, valid=is_maze)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--method", choices=["plr", "accel"], default="accel")
+    parser.add_argument("--method", choices=["plr", "accel", "paired"], default="accel")
     parser.add_argument("--env-steps", type=int, default=200_000)
     arguments = parser.parse_args()
     buffer = ued.BufferConfig(capacity=256)
-    settings = ued.ACCELConfig(buffer=buffer) if arguments.method == "accel" else ued.PLRConfig(buffer=buffer)
-    method = ued.METHODS[arguments.method].load()(make(), ued.PPOConfig(num_steps=64), settings, seed=0)
+    settings = {
+        "plr": ued.PLRConfig(buffer=buffer),
+        "accel": ued.ACCELConfig(buffer=buffer),
+        "paired": ued.PairedConfig(),
+    }
+    kind = ued.METHODS[arguments.method].load()
+    method = kind(make(), ued.PPOConfig(num_steps=64), settings[arguments.method], seed=0)
     while method.env_steps < arguments.env_steps:
         metrics = method.update()
-        print(f"{method.env_steps} env_steps, return {metrics['return/student']:.2f}, {metrics['levels']:.0f} levels")
+        mean = metrics[f"return/{method.learners[0].name}"]
+        print(f"{method.env_steps} env_steps, return {mean:.2f}, {metrics['levels']:.0f} levels")
 
 
 if __name__ == "__main__":

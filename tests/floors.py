@@ -72,6 +72,7 @@ FLOORS = {
         "maze.grid",  # the arrays of mazes
         "maze.view",  # what agents see
         "maze.dynamics",  # a step
+        "maze.builder",  # an adversary's steps
         "maze.levels",
         "maze.rollout",
         "maze.paths",  # how far the goal is
@@ -92,6 +93,7 @@ FLOORS = {
         "scenic3.vector_env",  # processes of them
     ),
     "ued": (
+        "settings",  # how they are declared
         "config",  # hyperparameters
         "statistics",
         "core.seeding",
@@ -102,6 +104,7 @@ FLOORS = {
         "core.columns",  # tables on disk, by column
         "core.checkpoint",
         "core.cells",  # of columns with finitely many values
+        "core.families",  # levels that are not vectors of parameters
         "core.processes",  # what a process asks of the system
         "core.parameters",  # what the columns of theta are
         "core.level_space",  # levels, and which there are

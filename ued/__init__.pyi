@@ -8,6 +8,7 @@ from ued.config import ACCELConfig as ACCELConfig
 from ued.config import AdversaryConfig as AdversaryConfig
 from ued.config import ALPGMMConfig as ALPGMMConfig
 from ued.config import BufferConfig as BufferConfig
+from ued.config import BuilderConfig as BuilderConfig
 from ued.config import DRConfig as DRConfig
 from ued.config import MinimaxConfig as MinimaxConfig
 from ued.config import PairedConfig as PairedConfig
@@ -20,13 +21,14 @@ from ued.config import SFLConfig as SFLConfig
 from ued.core.checkpoint import CheckpointError as CheckpointError
 from ued.core.curriculum import Curriculum as Curriculum
 from ued.core.curriculum import ThetaSpace as ThetaSpace
+from ued.core.families import LevelBuilder as LevelBuilder
+from ued.core.families import LevelFamily as LevelFamily
 from ued.core.level_space import LevelError as LevelError
 from ued.core.level_space import ThetaError as ThetaError
 from ued.core.level_space import level_dtype as level_dtype
 from ued.core.level_space import luck_seed as luck_seed
 from ued.core.parameters import Choice as Choice
 from ued.core.parameters import Integer as Integer
-from ued.core.parameters import LevelFamily as LevelFamily
 from ued.core.parameters import LogRange as LogRange
 from ued.core.parameters import Range as Range
 from ued.core.parameters import Seeds as Seeds
@@ -39,6 +41,7 @@ from ued.learning.student import Student as Student
 from ued.levels.adversary import Adversary as Adversary
 from ued.levels.batch import LevelBatch as LevelBatch
 from ued.levels.buffer import LevelBuffer as LevelBuffer
+from ued.levels.builder import Builder as Builder
 from ued.levels.record import level_record_dtype as level_record_dtype
 from ued.levels.table import read_level as read_level
 from ued.levels.table import read_levels as read_levels

@@ -8,20 +8,25 @@ uniform direction. As in these sources, some mazes have no path to the goal.
 
 An edit is one of ACCEL's in DCD (`AdversarialEnv.mutate_level`, editor "walls_none_goal"): a uniform cell becomes a
 wall, an empty cell or the goal. Several edits follow each other here; DCD's are made at once, in different cells.
-Read next: `env`.
+
+An adversary builds mazes step by step (see `builder`), or chooses all cells at once. Read next: `builder`; `env`.
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from regista.envs.maze.builder import MazeBuilder, bins
 from regista.envs.maze.grid import DIRECTIONS, Layouts, layouts_of
 from ued.core.cells import bin_center, index_in
+from ued.core.parameters import Choice, Integer
 
 ARROWS = ">v<^"  # agents in drawings, by direction
 EDITS = ("wall", "empty", "goal")
+MOST_OPTIONS = 400  # cells of a maze in which an adversary that chooses at once may prefer single cells
 
 
 class Maze(NamedTuple):
@@ -44,12 +49,27 @@ class MazeFamily:
         side: S.
         num_walls: walls placed in random mazes.
         random_count: place a uniform number of walls below `num_walls` instead.
+        goal_last: let an adversary place goal and agent after the walls; see `builder`.
     """
 
-    def __init__(self, side: int = 13, num_walls: int = 25, random_count: bool = False) -> None:
+    def __init__(
+        self, side: int = 13, num_walls: int = 25, random_count: bool = False, goal_last: bool = False
+    ) -> None:
         self.side, self.num_walls, self.random_count = side, num_walls, random_count
         self.size = side * side + 3
-        self._bins = np.array([2] * side * side + [side * side, side * side, DIRECTIONS])
+        self.builder = MazeBuilder(side, num_walls, random_count, goal_last)
+        self._bins = bins(side)
+
+    @cached_property
+    def parameters(self) -> dict[str, Choice | Integer]:
+        """The columns of codes: a wall or none in each cell, as likely as in random mazes; start, goal, direction."""
+        cells, counts = self.side**2, np.arange(self.num_walls) if self.random_count else np.array([self.num_walls])
+        share = 1 - ((1 - 1 / cells) ** counts).mean() if self.num_walls else 0.0
+        share = float(np.clip(share, 0.5 / cells, 1 - 0.5 / cells))  # none and all are possible
+        names = [f"wall[{row}, {column}]" for row in range(self.side) for column in range(self.side)]
+        place = Choice(*range(cells)) if cells <= MOST_OPTIONS else Integer(0, cells - 1)
+        rest = {"start": place, "goal": place, "direction": Choice(*ARROWS)}
+        return dict.fromkeys(names, Choice("empty", "wall", weights=(1 - share, share))) | rest
 
     def draw_codes(self, rng: np.random.Generator, count: int) -> np.ndarray:
         """Sample the codes of `count` mazes at once: `[count, size]`."""

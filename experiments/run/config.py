@@ -21,7 +21,7 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, UsageError, nearest
-from ued.config import LARGEST_SEED, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
+from ued.config import LARGEST_SEED, BuilderConfig, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
 from ued.core.files import write_whole
 from ued.methods import METHODS
 
@@ -246,6 +246,9 @@ OF_MACHINES = 1_024  # upper limit of threads on any machine
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu"}
 ADDED |= {"levels_format": "csv"}
+TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
+ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
+ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
 

@@ -10,6 +10,7 @@ import torch
 from ued.config import AdversaryConfig
 from ued.core.parameters import Choice, Column, Integer, Range, numbered, quantize
 from ued.core.seeding import torch_generator
+from ued.levels import theta_distribution
 from ued.levels.adversary import Adversary, RunningScale
 
 PEAK = 0.5
@@ -219,3 +220,24 @@ def test_no_proposals_are_an_empty_array(distribution):
     adversary = Adversary(MIXED, AdversaryConfig(distribution=distribution), torch_generator(0))
     proposals = adversary.propose(0)
     assert adversary.theta(proposals).shape == (0, 4) and proposals.log_prob.shape == (0,)
+
+
+WIDE = (Column("cell", Choice(*range(70))), *CHOICES, Column("x", Range(0, 1)), Column("other", Choice(*range(90))))
+
+
+def test_choices_of_many_values_are_padded_apart_and_nothing_else_changes(monkeypatch):
+    apart, rng = moved(WIDE).network, torch_generator(3)
+    assert apart.logits.shape[:2] == (2, 5) and apart.wide_logits.shape[:2] == (2, 90)
+    monkeypatch.setattr(theta_distribution, "WIDE", 1000)
+    joined = moved(WIDE).network
+    with torch.no_grad():
+        for name in ("logits", "seen"):
+            both = getattr(joined, name).zero_()
+            both[1:3, :5], both[[0, 3]] = getattr(apart, name), getattr(apart, f"wide_{name}")
+        for part in ("first", "second", "value", "bumps"):
+            getattr(joined, part).load_state_dict(getattr(apart, part).state_dict())
+    z = torch.empty(200, 1).normal_(generator=rng)
+    raw, density = apart.sample(z, rng)
+    assert len(raw[:, 0].unique()) > 20 and density.std() > 0.1
+    for mine, theirs in zip(apart(z, raw), joined(z, raw), strict=True):
+        torch.testing.assert_close(mine, theirs, rtol=1e-4, atol=1e-4)

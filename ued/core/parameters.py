@@ -1,11 +1,12 @@
-"""Parameters of several kinds as columns of θ in [-1, 1], and levels that are not vectors of parameters.
+"""Parameters of several kinds as columns of θ in [-1, 1].
 
     {"gravity": Range(5, 15), "mass": LogRange(0.1, 10), "legs": Integer(2, 6), "ground": Choice("grass", "ice")}
 
 A column with finitely many values divides [-1, 1] into cells, whose widths are proportional to the probabilities of the
 values. Every θ in a cell is the same value, and levels hold its center, so that equal levels have equal θ. Methods use
 these `Cells`: edits and adversaries draw values, entropy counts them. None depends on the order of a choice's options.
-Read next: `cells`; `upomdp`, the seam; `adapters.gym`, which puts values into environments.
+Read next: `cells`; `families`, levels that are not vectors; `upomdp`, the seam; `adapters.gym`, which puts values into
+environments.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from ued.core.cells import Cells, bin_center, cut, index_in
+from ued.core.families import LevelFamily
 
 MOST_CATEGORIES = 32  # an `Integer` with more values is treated as a range in steps
 
@@ -183,32 +185,6 @@ class Column(NamedTuple):
         return float(self.kind.high)
 
 
-@runtime_checkable
-class LevelFamily(Protocol):
-    """Levels of your own that are not vectors of parameters: mazes, tracks, graphs.
-
-    A level may be any object; its code, numbers in [-1, 1], is stored and compared. Equal levels have equal codes.
-
-    Attributes:
-        size: length of a code.
-    """
-
-    @property
-    def size(self) -> int: ...
-
-    def sample(self, rng: np.random.Generator) -> Any:
-        """Sample a valid level."""
-
-    def mutate(self, level: Any, rng: np.random.Generator) -> Any:
-        """Return a valid level that differs a little from this one."""
-
-    def encode(self, level: Any) -> np.ndarray:
-        """Return the code `[size]` of a level."""
-
-    def decode(self, code: np.ndarray) -> Any:
-        """Return the level of a code `[size]`."""
-
-
 @dataclass(frozen=True)
 class Seeds:
     """Levels that are seeds alone, as in Procgen: `count` of them, `first`, `first + 1`, ...
@@ -273,7 +249,7 @@ class ThetaMap:
         elif isinstance(theta, Seeds):
             self.draws = theta.draws
         elif isinstance(theta, Mapping):
-            self.draws = tuple(Column(name, _kind(name, about)) for name, about in theta.items())
+            self.draws = columns_of(theta)
         elif isinstance(theta, LevelFamily):
             self.level_family = theta
             self.draws = numbered("code", theta.size)
@@ -288,7 +264,8 @@ class ThetaMap:
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return which rows of θ `[n, D]` are valid: bool `[n]`."""
-        good = np.ones(len(theta), bool) if self.program is None else self.program.valid(theta)
+        says = getattr(self.level_family if self.program is None else self.program, "valid", None)
+        good = np.ones(len(theta), bool) if says is None else np.array(says(theta), bool)
         if self._valid is not None:
             for row in np.flatnonzero(good):
                 good[row] = bool(self._valid(self.values(theta[row])))
@@ -332,6 +309,28 @@ def _placed(column: Column, value: Any) -> float:
 def numbered(name: str, count: int) -> tuple[Column, ...]:
     """Return columns `name[0]`, `name[1]`, ... from -1 to 1: θ itself."""
     return tuple(Column(f"{name}[{i}]", Range(-1.0, 1.0)) for i in range(count))
+
+
+def columns_of(kinds: Mapping[str, Any]) -> tuple[Column, ...]:
+    """Return columns of these names and kinds. Raises `ValueError` for something that is no kind."""
+    return tuple(Column(name, _kind(name, about)) for name, about in kinds.items())
+
+
+def family_columns(family: LevelFamily) -> tuple[Column, ...] | None:
+    """Return the columns that a family declares for its codes; None if it declares none.
+
+    Raises `ValueError` if their number is not the length of a code.
+    """
+    declared = getattr(family, "parameters", None)
+    if declared is None:
+        return None
+    columns = columns_of(declared)
+    if len(columns) != family.size:
+        raise ValueError(
+            f"the codes of {type(family).__name__} have {family.size} entries, so its `parameters` must be as many, "
+            f"got {len(columns)}"
+        )
+    return columns
 
 
 def _kind(name: str, about: Any) -> Kind:

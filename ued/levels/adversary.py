@@ -3,7 +3,8 @@
 The vector z lets the same weights propose many different levels. The reward of a proposal is its score plus an entropy
 bonus, the negative log-density relative to the program's distribution. So with equal scores the program's distribution
 is optimal, for choices and real numbers, and no closed form of the entropy is needed.
-Read next: `levels.theta_distribution`, the distribution; `levels.teacher`, which contains the adversary.
+Read next: `levels.theta_distribution`, the distribution; `levels.teacher`, which contains the adversary;
+`levels.builder`, an adversary of many steps.
 """
 
 from __future__ import annotations
@@ -79,6 +80,19 @@ class Adversary(Resumable):
         self.optimizer = Adam(self.network.parameters(), config.learning_rate, config.adam_eps)
         self.scale = RunningScale()
 
+    @property
+    def record_fields(self) -> list[tuple[Any, ...]]:
+        """The fields of a level record that hold a proposal: those of `Proposals`."""
+        return [
+            ("z", np.float32, (self.context_size,)),
+            ("raw", np.float32, (self.dim,)),
+            ("log_prob", np.float32),
+        ]
+
+    def read(self, records: np.ndarray) -> Proposals:
+        """Return the proposals in these fields of level records `[n]`."""
+        return Proposals(*(np.ascontiguousarray(records[name]) for name in Proposals._fields))
+
     @torch.inference_mode()
     def propose(self, count: int, context: np.ndarray | None = None) -> Proposals:
         """Sample `count` proposals, from random vectors or from this context `[count, context_size]`."""
@@ -95,14 +109,16 @@ class Adversary(Resumable):
     def learn(self, proposals: Proposals, score: np.ndarray) -> dict[str, float]:
         """Update on the scores `[n]` of these proposals; return losses, averaged over epochs, and the entropy of θ.
 
-        The entropy is estimated from the proposals, in nats; the program's distribution has D log 2.
+        The entropy is estimated from the proposals, in nats; the program's distribution has D log 2. `gradient_steps`
+        is the number of epochs.
         """
         self.scale.track(score)
         earned = self.scale(score) - self.config.ent_coef * proposals.log_prob
         batch = [torch.as_tensor(np.asarray(part, np.float32)) for part in (*proposals, earned)]
         logs = [self._epoch(*batch) for _ in range(self.config.update_epochs)]
         entropy = self.dim * math.log(2) - float(proposals.log_prob.mean(dtype=np.float64))
-        return dict(zip(LOSSES, np.mean(logs, 0).tolist(), strict=True)) | {"entropy": entropy}
+        losses = dict(zip(LOSSES, np.mean(logs, 0).tolist(), strict=True))
+        return losses | {"entropy": entropy, "gradient_steps": float(len(logs))}
 
     def _epoch(self, z: Tensor, raw: Tensor, before: Tensor, earned: Tensor) -> tuple[float, ...]:
         """Take a gradient step on policy_loss + vf_coef * value_loss. `before` `[n]`: log-densities when proposed."""
@@ -121,7 +137,12 @@ class Adversary(Resumable):
         return policy_loss.item(), value_loss.item(), norm.item()
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`. Raises `ValueError` for another distribution or other columns."""
+        """Restore the state of `state_dict`.
+
+        Raises `ValueError` for another kind of adversary, another distribution, or other columns.
+        """
+        if "network" not in state:
+            raise ValueError("the saved adversary builds levels (builder = steps), this one chooses them in one step")
         own = {name: tuple(weight.shape) for name, weight in self.network.state_dict().items()}
         saved = {name: tuple(weight.shape) for name, weight in state["network"].items()}
         if own != saved:

@@ -11,14 +11,13 @@ from typing import Any
 import numpy as np
 
 from ued.config import TeacherConfig
-from ued.core.curriculum import LevelSpace, need_vector
-from ued.core.level_space import as_void_view, level_dtype
+from ued.core.level_space import LevelSpace, as_void_view, level_dtype
 from ued.core.resumable import Resumable
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import UPOMDP
-from ued.levels.adversary import Adversary, Proposals
 from ued.levels.budget import Budget
 from ued.levels.diagnostics import choice_metrics
+from ued.levels.proposer import Proposer, make_adversary
 from ued.levels.record import Origin, level_record_dtype, make_records
 
 
@@ -32,7 +31,7 @@ class Teacher(Resumable):
         seed: of its random streams.
         budget: of the run, which decides when it learns; see `AdversaryConfig.min_batch`.
 
-    Raises `ValueError` if the environment has no free parameters.
+    Raises `ValueError` if the environment has no free parameters, or an adversary cannot choose its levels.
     """
 
     state_fields: tuple[str, ...] = ("adversary", "pending_proposals", "mix", "learned_at")
@@ -50,26 +49,22 @@ class Teacher(Resumable):
         seeds = SeedStream(seed)
         self.view = self._view()
         size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
-        if space.theta_dim:  # else the adversary raises the error
-            need_vector(space)
-        generator = torch_generator(seeds.next())
-        self.adversary = Adversary(space.parameters, config.adversary, generator, size, space.program_parameters)
+        self.adversary: Proposer = make_adversary(space, config.adversary, torch_generator(seeds.next()), size)
         self.mix = np.random.default_rng(seeds.next())
-        own = [
-            ("z", np.float32, (self.adversary.context_size,)),
-            ("raw", np.float32, (space.theta_dim,)),
-            ("log_prob", np.float32),
-        ]
+        own = self.adversary.record_fields
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), students, episodes, own)
         self.pending_proposals = np.zeros(0, self.dtype)  # scored, but too few for an update
         self.learned_at = 0  # env_steps
 
     def propose(self, count: int) -> np.ndarray:
         """Return `count` level records: proposals of the adversary, and a share of random levels."""
+        if not count:  # a buffer may replay all levels
+            return np.zeros(0, self.dtype)
         proposals = self.adversary.propose(count, self._context(count))
         theta = self.adversary.theta(proposals)  # [count, D]
         records = make_records(self.dtype, self.space.make_levels(theta), Origin.PROPOSED)
-        records["z"], records["raw"], records["log_prob"] = proposals
+        for name, column in proposals._asdict().items():
+            records[name] = column
         records["origin"][~self.space.valid(theta)] = Origin.REPLACED
         records["origin"][self.mix.random(count) < self.config.dr_fraction] = Origin.RANDOM
         random = records["origin"] != Origin.PROPOSED
@@ -115,9 +110,7 @@ class Teacher(Resumable):
             return metrics | {"adversary/gradient_steps": 0.0}
         self.learned_at = self.budget.spent
         batch, self.pending_proposals = self.pending_proposals, self.pending_proposals[:0]
-        drawn = Proposals(*(np.ascontiguousarray(batch[name]) for name in ("z", "raw", "log_prob")))
-        losses = self.adversary.learn(drawn, batch["score"])
-        metrics["adversary/gradient_steps"] = float(self.config.adversary.update_epochs)
+        losses = self.adversary.learn(self.adversary.read(batch), batch["score"])
         return metrics | {f"adversary/{name}": value for name, value in losses.items()}
 
     def _is_enough(self, waiting: int) -> bool:

@@ -36,6 +36,7 @@ FIRST_SCALE = 0.2
 COMPONENTS = len(FIRST_MEANS)
 MOST_MEAN = 1.05  # limit of the absolute value of a mean
 LOG_SCALE_RANGE = (math.log(0.01), math.log(3.0))  # from 2% of [-1, 1] to all of it
+WIDE = 64  # values, above which choices are padded to a common number apart from the others
 SMALL = 1e-9  # minimum density, to keep its logarithm finite
 
 
@@ -45,6 +46,22 @@ class Drawn(NamedTuple):
     column: int
     program: int
     cells: Cells | None
+
+
+class Group(NamedTuple):
+    """Choices that are padded to the same number of values.
+
+    Attributes:
+        at: `[n]` their places among all choices.
+        log_weights: `[n, most values]` of the program.
+        logits: `[n, most values, H]` A.
+        seen: `[n, most values, H]` contribution of a choice to later h.
+    """
+
+    at: Tensor
+    log_weights: Tensor
+    logits: Tensor
+    seen: Tensor
 
 
 def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Parameter]] = ()) -> list[Drawn]:
@@ -84,11 +101,18 @@ class ThetaDistribution(nn.Module):
         self.choices = [part for part in drawn if part.cells is not None]
         self.reals = [part for part in drawn if part.cells is None]
         (self.choice_at, self.choice_of), (self.real_at, self.real_of) = map(_places, (self.choices, self.reals))
-        self.log_weights = _log_weights(self.choices)  # [C, most values]
+        self.narrow, self.wide = _by_width(self.choices)
+        self.log_weights = _log_weights([self.choices[j] for j in self.narrow])
         self.first, self.second = (linear(size, hidden, math.sqrt(2), generator) for size in (context_size, hidden))
         self.value = linear(hidden, 1, 0.0, generator)
         self.logits = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # A
-        self.seen = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))  # contribution of a choice to later h
+        self.seen = nn.Parameter(torch.zeros(*self.log_weights.shape, hidden))
+        if len(self.wide):
+            self.wide_log_weights = _log_weights([self.choices[j] for j in self.wide])
+            self.wide_logits = nn.Parameter(torch.zeros(*self.wide_log_weights.shape, hidden))
+            self.wide_seen = nn.Parameter(torch.zeros(*self.wide_log_weights.shape, hidden))
+        self.in_order = torch.argsort(torch.cat([self.narrow, self.wide]))
+        self.place = {int(j): (g, i) for g, group in enumerate(self._groups()) for i, j in enumerate(group.at)}
         self.bumps = linear(hidden, 3 * len(self.reals) * COMPONENTS, 0.0, generator) if self.reals else None
         self.first_shares = torch.tensor(FIRST_SHARES).log()
         self.first_means = torch.atanh(torch.tensor(FIRST_MEANS) / MOST_MEAN)
@@ -111,12 +135,12 @@ class ThetaDistribution(nn.Module):
         h = self._read(z)
         seen = self._all_seen(h, raw)  # [B, C + 1, H]
         density = z.new_zeros(len(z))
-        if self.choices:
-            logits = self.log_weights + torch.einsum("bch,ckh->bck", seen[:, :-1], self.logits)
-            index = raw[:, self.choice_at].long()[..., None]  # [B, C, 1]
+        for at, log_weights, weights, _ in self._groups():
+            logits = log_weights + torch.einsum("bch,ckh->bck", seen[:, at], weights)
+            index = raw[:, self.choice_at[at]].long()[..., None]  # [B, n, 1]
             chosen = logits.log_softmax(-1).gather(2, index)[..., 0]
-            prior = self.log_weights[torch.arange(len(self.choices)), index[..., 0]]
-            density = density + self._where_drawn(chosen - prior, raw, self.choice_of).sum(1)
+            prior = log_weights[torch.arange(len(at)), index[..., 0]]
+            density = density + self._where_drawn(chosen - prior, raw, self.choice_of[at]).sum(1)
         if self.reals:
             within = self._log_bumps(raw[:, self.real_at], *self._bumps(seen[:, -1]))  # [B, R]
             density = density + self._where_drawn(within, raw, self.real_of).sum(1)
@@ -136,18 +160,29 @@ class ThetaDistribution(nn.Module):
     def _read(self, z: Tensor) -> Tensor:
         return self.second(torch.tanh(self.first(z)))  # [B, H], before its tanh
 
+    def _groups(self) -> list[Group]:
+        """Return the choices, those with many values apart."""
+        groups = [Group(self.narrow, self.log_weights, self.logits, self.seen)] if len(self.narrow) else []
+        if len(self.wide):
+            groups.append(Group(self.wide, self.wide_log_weights, self.wide_logits, self.wide_seen))
+        return groups
+
     def _each_choice(self, h: Tensor, raw: Tensor) -> Iterator[Tensor]:
         """Yield the logits `[B, most values]` of each choice; the caller writes the choice into `raw` in between."""
+        groups = self._groups()
         for j, (column, program, _) in enumerate(self.choices):
-            yield self.log_weights[j] + torch.tanh(h) @ self.logits[j].T
-            added = self.seen[j][raw[:, column].long()]
+            g, i = self.place[j]
+            yield groups[g].log_weights[i] + torch.tanh(h) @ groups[g].logits[i].T
+            added = groups[g].seen[i][raw[:, column].long()]
             h = h + (added * self._of(raw, program)[:, None] if self.mixed else added)
 
     def _all_seen(self, h: Tensor, raw: Tensor) -> Tensor:
         """Return the inputs of each choice, and last the input of all real numbers: `[B, C + 1, H]`."""
         if not self.choices:
             return torch.tanh(h)[:, None]
-        added = self.seen[torch.arange(len(self.choices)), raw[:, self.choice_at].long()]  # [B, C, H]
+        index = raw[:, self.choice_at].long()
+        parts = [group.seen[torch.arange(len(group.at)), index[:, group.at]] for group in self._groups()]
+        added = parts[0] if len(parts) == 1 else torch.cat(parts, 1)[:, self.in_order]  # [B, C, H]
         added = self._where_drawn(added, raw, self.choice_of)
         return torch.tanh(torch.cat([h[:, None], h[:, None] + added.cumsum(1)], 1))
 
@@ -203,6 +238,14 @@ class ThetaDistribution(nn.Module):
 def _places(parts: Sequence[Drawn]) -> tuple[Tensor, Tensor]:
     """Return the indices in θ and the programs of sampled columns: int64 `[n]` each."""
     return tuple(torch.tensor([part[k] for part in parts], dtype=torch.long) for k in (0, 1))  # type: ignore[return-value]
+
+
+def _by_width(choices: Sequence[Drawn]) -> tuple[Tensor, Tensor]:
+    """Return which choices are padded together, int64: all of them, unless some have over WIDE values and some not."""
+    wide = torch.tensor([part.cells is not None and part.cells.count > WIDE for part in choices], dtype=torch.bool)
+    if wide.all():
+        wide = ~wide
+    return (~wide).nonzero()[:, 0], wide.nonzero()[:, 0]
 
 
 def _log_weights(choices: Sequence[Drawn]) -> Tensor:

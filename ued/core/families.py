@@ -1,0 +1,84 @@
+"""Levels that are not vectors of parameters: what a family of them must do, and what it may do for adversaries.
+
+Every family can be sampled and mutated, which is enough for DR, PLR, ACCEL and SFL. Adversaries (PAIRED, REPAIRED,
+minimax, self-regret) need one of two further attributes:
+
+    parameters      the columns of its codes: an adversary chooses all of them at once
+    builder         a `LevelBuilder`: an adversary builds a level step by step
+
+Read next: `parameters`, the kinds of columns; `levels.builder`, the adversary that builds.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+
+@runtime_checkable
+class LevelFamily(Protocol):
+    """Levels of your own that are not vectors of parameters: mazes, tracks, graphs.
+
+    A level may be any object; its code, numbers in [-1, 1], is stored and compared. Equal levels have equal codes.
+    Three attributes are optional:
+        parameters: a mapping from the name of each column of a code, in their order, to its `Range`, `LogRange`,
+            `Integer`, `Choice` or a pair (low, high). An adversary then chooses a value for each column, and `decode`
+            makes a level of them. It sets a column of K values to the center of one of the K equal parts of [-1, 1].
+            The weights of a `Choice` are the probabilities with which the adversary begins.
+        builder: a `LevelBuilder`.
+        valid: `valid(codes)` returns which codes `[n, size]` describe levels, bool `[n]`; without it, all do.
+
+    Attributes:
+        size: length of a code.
+    """
+
+    @property
+    def size(self) -> int: ...
+
+    def sample(self, rng: np.random.Generator) -> Any:
+        """Sample a valid level."""
+
+    def mutate(self, level: Any, rng: np.random.Generator) -> Any:
+        """Return a valid level that differs a little from this one."""
+
+    def encode(self, level: Any) -> np.ndarray:
+        """Return the code `[size]` of a level."""
+
+    def decode(self, code: np.ndarray) -> Any:
+        """Return the level of a code `[size]`."""
+
+
+@runtime_checkable
+class LevelBuilder(Protocol):
+    """The steps in which an adversary builds levels, for n levels at a time (Dennis et al. 2020, section 5).
+
+    Levels under construction are one object of any type, which `apply` may change in place. What is left to chance must
+    follow from a level's luck, since the adversary keeps the luck and the actions of a level and builds it again when
+    its score is known.
+
+    Attributes:
+        steps: number of steps K, the same for all levels.
+        actions: number of actions A in each step.
+    """
+
+    @property
+    def steps(self) -> int: ...
+
+    @property
+    def actions(self) -> int: ...
+
+    def begin(self, luck: np.ndarray) -> Any:
+        """Return n empty levels; `luck` `[n]` are random integers from 0 to 2^31 - 1."""
+
+    def apply(self, levels: Any, actions: np.ndarray) -> Any:
+        """Return the levels after an action in each, int64 `[n]` from 0 to A - 1."""
+
+    def observe(self, levels: Any) -> np.ndarray:
+        """Return what the adversary sees of the levels, `[n, F]` in about [-1, 1].
+
+        The number of the step and a random vector are added to it.
+        """
+
+    def codes(self, levels: Any) -> np.ndarray:
+        """Return the codes `[n, size]` of levels that are finished."""

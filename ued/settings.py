@@ -1,0 +1,108 @@
+"""How a setting is declared and checked: a dataclass field with a default, one line of help, a rule and bounds.
+
+The command line is derived from such fields (`regista.experiments.run.arguments`). No torch is needed here, so
+`--help` is quick. Read next: `config`, the settings of methods.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import os
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import field
+from types import NoneType
+from typing import Any, Literal
+
+# Rules for settings: a check, which nan fails, and its wording in messages.
+RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "": (lambda value: True, ""),
+    ">=1": (lambda value: value >= 1, "must be at least 1"),
+    ">0": (lambda value: value > 0, "must be positive"),
+    ">=0": (lambda value: value >= 0, "must not be negative"),
+    "0-1": (lambda value: 0 <= value <= 1, "must be between 0 and 1"),
+}
+
+
+LARGEST_SEED = 2**32 - 1
+Bound = float | Callable[[], float]  # a number, or what computes it on this machine
+
+
+def most_threads() -> int:
+    """Return how many threads, or processes that hold a game engine, a command may have on this machine."""
+    return 4 * (os.cpu_count() or 1)
+
+
+def setting(
+    default: Any,
+    help: str,
+    rule: Literal["", ">=1", ">0", ">=0", "0-1"] = "",
+    most: Bound | None = None,
+    least: float | None = None,
+) -> Any:
+    """Return a dataclass field: its default, one line of help, as the command line shows it, and a rule of `RULES`.
+
+    A number has a maximum, `most`, and where no rule gives its minimum, `least`.
+    """
+    return field(default=default, metadata={"help": help, "rule": rule, "most": most, "least": least})
+
+
+def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
+    """Return the least and the largest number that a field of this metadata allows; infinite where there is none."""
+    rule, least, most = about.get("rule", ""), about.get("least"), about.get("most")
+    if rule == "0-1":
+        return 0, 1
+    lowest: float = {">=1": 1, ">=0": 0, ">0": 0}.get(rule, -math.inf) if least is None else least
+    highest: float = math.inf if most is None else most() if callable(most) else most
+    return lowest, highest
+
+
+def complaint(about: Mapping[str, Any], value: Any) -> str | None:
+    """Return what is wrong with a value for a field of this metadata, None if nothing is."""
+    holds, words = RULES[about.get("rule", "")]
+    if not holds(value):
+        return f"{words}, got {value!r}"
+    for number in value if isinstance(value, tuple) else (value,):
+        if isinstance(number, int | float) and not isinstance(number, bool):
+            least, most = bounds_of(about)
+            if not least <= number:
+                return f"must be at least {spelled(least)}, got {number!r}"
+            if not number <= most:
+                here = " on this machine" if callable(about.get("most")) else ""
+                return f"must be at most {spelled(most)}{here}, got {number!r}"
+    return None
+
+
+def spelled(number: float) -> str:
+    """Return a bound as it is typed: 1_000_000, 0.5, 1e+12."""
+    return f"{number:_}" if isinstance(number, int) else f"{number:g}"
+
+
+@functools.cache
+def hints_of(kind: Any) -> dict[str, Any]:
+    """Return the types of a class's fields, evaluated from their annotations and cached."""
+    return typing.get_type_hints(kind)
+
+
+class Checked:
+    """Settings that obey the rules and bounds of their fields, and are values that a `Literal` annotation allows.
+
+    Raises `ValueError` for the first one that does not.
+    """
+
+    def __post_init__(self) -> None:
+        kind: Any = type(self)
+        hints = hints_of(kind)
+        for entry in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
+            value = self.__dict__[entry.name]
+            if value is None and NoneType in typing.get_args(hints[entry.name]):
+                continue
+            if typing.get_origin(hints[entry.name]) is Literal:
+                allowed = typing.get_args(hints[entry.name])
+                wrong = None if value in allowed else f"must be {' or '.join(map(str, allowed))}, got {value!r}"
+            else:
+                wrong = complaint(entry.metadata, value)
+            if wrong:
+                raise ValueError(f"{entry.name} {wrong}")
