@@ -19,12 +19,11 @@ for _game in NAMED.values():
         kwargs={"program": str(_game.program), "control": _game.control},
     )
 
-for _namespace in ("regista", "Regista"):
-    gymnasium.register(
-        f"{_namespace}/Maze-v0",
-        entry_point="regista.envs.maze.gym_env:MazeEnv",
-        vector_entry_point="regista.envs.maze.gym_env:make_vec",
-    )
+gymnasium.register(
+    "regista/Maze-v0",
+    entry_point="regista.envs.maze.gym_env:MazeEnv",
+    vector_entry_point="regista.envs.maze.gym_env:make_vec",
+)
 
 
 def parallel_env(minigame: str, **settings: Any) -> Any:
