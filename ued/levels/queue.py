@@ -23,8 +23,8 @@ from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
 # Levels proposed ahead, since a request for many levels takes hardly longer than a request for one. If all proposals
-# are played: at least this many, and for many environments a share of their number.
-PROPOSAL_BATCH, PROPOSAL_SHARE = 16, 4
+# are played: one per environment between these limits, and for many environments a share of their number.
+LEAST_BATCH, PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 16, 4
 DROPPED_BATCH = 64  # at least this many, if those that no student has started are dropped after an update
 
 
@@ -63,7 +63,7 @@ class LevelQueue(Resumable):
         self.curriculum, self.num_envs = curriculum, num_envs
         self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
         if not drop_stale_proposals:
-            self.proposal_batch = max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
+            self.proposal_batch = max(LEAST_BATCH, min(PROPOSAL_BATCH, num_envs), num_envs // PROPOSAL_SHARE)
         else:  # without a lead each student plays the first levels alone
             self.proposal_batch = max(DROPPED_BATCH, num_envs) if self.max_lead else num_envs
         self.students = curriculum.dtype["returns"].shape[0]
