@@ -168,7 +168,7 @@ def test_every_teacher_runs_on_mazes(name, builder):
 
 @pytest.mark.parametrize("name", ["paired", "repaired", "minimax"])
 def test_every_teacher_runs_on_the_mazes_of_the_example(name):
-    path = Path(__file__).parent.parent.parent / "examples" / "maze.py"
+    path = Path(__file__).parent.parent.parent / "examples" / "own_levels.py"
     spec = importlib.util.spec_from_file_location("example_maze", path)
     example = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(example)
