@@ -22,10 +22,12 @@ from ued.core.resumable import Resumable
 from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
-# Levels proposed ahead, since a request for many levels takes hardly longer than a request for one. If all proposals
-# are played: one per environment between these limits, and for many environments a share of their number.
-LEAST_BATCH, PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 16, 4
-DROPPED_BATCH = 64  # at least this many, if those that no student has started are dropped after an update
+# Levels proposed ahead if all proposals are played: at least this many, and for many environments a share of their
+# number, since a request for many levels takes hardly longer than a request for one.
+PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
+# The same for environments that prepare levels in blocks, see `propose_in_blocks`: if all proposals are played, at most
+# one per environment.
+BLOCK, PLAYED_BLOCK = 64, 16
 
 
 class LevelQueue(Resumable):
@@ -62,10 +64,7 @@ class LevelQueue(Resumable):
             raise ValueError(f"max_lead must be at least the number of environments ({num_envs}), got {max_lead}")
         self.curriculum, self.num_envs = curriculum, num_envs
         self.drop_stale_proposals, self.once_per_rollout = drop_stale_proposals, resample_level_every == "rollout"
-        if not drop_stale_proposals:
-            self.proposal_batch = max(LEAST_BATCH, min(PROPOSAL_BATCH, num_envs), num_envs // PROPOSAL_SHARE)
-        else:  # without a lead each student plays the first levels alone
-            self.proposal_batch = max(DROPPED_BATCH, num_envs) if self.max_lead else num_envs
+        self.proposal_batch = num_envs if drop_stale_proposals else max(PROPOSAL_BATCH, num_envs // PROPOSAL_SHARE)
         self.students = curriculum.dtype["returns"].shape[0]
         self.records = np.zeros(0, curriculum.dtype)  # in the order of play; `pop_finished` removes finished ones
         self.taken = np.zeros(self.students, np.int64)  # [S] number of records that each student has started
@@ -109,6 +108,16 @@ class LevelQueue(Resumable):
         if self.once_per_rollout:
             self.needs_new_level[student, changing] = False
         return changing, self._take(student, changing)
+
+    def propose_in_blocks(self) -> None:
+        """Propose more levels at a time, for environments that prepare many levels in hardly more time than one.
+
+        Others would prepare levels that nobody plays: unless all are played, an update drops what is left of a block.
+        Without a lead students play only the first levels.
+        """
+        if self.max_lead:
+            block = BLOCK if self.drop_stale_proposals else min(PLAYED_BLOCK, self.num_envs)
+            self.proposal_batch = max(self.proposal_batch, block)
 
     def of(self, student: int) -> StudentQueue:
         """Return the part of the queue that belongs to one student."""

@@ -87,6 +87,8 @@ class Method:
         if not scripted:
             check_learners(self.ppo, upomdp.agent_observation_space, upomdp.num_envs, upomdp.num_agents, index + 1)
         self.queue.prefetch[index] = upomdp.prefetch
+        if upomdp.plays_rollouts:  # a rollout is interrupted for every block of levels
+            self.queue.propose_in_blocks()
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, self.queue.of(index), scripted))
         self.learners[index].start(self.queue.first(index))
         return self.learners[index]
