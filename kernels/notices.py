@@ -161,12 +161,12 @@ def reached(function: Callable) -> set[Callable]:
         one = pending.pop()
         if one not in seen:
             seen.add(one)
-            known = [one.__globals__.get(name) for name in _names(one.__code__)]
+            known = [one.__globals__.get(name) for name in names_in(one.__code__)]
             pending += [kernel.py_func for kernel in known if hasattr(kernel, "py_func")]
     return seen
 
 
-def _names(code: CodeType) -> set[str]:
+def names_in(code: CodeType) -> set[str]:
     """Return all names that the code, or code inside of it, reads."""
     inside = [part for part in code.co_consts if isinstance(part, CodeType)]
-    return {*code.co_names}.union(*map(_names, inside))
+    return {*code.co_names}.union(*map(names_in, inside))

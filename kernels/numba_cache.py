@@ -2,25 +2,30 @@
 
 Numba names the folder after the path of the source file, so each clone and each environment would compile the same
 kernels again. The cache folder of `kernels.jit` is named by a digest of all sources, so equal copies of Regista can
-share it. Read next: `kernels.numba_linking`, whose kernels use this cache.
+share it. Kernels of other projects are stamped by all that their code can see: Numba looks only at their own file.
+Read next: `kernels.numba_linking`, whose kernels use this cache.
 """
 
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
-from regista.kernels.notices import say_once
+from regista.kernels.notices import names_in, reached, say_once
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista", "scenic_lite")
+CONSTANTS = (bool, int, float, str, bytes, tuple, np.generic, np.dtype)  # globals that are compiled into a kernel
 
 _config: Any = numba.config
 
@@ -36,9 +41,8 @@ class _PlaceWithin(_CacheLocator):
     @classmethod
     def from_function(cls, py_func: Callable, py_file: str) -> _PlaceWithin | None:
         """Return the locator of a function, or None for a function outside Regista, whose place Numba chooses."""
-        path = Path(py_file)
-        within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
-        if not _config.CACHE_DIR or within.parts[:1] not in {(name,) for name in PACKAGES}:
+        within = _within(py_file)
+        if not _config.CACHE_DIR or within is None:
             return None
         place = cls(py_func, py_file, within)
         try:
@@ -57,9 +61,36 @@ class _PlaceWithin(_CacheLocator):
         return str(self._line)
 
 
+def _within(py_file: str) -> Path | None:
+    """Return the path of a source file within Regista, None for other files."""
+    path = Path(py_file)
+    within = path.relative_to(ROOT) if path.is_relative_to(ROOT) else Path()
+    return within if within.parts[:1] in {(name,) for name in PACKAGES} else None
+
+
 @cache
 def _digest(file: str) -> str:
     return hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+
+def stamp_of(function: Callable) -> str:
+    """Return a digest of the text and constants outside Regista that compiled code of a function sees, callees' too."""
+    texts = []
+    for each in reached(function):
+        if _within(each.__code__.co_filename) is None:
+            texts.append(inspect.getsource(each))
+            texts += (f"{name} = {_constant(each.__globals__.get(name))}" for name in sorted(names_in(each.__code__)))
+    return hashlib.sha256("\0".join(sorted(texts)).encode()).hexdigest()
+
+
+def _constant(value: Any) -> str:
+    """Return the value of a global that is compiled into a kernel; of a module, whose attributes may be, its digest."""
+    if isinstance(value, ModuleType):
+        file = str(getattr(value, "__file__", None))
+        return _digest(file) if file.endswith(".py") else ""
+    if isinstance(value, np.ndarray):
+        return value.tobytes().hex()
+    return repr(value) if isinstance(value, CONSTANTS) else ""
 
 
 _PLACES: list[Any] = [_PlaceWithin, *CompileResultCacheImpl._locator_classes]
@@ -73,12 +104,21 @@ class KernelCache(FunctionCache):
     """Numba's cache of one function, placed by `_PlaceWithin`. A cache that cannot be read or written is no error."""
 
     _impl_class = _KernelCacheImpl
+    _stamped = False
+
+    def _stamp(self) -> None:
+        """Stamp a kernel outside Regista, before its first use: what it sees may be defined after it."""
+        this: Any = self
+        if not self._stamped and not isinstance(this._impl.locator, _PlaceWithin):
+            this._cache_file._source_stamp = (this._cache_file._source_stamp, stamp_of(this._py_func))
+        self._stamped = True
 
     def holds(self, sig: Any, target_context: Any) -> bool:
         """Return whether code for this signature is cached; damage is only found by loading it."""
         this: Any = self  # Numba's own names for its files
         target_context.refresh()
         try:
+            self._stamp()
             file = this._cache_file._load_index().get(this._index_key(sig, target_context.codegen()))
         except Exception:  # what unpickling raises depends on the damage
             return False
@@ -87,6 +127,7 @@ class KernelCache(FunctionCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the cached code, None if there is none or it is damaged, as after a loss of power."""
         try:
+            self._stamp()
             return super().load_overload(sig, target_context)
         except Exception as error:
             say_once(f"regista: cached kernels are damaged and compiled again ({type(error).__name__})")

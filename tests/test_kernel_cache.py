@@ -99,10 +99,10 @@ def test_who_starts_meanwhile_says_that_it_waits_and_loads_the_result(folder: Pa
 def test_who_is_killed_while_compiling_blocks_nobody(folder: Path) -> None:
     with compiling(folder, 600) as first:
         second = start(folder)
-        time.sleep(2)
+        assert second.stderr is not None and second.stderr.readline().strip() == WAITING
         assert second.poll() is None
         first.send_signal(signal.SIGKILL)
-        assert said(second) == (COMPILED, WAITING)
+        assert said(second) == (COMPILED, "")
     assert said(start(folder)) == (LOADED, "")
 
 
@@ -210,3 +210,48 @@ def test_the_line_tells_what_is_compiled_and_how_far_it_is(monkeypatch: pytest.M
             clock[0] += notices.PATIENCE
             assert work.plain() == WAITING
         assert work.line() == ""
+
+
+CALLER = """
+import math
+import rules
+from helpers import LIMIT, faster
+from regista.kernels.jit import kernel
+
+@kernel
+def run(x):
+    return min(faster(x) + rules.BONUS, LIMIT) + math.floor(later(x))
+
+@kernel
+def later(x):
+    return 0.5
+
+print(run(3), sum(run.stats.cache_hits.values()))
+"""
+HELPERS = """
+from regista.kernels.jit import kernel
+
+LIMIT = 100
+
+@kernel
+def faster(x):
+    return 2 * x
+"""
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "printed"),
+    [
+        ("helpers.py", "2 * x", "5 * x", "16 0"),
+        ("helpers.py", "LIMIT = 100", "LIMIT = 4", "4 0"),
+        ("rules.py", "1", "2", "8 0"),
+        ("program.py", "return 0.5", "return 1.5", "8 0"),
+    ],
+)
+def test_a_kernel_of_another_project_follows_all_files_that_it_sees(folder, file, old, new, printed):
+    for name, text in {"program.py": CALLER, "helpers.py": HELPERS, "rules.py": "BONUS = 1\n"}.items():
+        (folder / name).write_text(text)
+    assert [said(start(folder))[0] for _ in range(2)] == ["7 0", "7 1"]
+    path = folder / file
+    path.write_text(path.read_text().replace(old, new))
+    assert [said(start(folder))[0] for _ in range(2)] == [printed, printed[:-1] + "1"]
