@@ -2,7 +2,7 @@
 
     any policy              autograd, from the formula of the loss
     categorical policies    autograd, from logits and values on, whose gradients have a closed form
-    ... of tanh layers      by hand, for one agent without memory, regularizer and frozen weights: no graph is built
+    ... of tanh layers      by hand, for one agent without memory, regularizer or frozen weights: no graph is built
 
 On two layers of 64 units, an update by hand takes six sevenths of the time of the closed form with autograd.
 Read next: `learning.ppo_loss`, the loss and its closed form.
@@ -11,7 +11,6 @@ Read next: `learning.ppo_loss`, the loss and its closed form.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -21,9 +20,8 @@ from ued.learning.kl import KLRegularizer
 from ued.learning.minibatches import Batch
 from ued.learning.networks import Categorical
 from ued.learning.ppo_loss import Losses, categorical_losses, losses
+from ued.learning.recurrence import TANH_BACKWARD
 from ued.learning.student import Student
-
-TANH_BACKWARD: Any = torch.ops.aten.tanh_backward  # gradient, tanh(x) -> gradient * (1 - tanh(x) ** 2)
 
 
 def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: KLRegularizer | None = None) -> Losses:
