@@ -86,14 +86,14 @@ def measure(options: argparse.Namespace, trainer: str, torso: str, shape: str) -
     return row | found | {"gradient_steps": round(found["gradient_steps"], 3)}
 
 
-def run(asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what `lab.trainers` measures in a process. Raises RuntimeError with what it says if it fails."""
+def run(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what `lab.trainers` measures in a process. Raises RuntimeError with its error output if it fails."""
     environment = os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-W", "ignore", "-m", "lab.trainers", json.dumps(asked)]
+    command = [sys.executable, "-W", "ignore", "-m", "lab.trainers", json.dumps(request)]
     with tempfile.TemporaryDirectory() as folder:  # for the files of trainers
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     if done.returncode:
-        raise RuntimeError(f"the measurement {json.dumps(asked)} failed:\n{done.stderr}")
+        raise RuntimeError(f"the measurement {json.dumps(request)} failed:\n{done.stderr}")
     return json.loads(done.stdout.strip().splitlines()[-1])
 
 

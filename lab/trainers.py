@@ -36,7 +36,7 @@ COMMON = "torch", "numpy", "gymnasium", "numba"  # packages of all trainers; num
 PACKAGES = {
     "regista": (),
     "sb3": ("stable_baselines3",),
-    "cleanrl": ("cleanrl", "stable_baselines3", "tensorboard"),  # its environments here are those of `sb3`
+    "cleanrl": ("cleanrl", "stable_baselines3", "tensorboard"),  # it plays in the environments of `sb3`
     "pufferlib": ("pufferlib",),
 }
 # settings of PPO that have one name in Regista, CleanRL and PufferLib
@@ -105,13 +105,13 @@ class Job:
 
 def main() -> None:
     """Measure what the argument describes, and print the measurement."""
-    asked = json.loads(sys.argv[1])
+    request = json.loads(sys.argv[1])
     torch.set_num_threads(1)
-    job = make_job(asked)
+    job = make_job(request)
     with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere), suppress(Enough):
-        TRAINERS[asked["trainer"]](job)
+        TRAINERS[request["trainer"]](job)
     found = {name: getattr(job.meter, name) for name in ("speed", "gradient_steps", "weights")}
-    print(json.dumps(found | {"versions": versions(asked["trainer"])}))
+    print(json.dumps(found | {"versions": versions(request["trainer"])}))
 
 
 def missing(trainer: str) -> list[str]:
@@ -125,14 +125,14 @@ def versions(trainer: str) -> str:
     return ", ".join([f"python {python}", *(f"{name} {metadata.version(name)}" for name in COMMON + PACKAGES[trainer])])
 
 
-def make_job(asked: dict[str, Any]) -> Job:
+def make_job(request: dict[str, Any]) -> Job:
     """Make the environments and settings of a measurement: those of the game, but for the shape and the torsos."""
-    game, num_envs = build.find_game(asked["game"]), asked["num_envs"]
+    game, num_envs = build.find_game(request["game"]), request["num_envs"]
     config = game.start("fast")
-    ppo = replace(config.ppo, num_steps=asked["num_steps"], shared_torso=asked["torso"] == "shared")
-    config = replace(config, method="dr", minigame=asked["game"], num_envs=num_envs, ppo=ppo, seed=1)
+    ppo = replace(config.ppo, num_steps=request["num_steps"], shared_torso=request["torso"] == "shared")
+    config = replace(config, method="dr", minigame=request["game"], num_envs=num_envs, ppo=ppo, seed=1)
     upomdp = build.make_upomdp(game.task(config).make, num_envs, config.seed)
-    return Job(upomdp, config, Meter(num_envs * ppo.num_steps, asked["warm"], asked["seconds"]))
+    return Job(upomdp, config, Meter(num_envs * ppo.num_steps, request["warm"], request["seconds"]))
 
 
 def train_regista(job: Job) -> None:

@@ -33,9 +33,9 @@ class Sites:
 
     walls: np.ndarray  # [n, C] bool
     goal: np.ndarray  # [n] its cell, or NOWHERE
-    start: np.ndarray  # [n]
+    start: np.ndarray  # [n] the cell of the agent, or NOWHERE
     limit: np.ndarray  # [n] steps after which nothing is placed
-    luck: np.ndarray  # [n]
+    luck: np.ndarray  # [n] int64: decides the direction, and the free cell of an agent placed on the goal
     step: int = 0
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 REPRESENTATIONS = ("features", "image")
 MOST_SIDE, MOST_STEPS = 255, 1_000_000
@@ -36,11 +36,12 @@ class MazeConfig:
     )
 
     def __post_init__(self) -> None:
-        bounds = (*(("side", 2, MOST_SIDE), ("num_walls", 0, MOST_SIDE**2), ("max_steps", 1, MOST_STEPS)),)
-        for name, least, most in bounds:
-            value = getattr(self, name)
+        for entry in fields(self):
+            if "most" not in entry.metadata:
+                continue
+            value, least, most = getattr(self, entry.name), entry.metadata["least"], entry.metadata["most"]
             if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-                raise ValueError(f"{name} must be an integer from {least} to {most}, got {value!r}")
+                raise ValueError(f"{entry.name} must be an integer from {least} to {most}, got {value!r}")
         if self.representation not in REPRESENTATIONS:
             known = ", ".join(map(repr, REPRESENTATIONS))
             raise ValueError(f"representation must be one of {known}, not {self.representation!r}")

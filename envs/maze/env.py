@@ -112,10 +112,10 @@ class Mazes(UPOMDP):
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return what the mazes of θ `[K, D]` are, by name: walls, agent, goal, and the length of the shortest path."""
         layouts = self.layouts_of(theta)
-        told = []
+        described = []
         for row, steps in zip(theta, path_lengths(layouts, self.width), strict=True):
             maze = self._family.decode(np.asarray(row))
-            told.append(
+            described.append(
                 {
                     "walls": int(maze.walls.sum()),
                     "agent": f"{_cell(maze.start)} facing {FACING[maze.direction]}",
@@ -123,7 +123,7 @@ class Mazes(UPOMDP):
                     "shortest path": "none" if steps == UNREACHABLE else f"{steps} steps",
                 }
             )
-        return told
+        return described
 
     def layouts_of(self, theta: Any) -> Layouts:
         """Return the mazes of θ `[K, D]` as arrays."""
@@ -147,11 +147,8 @@ class Mazes(UPOMDP):
     def _begin(self, where: np.ndarray) -> np.ndarray:
         """Put the agents of the environments `where` `[k]` at the start of their mazes; return all observations."""
         agents, layouts = self._agents, self._layouts
-        agents.at[where], agents.direction[where], agents.clock[where] = (
-            layouts.start[where],
-            layouts.direction[where],
-            0,
-        )
+        agents.at[where], agents.direction[where] = layouts.start[where], layouts.direction[where]
+        agents.clock[where] = 0
         self._started = True
         return self.observe()
 
@@ -160,13 +157,8 @@ class Mazes(UPOMDP):
             raise RuntimeError("call reset() before step()")
         seen, out = np.empty((self.num_envs, self._size), np.float32), self._outcome
         step_mazes(self._layouts, self._agents, self._settings, self._checked(actions), out, seen)
-        return (
-            seen,
-            out.reward.copy(),
-            out.terminated.copy(),
-            out.truncated.copy(),
-            {"success": out.terminated.astype(float)},
-        )
+        success = {"success": out.terminated.astype(float)}
+        return seen, out.reward.copy(), out.terminated.copy(), out.truncated.copy(), success
 
     def _checked(self, actions: Any) -> np.ndarray:
         """Return actions as int64 `[N]`. Raises ValueError for another shape or type, or an unknown action."""

@@ -70,7 +70,7 @@ class DrawnMazes(Mazes):
         return np.stack([self.theta_of(self.draw_maze(self._stream)) for _ in range(count)])
 
 
-def from_drawing(drawing: str, rng: np.random.Generator) -> Maze:
+def sample_drawing(drawing: str, rng: np.random.Generator) -> Maze:
     """Sample one of the mazes of a drawing: its goal at one of the places `G`, its agent facing any direction."""
     goals = [place for place, mark in enumerate(drawing) if mark == "G"]
     text = list(drawing.replace("G", ".").replace("S", ARROWS[rng.integers(DIRECTIONS)]))
@@ -85,7 +85,7 @@ def time_limit(side: int) -> int:
 
 def _drawn(drawing: str, about: str) -> NamedMaze:
     side = len(drawing.split())
-    return NamedMaze(partial(from_drawing, drawing), side, time_limit(side), about)
+    return NamedMaze(partial(sample_drawing, drawing), side, time_limit(side), about)
 
 
 def _perfect(side: int, about: str) -> NamedMaze:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.envs.maze.grid import BORDER, GOAL, VIEW, WALL
+from regista.envs.maze.grid import BORDER, GOAL, VIEW, WALL, width_of
 from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class MazePainter:
 
     def _points(self, grid: np.ndarray, at: int, direction: int) -> np.ndarray:
         points = np.full((len(self.classes), 2), np.nan)
-        width = self.side + 2 * BORDER
+        width = width_of(self.side)
         inner = grid.reshape(width, width)[BORDER:-BORDER, BORDER:-BORDER]
         walls = np.flatnonzero(inner.ravel() == WALL)
         points[walls] = CELL * np.stack([walls % self.side + 0.5, self.side - 0.5 - walls // self.side], 1)
@@ -80,5 +80,5 @@ class MazePainter:
 
     def _places(self, entries: np.ndarray) -> np.ndarray:
         """Return the centers of entries of the grid `[n]`: `[n, 2]` m."""
-        row, column = np.divmod(entries, self.side + 2 * BORDER)
+        row, column = np.divmod(entries, width_of(self.side))
         return CELL * np.stack([column - BORDER + 0.5, self.side - 0.5 - (row - BORDER)], 1)

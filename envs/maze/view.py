@@ -86,11 +86,17 @@ def thing_at(grid, at, ahead, aside, i, j, seen):
 
 
 @kernel
+def look(grid, at, direction, settings):
+    """Return the strides ahead and to the right of an agent, and the cells that it sees, a bit each."""
+    ahead, aside = stride(direction, settings.width), stride((direction + 1) % DIRECTIONS, settings.width)
+    return ahead, aside, _ALL if settings.see_through else visible(grid, at, ahead, aside)
+
+
+@kernel
 def write_image(layouts, agents, settings, e, image):
     """Write MiniGrid's image of environment e, `[75]`: object, color and state of each cell."""
-    grid, at, width = layouts.grid[e], agents.at[e], settings.width
-    ahead, aside = stride(agents.direction[e], width), stride((agents.direction[e] + 1) % DIRECTIONS, width)
-    seen = _ALL if settings.see_through else visible(grid, at, ahead, aside)
+    grid, at = layouts.grid[e], agents.at[e]
+    ahead, aside, seen = look(grid, at, agents.direction[e], settings)
     for i in range(VIEW):
         for j in range(VIEW):
             thing, k = thing_at(grid, at, ahead, aside, i, j, seen), CHANNELS * (VIEW * i + j)
@@ -102,9 +108,8 @@ def write_image(layouts, agents, settings, e, image):
 @kernel
 def write_features(layouts, agents, settings, e, row):
     """Write the features of environment e, `[F]`, without the direction."""
-    grid, at, width = layouts.grid[e], agents.at[e], settings.width
-    ahead, aside = stride(agents.direction[e], width), stride((agents.direction[e] + 1) % DIRECTIONS, width)
-    seen = _ALL if settings.see_through else visible(grid, at, ahead, aside)
+    grid, at = layouts.grid[e], agents.at[e]
+    ahead, aside, seen = look(grid, at, agents.direction[e], settings)
     for i in range(VIEW):
         for j in range(VIEW):
             thing, k = thing_at(grid, at, ahead, aside, i, j, seen), VIEW * i + j

@@ -190,6 +190,25 @@ def test_gradients_by_hand_are_those_of_autograd(shared_torso, hidden_layers):
         torch.testing.assert_close(weight.grad, gradient, atol=1e-12, rtol=1e-12)
 
 
+FROZEN = ["actor_torso", "critic_torso", "actor.", "critic.", "actor", "critic", "actor_torso.0.bias"]
+
+
+@pytest.mark.parametrize("shared_torso", [False, True])
+@pytest.mark.parametrize("frozen", FROZEN)
+def test_frozen_weights_get_no_gradient_and_stay_as_they_are(frozen, shared_torso):
+    config = PPOConfig(num_steps=30, num_minibatches=4, hidden_size=16, shared_torso=shared_torso)
+    method = DR(Follow(), config, seed=1)
+    weights = dict(method.student.named_parameters())
+    some = {name for name in weights if name.startswith(tuple(frozen.split()))}
+    for name in some:
+        weights[name].requires_grad_(False)
+    before = {name: weight.detach().clone() for name, weight in weights.items()}
+    method.fill_rollouts()
+    logged = method.learner.ppo.learn(method.learner.rollout)
+    assert {name for name in weights if weights[name].equal(before[name])} == some
+    assert all(weights[name].grad.eq(0).all() for name in some) and logged["grad_norm"] > 0
+
+
 @pytest.mark.parametrize(
     ("space", "actions", "settings"),
     [

@@ -110,7 +110,7 @@ def test_truncated_gradients_are_those_of_a_loop_that_stops_them(
     rollout.memory.uniform_(-1, 1, generator=draw)
     rollout.observation.normal_(generator=draw)
     batch = Batch.of(rollout, rollout.value, rollout.value + 1)
-    batch.cut(student, bptt_steps, 3)
+    batch.add_memories(student, bptt_steps, 3)
     pieces = student.actor_memory.sequences(rollout.train, bptt_steps)
     assert pieces.shape[1] == bptt_steps and len(pieces) < rollout.train.numel() // bptt_steps
     found = gradients(student, next(batch.minibatches(pieces.flip(0), len(pieces))))
@@ -130,7 +130,7 @@ def test_the_memory_at_cuts_is_what_was_played(size):
     method = filled(1, "independent", "own", False)
     rollout, student = method.learner.rollout, method.student
     batch = Batch.of(rollout, rollout.value, rollout.value)
-    batch.cut(student, 3, size)
+    batch.add_memories(student, 3, size)
     memory = rollout.memory.clone()
     for t in range(12):
         memory[rollout.episode_starts[t]] = 0.0

@@ -264,8 +264,8 @@ class ThetaMap:
 
     def valid(self, theta: np.ndarray) -> np.ndarray:
         """Return which rows of θ `[n, D]` are valid: bool `[n]`."""
-        says = getattr(self.level_family if self.program is None else self.program, "valid", None)
-        good = np.ones(len(theta), bool) if says is None else np.array(says(theta), bool)
+        check = getattr(self.level_family if self.program is None else self.program, "valid", None)
+        good = np.ones(len(theta), bool) if check is None else np.array(check(theta), bool)
         if self._valid is not None:
             for row in np.flatnonzero(good):
                 good[row] = bool(self._valid(self.values(theta[row])))

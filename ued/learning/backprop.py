@@ -2,7 +2,7 @@
 
     any policy              autograd, from the formula of the loss
     categorical policies    autograd, from logits and values on, whose gradients have a closed form
-    ... of tanh layers      by hand, for one agent without memory and regularizer: no graph is built
+    ... of tanh layers      by hand, for one agent without memory, regularizer or frozen weights: no graph is built
 
 On two layers of 64 units, an update by hand takes six sevenths of the time of the closed form with autograd.
 Read next: `learning.ppo_loss`, the loss and its closed form.
@@ -11,7 +11,6 @@ Read next: `learning.ppo_loss`, the loss and its closed form.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -21,15 +20,14 @@ from ued.learning.kl import KLRegularizer
 from ued.learning.minibatches import Batch
 from ued.learning.networks import Categorical
 from ued.learning.ppo_loss import Losses, categorical_losses, losses
+from ued.learning.recurrence import TANH_BACKWARD
 from ued.learning.student import Student
-
-TANH_BACKWARD: Any = torch.ops.aten.tanh_backward  # gradient, tanh(x) -> gradient * (1 - tanh(x) ** 2)
 
 
 def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: KLRegularizer | None = None) -> Losses:
     """Add the gradient of the loss on a minibatch to `grad` of the student's weights, which is 0; return the losses."""
     seen = student.normaliser(old.observation) if old.seen is None else old.seen
-    if regularizer is None and has_tanh_layers(student):
+    if regularizer is None and has_tanh_layers(student) and learns_all(student):
         return by_hand(student, seen, old, config)
     policy, value = student.policy_and_value(seen, old.past)  # B distributions, [B]
     outputs: list[Tensor]
@@ -43,20 +41,31 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
     if regularizer is not None:
         outputs.append(regularizer.coef * regularizer.divergence(old, policy))  # []
         gradients.append(None)
-    torch.autograd.backward(outputs, gradients)
+    # a frozen actor or critic has an output without gradient
+    learned = [place for place, output in enumerate(outputs) if output.requires_grad]
+    torch.autograd.backward([outputs[place] for place in learned], [gradients[place] for place in learned])
     return parts.detach()
 
 
 def has_tanh_layers(student: Student) -> bool:
-    """Return whether `by_hand` knows the student's networks."""
+    """Return whether `by_hand` supports the student's networks."""
     layers = (*student.actor_torso, *student.critic_torso)
     known = all(type(layer) in (nn.Linear, nn.Tanh) for layer in layers)
     return known and student.agents == 1 and not student.memory_width and student.actor.single
 
 
+def learns_all(student: Student) -> bool:
+    """Return whether no weight of the student's layers is frozen, for `has_tanh_layers`."""
+    layers = (*student.actor_torso, *student.critic_torso, student.actor.layer, student.critic)
+    return all(layer.weight.requires_grad and layer.bias.requires_grad for layer in layers if type(layer) is nn.Linear)
+
+
 @torch.no_grad()
 def by_hand(student: Student, seen: Tensor, old: Batch, config: PPOConfig) -> Losses:
-    """Write the gradient of the loss to `grad` of the weights; return the losses. For `has_tanh_layers`."""
+    """Write the gradient of the loss to `grad` of the weights; return the losses.
+
+    For students with `has_tanh_layers` and `learns_all`: it writes to frozen weights, too.
+    """
     actor = _features(student.actor_torso, seen)
     critic = actor if student.shared else _features(student.critic_torso, seen)
     head = student.actor.layer

@@ -52,7 +52,7 @@ class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
     Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
-    from the states at their first steps; see `Batch.cut`.
+    from the states at their first steps; see `Batch.add_memories`.
     """
 
     def __init__(self, size: int, generator: torch.Generator, team: Team) -> None:

@@ -78,7 +78,7 @@ class Batch:
         *past, action, numbers = (part.pin_memory().to(device, non_blocking=True) for part in columns)
         return Batch(Past(*past), self.rollout.to(device), None, None, action, numbers)
 
-    def cut(self, student: Student, length: int, size: int) -> None:
+    def add_memories(self, student: Student, length: int, size: int) -> None:
         """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
 
         Without memory, and for pieces as long as the rollout, there is nothing to add. It is computed once, before

@@ -61,7 +61,7 @@ class PPO(Resumable):
             return {"gradient_steps": 0.0}
         old.seen = self.student.see(old.observation)
         minibatch_size = -(-len(old.action) // sequences.shape[1] // config.num_minibatches)
-        old.cut(self.student, config.bptt_steps, minibatch_size)
+        old.add_memories(self.student, config.bptt_steps, minibatch_size)
         logs: list[tuple[Losses, Tensor]] = []
         for _ in range(config.update_epochs):
             shuffled = sequences.index_select(0, torch.randperm(len(sequences), generator=self.generator).to(device))

@@ -16,6 +16,9 @@ from ued.config import PPOConfig
 from ued.learning.minibatches import Batch
 from ued.learning.networks import Policy
 
+MEANS = ("policy_loss", "value_loss", "entropy", "approx_kl", "clip_fraction")  # metrics, in the order of `means`
+BY_AGENT = ("entropy", "approx_kl")  # of them, reported for each agent of a team, too
+
 
 class Losses(NamedTuple):
     """The parts of the loss at each of B steps, `[B]`, of a team `[B, A]`; see `total`."""
@@ -111,10 +114,10 @@ def means(logs: Sequence[tuple[Losses, Tensor]], clip_coef: float) -> dict[str, 
     clipped = (log_ratio.expm1().abs() > clip_coef).float()
     steps = torch.stack([-surrogate, error, entropy, approx_kl(log_ratio), clipped])
     numbers = share @ steps.view(len(steps), len(share), -1)  # [5, A]
-    names = ("policy_loss", "value_loss", "entropy", "approx_kl", "clip_fraction")
-    logged = dict(zip(names, numbers.mean(1).tolist(), strict=True))
+    logged = dict(zip(MEANS, numbers.mean(1).tolist(), strict=True))
     logged["grad_norm"] = torch.stack(grad_norms).mean().item()
     if log_ratio.ndim > 1:
-        for name, row in list(zip(names, numbers.tolist(), strict=True))[2:4]:
-            logged |= {f"agent_{agent}/{name}": number for agent, number in enumerate(row)}
+        rows = dict(zip(MEANS, numbers.tolist(), strict=True))
+        for name in BY_AGENT:
+            logged |= {f"agent_{agent}/{name}": number for agent, number in enumerate(rows[name])}
     return logged

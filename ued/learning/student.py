@@ -56,9 +56,8 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        return (
-            (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
-        )  # in place: fresh memory is slow to get
+        # in place: fresh memory is slow to get
+        return (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
 
     def deviation(self) -> Tensor:
         """Return the divisors of features, `[size]`, or `[policies, size]`."""
@@ -180,9 +179,8 @@ class Student(nn.Module):
 
     def _critic_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         memory = past.memory[:, self.memory_width - self.critic_memory.width :]
-        seen = (
-            seen.movedim(1, -2).flatten(-2) if self.central else self._numbered(seen)
-        )  # images are laid on each other
+        # a central critic sees the observations of all agents, images laid on each other
+        seen = seen.movedim(1, -2).flatten(-2) if self.central else self._numbered(seen)
         return self.critic_memory(self.critic_torso(seen), memory, past)
 
     def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
@@ -193,7 +191,7 @@ class Student(nn.Module):
     @torch.no_grad()
     def remember(self, seen: Tensor, past: Past) -> Tensor:
         """Return the memory after each step of `past.mask`, `[rows, memory_width]`, for normalized observations."""
-        features = [self._actor_features(seen, past)[0]]  # which a memory returns are its states
+        features = [self._actor_features(seen, past)[0]]  # after a memory, features are its states
         if not self.shared:
             features.append(self._critic_features(seen, past)[0])
         return torch.cat([states.flatten(1) for states in features], -1)
