@@ -25,8 +25,8 @@ WIDTH = 11.5  # inches
 CURVES_HEIGHT = 2.4  # inches
 TITLE_HEIGHT = 0.35  # inches, title of a pitch
 COLUMNS = 4  # pitches per row
-MOST_LEVEL_NAMES = 7  # scenes whose names stand side by side; those of more are turned
-TURNED_HEIGHT = 0.5  # inches, what turned names take more
+MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
+ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
 HEADING_LENGTH = 105  # characters per line of the heading
 
 
@@ -53,8 +53,8 @@ def overview(comparison: Comparison, path: Path) -> None:
     rows = _level_rows(comparison.runs)
     heading, methods = _heading(comparison), unique([row.method for row in comparison.results])
     head = 0.55 + 0.2 * heading.count("\n")  # inches, like all sizes below
-    many = len(unique([row.scene for row in comparison.results])) > MOST_LEVEL_NAMES
-    legend = 0.65 + TURNED_HEIGHT * many + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
+    many = len(unique([row.scene for row in comparison.results])) > MOST_HORIZONTAL
+    legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
     above_height = head + CURVES_HEIGHT + legend
     pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
     below_height = len(rows) * pitch_height + TITLE_HEIGHT
@@ -131,9 +131,9 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
             low, high = interval.estimate - interval.low, interval.high - interval.estimate
             span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
             axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
-    turned: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_LEVEL_NAMES else {}
-    names = [scene if turned else scene.replace(" distribution", "\ndistribution") for scene in scenes]
-    axes.set_xticks(range(len(scenes)), names, **turned)
+    rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_HORIZONTAL else {}
+    names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in scenes]
+    axes.set_xticks(range(len(scenes)), names, **rotated)
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)
