@@ -28,13 +28,8 @@ CELLS = 100  # along the longer side of other painters' bounds
 MOST_CHOICES = 2  # bar charts next to the pitches
 
 
-def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
-    """Return θ `[L, D]` of the training levels in a share of the run's updates."""
-    return read_periods(run, [period])[0]
-
-
 def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.ndarray]:
-    """Return θ `[L, D]` of the training levels in each of these periods, see `read_theta`."""
+    """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates."""
     table = read_levels(run, "update", "theta/")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:

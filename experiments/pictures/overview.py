@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_theta
+from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_periods
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
 from ued.core.task import TRAINING_SCENE
@@ -28,6 +30,8 @@ COLUMNS = 4  # pitches per row
 MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
 ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
 HEADING_LENGTH = 105  # characters per line of the heading
+
+Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading, runs, period of training
 
 
 @dataclass(frozen=True)
@@ -73,8 +77,8 @@ def overview(comparison: Comparison, path: Path) -> None:
         above.legend(handles, labels, loc="lower center", ncols=columns, columnspacing=1.2)
         grid = below.subplots(len(rows), COLUMNS, squeeze=False)
         for line, panels in zip(grid, rows, strict=True):
-            for axes, (title, paths, span) in zip(line, panels, strict=True):
-                draw_levels(axes, comparison.painter, [read_theta(run, span) for run in paths])
+            for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
+                draw_levels(axes, comparison.painter, thetas)
                 axes.set_title(title)
         point_legend(below, comparison.painter)
         top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
@@ -82,7 +86,17 @@ def overview(comparison: Comparison, path: Path) -> None:
         plots.save(figure, path)
 
 
-def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
+def _read_panels(panels: Sequence[Panel]) -> list[list[np.ndarray]]:
+    """Return θ `[L, D]` by panel and run; each table is read once."""
+    spans: dict[Path, list[tuple[float, float]]] = {}
+    for _, paths, span in panels:
+        for run in paths:
+            spans.setdefault(run, []).append(span)
+    thetas = {run: dict(zip(of_run, read_periods(run, of_run), strict=True)) for run, of_run in spans.items()}
+    return [[thetas[run][span] for run in paths] for _, paths, span in panels]
+
+
+def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[Panel]]:
     """Return rows of panels (heading, runs, period of training), for each curriculum after a DR panel for reference.
 
     The levels of domain randomization do not change over time, so one panel shows all of them.
