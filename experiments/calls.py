@@ -57,9 +57,10 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
-    `levels` drawn at random, `level_episodes` on each, tell how they do on the worst tenth. Raises `CommandError` for
-    runs of several tasks, or without a checkpoint, and for a task that nobody but the run folder has named, unless its
-    file is `trusted`: it is run. Raises `UsageError` for no run, and ValueError for numbers that are too small.
+    With `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
+    Raises `CommandError` for runs of several tasks or without a checkpoint, `UsageError` without runs, and `ValueError`
+    for numbers that are too small. Evaluating executes the file of a Python task, so a task that only the run folder
+    names raises `CommandError` unless `trusted`.
     """
     from regista.experiments.commands.evaluate import check_levels
 

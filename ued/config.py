@@ -1,6 +1,6 @@
 """Hyperparameters: frozen dataclasses whose fields carry their own help text.
 
-`settings` says how fields are declared; its names are importable from here, too. Read next: `learning.ppo` and
+`settings` says how fields are declared; what others need of it is importable from here. Read next: `learning.ppo` and
 `methods.dr`, which are configured by them.
 """
 
@@ -10,15 +10,12 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ued.settings import LARGEST_SEED as LARGEST_SEED
-from ued.settings import RULES as RULES
-from ued.settings import Bound as Bound
 from ued.settings import Checked as Checked
 from ued.settings import bounds_of as bounds_of
 from ued.settings import complaint as complaint
 from ued.settings import hints_of as hints_of
 from ued.settings import most_threads as most_threads
 from ued.settings import setting as setting
-from ued.settings import spelled as spelled
 
 
 @dataclass(frozen=True)

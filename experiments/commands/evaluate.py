@@ -25,13 +25,13 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, write_text
 from ued.config import Checked, most_threads, setting
 
-EPISODES, LEVELS = 500, 200  # where nothing is said and our simulator plays
-GRF_MINUTES = 5.0  # where nothing is said and the real engine plays
-ROUND = 8  # episodes on each scene, of which rounds are made
-MOST_PLAYED = 100_000_000  # episodes on random levels
+EPISODES, LEVELS = 500, 200  # defaults in our simulator
+GRF_MINUTES = 5.0  # default in GRF
+ROUND = 8  # episodes on each scene in one round of a timed evaluation
+MOST_PLAYED = 100_000_000  # upper limit of episodes on random levels
 GALLERY_ALONE = {"gallery_levels", "gallery_replays"}
 OF_GALLERY = {"runs", "gallery", *GALLERY_ALONE}
-DESCRIPTION = "Play runs on the test scenes of their minigame and on its training distribution, with 95 % intervals."
+DESCRIPTION = "Evaluate runs on the test scenes of their minigame and on its training distribution, with 95% intervals."
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def check_levels(levels: int, episodes: int) -> None:
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     typed = arguments.typed_settings(EvaluateConfig(), argv, "evaluate", DESCRIPTION)
     config = arguments.replace_paths(EvaluateConfig(), typed)
     if not config.runs:

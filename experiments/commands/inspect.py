@@ -124,11 +124,11 @@ def inspect_adversary(folder: Path, config: InspectConfig) -> int:
 
 
 def inspect_task(game: PythonTask, config: InspectConfig) -> int:
-    """Show a Python task: its parameters, levels drawn from it or the typed one, and their first frames."""
+    """Show a Python task: its parameters, random levels or the given one, and their first frames."""
     if config.engine == "scenic3":
-        raise UsageError("--engine says what reads a program; a task is Python")
+        raise UsageError("--engine applies to programs; a task is Python code")
     if config.rrd is not None or config.show != "theta":
-        raise UsageError("--rrd and --show are for Scenic programs; of a Python task, inspect draws levels with --png")
+        raise UsageError("--rrd and --show are for Scenic programs; --png draws levels of a Python task")
     from regista.experiments.pictures.task_view import describe_task, draw_task
     from ued.core.level_space import check_theta
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from regista.experiments.run.level_stage import LevelStage
 
 DESCRIPTION = (
-    "Play one match of a program, an episode of a task, a level of a run, or a recorded match, and write a film or a "
+    "Play one match of a program, an episode of a task, a level of a run, or a recorded match, and write a video or a "
     "record of it."
 )
 PLAYERS = ("bot", "random", "idle")  # of football
@@ -58,8 +58,8 @@ class PlayConfig(Checked):
     seed: int = setting(
         0, "seed of the level and the match; with --level, only of a random player", ">=0", most=LARGEST_SEED
     )
-    level: Path | None = setting(None, "instead of a program: play a level from the levels.csv of this run folder")
-    id: int | None = setting(None, "id of that level: column id of levels.csv", least=0, most=LARGEST_SEED)
+    level: Path | None = setting(None, "instead of a program: play a level of this run folder")
+    id: int | None = setting(None, "id of that level: column id of the table of levels", least=0, most=LARGEST_SEED)
     visit: int | None = setting(
         None,
         "visit of the level whose random numbers are replayed: column visit (default: the first)",
@@ -76,7 +76,7 @@ class PlayConfig(Checked):
 
 
 def main(argv: Sequence[str]) -> int:
-    """Run the command and give its exit code."""
+    """Run the command and return its exit code."""
     typed = arguments.typed_settings(PlayConfig(), argv, "play", DESCRIPTION)
     config = arguments.replace_paths(PlayConfig(), typed)
     if not config.program and config.level is None and config.replay is None:
@@ -86,12 +86,12 @@ def main(argv: Sequence[str]) -> int:
         )
     if config.replay is not None:
         if typed.keys() - WITH_REPLAY:
-            raise UsageError("--replay plays a record as it was recorded: it takes --match, --video and --speed alone")
+            raise UsageError("--replay repeats a recorded match: it takes --match, --video and --speed alone")
         return _replay(config)
     if "match" in typed:
-        raise UsageError("--match is one of the matches of a record; it needs --replay RECORD")
+        raise UsageError("--match needs --replay RECORD")
     if config.visit is not None and config.level is None:
-        raise UsageError("--visit is one of a level of a run; it needs --level RUN --id N")
+        raise UsageError("--visit needs --level RUN --id N")
     if (config.id is None) != (config.level is None) or (config.program and config.level):
         raise UsageError("to play a level of a run, give --level RUN --id N, without a program")
     check_film_of(config.video)
@@ -99,7 +99,7 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"{config.record}: the name of a record must end in .npz")
     if config.program and not isinstance(build.find_game(config.program), PythonTask):
         if "scene" in typed:
-            raise UsageError(f"--scene is a test of a Python task; give a test scene as {config.program}/TEST")
+            raise UsageError(f"--scene needs a Python task; give a test scene of a minigame as {config.program}/TEST")
         _check_player(config)
         return play_match(config, _match_of_program(config))
     stage = _stage(config)
@@ -119,16 +119,16 @@ def _stage(config: PlayConfig) -> LevelStage:
         raise UsageError("tasks and levels of runs have their own settings: omit --control and those of programs")
     if config.level is None:
         if config.playing != usual.playing:
-            raise UsageError("--engine says what plays football; a task brings its own environments")
+            raise UsageError("--engine applies to football; a task brings its own environments")
         return LevelStage.of_task(build.find_game(config.program), config.scene, config.seed)
     assert config.id is not None
     if config.scene != usual.scene:
-        raise UsageError("--scene is a test of a task; --level RUN --id N says which level is played")
+        raise UsageError("--scene and --level exclude each other: --level RUN --id N selects the level")
     return LevelStage.of_run(config.level, config.id, config.visit, config.playing)
 
 
 def _check_player(config: PlayConfig) -> None:
-    """Raise `UsageError` for a player that does not play football."""
+    """Raise `UsageError` unless the player can play football."""
     if config.player not in PLAYERS:
         raise UsageError(f"--player of a football match is {', '.join(PLAYERS)}, not {config.player!r}")
 

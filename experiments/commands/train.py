@@ -54,7 +54,7 @@ class TrainFlags:
     )
     seeds: int | None = setting(
         None,
-        "train so many runs in parallel processes, with seeds from --seed on, in folders METHOD-SEED",
+        "number of runs to train in parallel processes, with seeds from --seed on, in folders METHOD-SEED",
         ">=1",
         most=10_000,
     )
@@ -71,8 +71,9 @@ class TrainFlags:
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     typed = _typed(argv)
-    if "seeds" in typed or ("resume" in typed and seeds.opened(typed["resume"])):
-        return _train_several(typed)
+    several = seeds.opened(typed["resume"]) if "resume" in typed else []
+    if "seeds" in typed or several:
+        return _train_several(typed, several)
     for name in sorted(typed.keys() & OF_SEVERAL):
         raise UsageError(f"{arguments.flag_name(name.partition('.')[2])} needs --seeds, or --resume with several runs")
     connect = typed.pop("connect", None)
@@ -192,8 +193,8 @@ def _typed(argv: Sequence[str]) -> dict[str, Any]:
     return arguments.typed_settings(TrainFlags(config=_known(argv)), argv, "train", DESCRIPTION, others)
 
 
-def _train_several(typed: dict[str, Any]) -> int:
-    """Train the runs of several seeds, or go on with those of a folder; return the exit code."""
+def _train_several(typed: dict[str, Any], resumed: Sequence[RunFolder]) -> int:
+    """Train the runs of several seeds, or continue the `resumed` ones; return the exit code."""
     if "connect" in typed:
         raise UsageError("--connect shows one run; give it to a single run, without --seeds")
     if "resume" in typed:
@@ -201,13 +202,9 @@ def _train_several(typed: dict[str, Any]) -> int:
             raise UsageError(
                 "--seeds and --resume exclude each other; to add seeds, repeat the first command with more"
             )
-        runs = [_extended(run, typed) for run in seeds.opened(typed.pop("resume"))]
-        for run in runs:
-            with run.locked():
-                run.save_config()
-        return seeds.train_together(runs, arguments.replace_paths(TrainFlags(), _launching(typed)).launch)
+        return _resume_several(typed, resumed)
     flags, _, stem = _settings(typed)
-    config, count = flags.config, int(flags.seeds or 1)
+    config, count = flags.config, flags.seeds or 1
     if config.seed + count - 1 > LARGEST_SEED:
         raise UsageError(f"--seed {config.seed} --seeds {count} needs seeds above {LARGEST_SEED}, the largest")
     folder = flags.out or Path("runs") / stem
@@ -216,8 +213,14 @@ def _train_several(typed: dict[str, Any]) -> int:
     return seeds.train_together(runs, flags.launch)
 
 
-def _launching(typed: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in typed.items() if name in OF_SEVERAL}
+def _resume_several(typed: dict[str, Any], runs: Sequence[RunFolder]) -> int:
+    del typed["resume"]
+    runs = [_extended(run, typed) for run in runs]
+    for run in runs:
+        with run.locked():
+            run.save_config()
+    launching = {name: value for name, value in typed.items() if name in OF_SEVERAL}
+    return seeds.train_together(runs, arguments.replace_paths(TrainFlags(), launching).launch)
 
 
 def _begin(typed: dict[str, Any]) -> RunFolder:

@@ -1,4 +1,4 @@
-"""Where a method put its levels, early and late in training: starting places of both teams, or a painter's points.
+"""Levels of a method, early and late in training: the starting positions of both teams, or a painter's points.
 
 Read next: `pictures.overview`.
 """
@@ -25,16 +25,11 @@ if TYPE_CHECKING:
 
 CELL = 1.0  # m, on a pitch
 CELLS = 100  # along the longer side of other painters' bounds
-MOST_CHOICES = 2  # columns of bars beside the pitches
-
-
-def read_theta(run: Path, period: tuple[float, float]) -> np.ndarray:
-    """Return θ `[L, D]` of the training levels in a share of the run's updates."""
-    return read_periods(run, [period])[0]
+MOST_CHOICES = 2  # bar charts next to the pitches
 
 
 def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.ndarray]:
-    """Return θ `[L, D]` of the training levels in each of these periods, see `read_theta`."""
+    """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates."""
     table = read_levels(run, "update", "theta/")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
@@ -44,7 +39,7 @@ def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.n
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:
-    """Draw methods x periods: the density of where the players of both teams began, or of a painter's points.
+    """Draw methods x periods: the density of the starting positions of both teams, or of a painter's points.
 
     To their right, for the first choices among `draws`, bars show how often an adversary proposed each option, and the
     program's weights.
@@ -130,7 +125,7 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
 
 
 def point_legend(figure: Any, painter: Any) -> None:
-    """Write beneath a figure which color is which kind of points."""
+    """Add a legend of the kinds of points below a figure."""
     from matplotlib.patches import Patch
 
     patches = [Patch(color=shade, alpha=0.75, label=label) for label, _, shade in _kinds(painter)]
@@ -142,13 +137,13 @@ def _is_football(painter: Any) -> bool:
 
 
 def _kinds(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
-    """Return name, points (bool `[K]`) and color of what is told apart: teams without the own keeper, or markers."""
+    """Return the kinds of points: name, mask `[K]` and color. Teams without the own keeper, or markers."""
     classes = np.asarray(painter.classes)
     if _is_football(painter):
         opponents = (classes >= RIGHT_PLAYER) & (classes < BALL)
         return [
-            ("starting places of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
-            ("of its opponents", opponents, PAPER_COLOURS[RIGHT_PLAYER]),
+            ("starting positions of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
+            ("starting positions of opponents", opponents, PAPER_COLOURS[RIGHT_PLAYER]),
         ]
     kept = np.unique(classes[~details_of(painter)]).tolist()
     named = [(painter.markers[kind], classes == kind) for kind in kept]
@@ -167,7 +162,7 @@ def _draw_ground(axes: Axes, painter: Any) -> None:
 def _draw_density(
     axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float, blurred: bool
 ) -> None:
-    """Draw the density of `points` `[n, 2]` as a veil of one colour, opaque where it is highest."""
+    """Draw the density of `points` `[n, 2]` in one color, with opacity proportional to density."""
     from matplotlib.colors import to_rgb
 
     if not len(points):

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_theta
+from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_periods
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
 from ued.core.task import TRAINING_SCENE
@@ -25,9 +27,11 @@ WIDTH = 11.5  # inches
 CURVES_HEIGHT = 2.4  # inches
 TITLE_HEIGHT = 0.35  # inches, title of a pitch
 COLUMNS = 4  # pitches per row
-MOST_LEVEL_NAMES = 7  # scenes whose names stand side by side; those of more are turned
-TURNED_HEIGHT = 0.5  # inches, what turned names take more
+MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
+ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
 HEADING_LENGTH = 105  # characters per line of the heading
+
+Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading, runs, period of training
 
 
 @dataclass(frozen=True)
@@ -53,8 +57,8 @@ def overview(comparison: Comparison, path: Path) -> None:
     rows = _level_rows(comparison.runs)
     heading, methods = _heading(comparison), unique([row.method for row in comparison.results])
     head = 0.55 + 0.2 * heading.count("\n")  # inches, like all sizes below
-    many = len(unique([row.scene for row in comparison.results])) > MOST_LEVEL_NAMES
-    legend = 0.65 + TURNED_HEIGHT * many + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
+    many = len(unique([row.scene for row in comparison.results])) > MOST_HORIZONTAL
+    legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
     above_height = head + CURVES_HEIGHT + legend
     pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
     below_height = len(rows) * pitch_height + TITLE_HEIGHT
@@ -73,8 +77,8 @@ def overview(comparison: Comparison, path: Path) -> None:
         above.legend(handles, labels, loc="lower center", ncols=columns, columnspacing=1.2)
         grid = below.subplots(len(rows), COLUMNS, squeeze=False)
         for line, panels in zip(grid, rows, strict=True):
-            for axes, (title, paths, span) in zip(line, panels, strict=True):
-                draw_levels(axes, comparison.painter, [read_theta(run, span) for run in paths])
+            for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
+                draw_levels(axes, comparison.painter, thetas)
                 axes.set_title(title)
         point_legend(below, comparison.painter)
         top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
@@ -82,7 +86,17 @@ def overview(comparison: Comparison, path: Path) -> None:
         plots.save(figure, path)
 
 
-def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[tuple[str, Sequence[Path], tuple[float, float]]]]:
+def _read_panels(panels: Sequence[Panel]) -> list[list[np.ndarray]]:
+    """Return θ `[L, D]` by panel and run; each table is read once."""
+    spans: dict[Path, list[tuple[float, float]]] = {}
+    for _, paths, span in panels:
+        for run in paths:
+            spans.setdefault(run, []).append(span)
+    thetas = {run: dict(zip(of_run, read_periods(run, of_run), strict=True)) for run, of_run in spans.items()}
+    return [[thetas[run][span] for run in paths] for _, paths, span in panels]
+
+
+def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[Panel]]:
     """Return rows of panels (heading, runs, period of training), for each curriculum after a DR panel for reference.
 
     The levels of domain randomization do not change over time, so one panel shows all of them.
@@ -131,9 +145,9 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
             low, high = interval.estimate - interval.low, interval.high - interval.estimate
             span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
             axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
-    turned: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_LEVEL_NAMES else {}
-    names = [scene if turned else scene.replace(" distribution", "\ndistribution") for scene in scenes]
-    axes.set_xticks(range(len(scenes)), names, **turned)
+    rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_HORIZONTAL else {}
+    names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in scenes]
+    axes.set_xticks(range(len(scenes)), names, **rotated)
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)
     axes.set_ylim(0, 105)

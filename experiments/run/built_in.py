@@ -1,4 +1,4 @@
-"""The tasks of this toolkit that are no football games, by their short names. Read next: `run.tasks`."""
+"""Built-in tasks other than football, by their short names. Read next: `run.tasks`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class BuiltIn(NamedTuple):
-    """A task of this toolkit: its full name, and what it is."""
+    """A built-in task: its full name, and one line on it."""
 
     name: str
     about: str
@@ -15,6 +15,6 @@ class BuiltIn(NamedTuple):
 BUILT_IN = {  # by short name
     "maze": BuiltIn(
         "regista.envs.maze.task:maze",
-        "the maze benchmark of PAIRED, DCD, JaxUED and minimax: walk to a goal by what lies ahead",
+        "the maze benchmark of PAIRED, DCD, JaxUED and minimax: reach a goal with a partial view",
     )
 }

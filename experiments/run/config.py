@@ -128,7 +128,7 @@ class RunConfig(Checked):
         return ()
 
     def on_engine(self, playing: EngineConfig) -> Any:
-        """Return these settings. Raises `UsageError` for an engine of football."""
+        """Return these settings; football has engines to choose from. Raises `UsageError` for `grf`."""
         _check_no_engine(playing)
         return self
 
@@ -137,9 +137,9 @@ class RunConfig(Checked):
         return self
 
     def watched(self, playing: EngineConfig) -> Any:
-        """Return settings of environments that show a whole episode; None where there is one kind alone.
+        """Return settings of environments for watching episodes; None: the same as for training.
 
-        Raises `UsageError` for an engine of football.
+        Raises `UsageError` for the engine `grf`.
         """
         _check_no_engine(playing)
         return None

@@ -39,10 +39,10 @@ class UsageError(CommandError):
 
 
 class TaskError(CommandError):
-    """The code of a task in Python failed, or returned something of another kind."""
+    """The code of a task in Python failed, or returned an object of the wrong type."""
 
 
-# What an installation may leave out, and the extra that brings it
+# Optional packages, and the extra that installs each
 EXTRAS = {
     "matplotlib": "all",
     "PIL": "all",

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 SEED = 20_000  # of every evaluation: all policies get the same levels and random numbers
 LEVELS_SEED = 20_001  # of random levels
 MOST_EPISODES = 10**9  # of a timed evaluation
-SHARED_SECONDS = 30.0  # of playing, from which on processes are worth while, which take some seconds to begin
+SHARED_SECONDS = 30.0  # of evaluation above which processes pay off; they take some seconds to start
 ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
@@ -153,7 +153,7 @@ class Policy(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What every policy plays, for other processes: the arguments of `EvalScenes`, and those of the random levels."""
+    """What every policy is evaluated on, for other processes: arguments of `EvalScenes` and of the random levels."""
 
     config: Any
     episodes: int
@@ -163,7 +163,7 @@ class Plan(NamedTuple):
 
 
 class Plays(NamedTuple):
-    """The episodes of one policy: on each scene, and on the random levels, None without any."""
+    """The episodes of one policy: on each scene, and on the random levels (None: not evaluated)."""
 
     scenes: Played
     levels: Evaluation | None
@@ -185,7 +185,7 @@ def _play_source(plan: Plan, source: Path | str) -> Plays:
         policy, _ = load_student(RunFolder.open(source), scenes.game)
     else:
         policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])[source]
-    played = scenes.play(policy)  # first, as in one process: a policy may keep something
+    played = scenes.play(policy)  # first, as in one process: a policy may have a state
     levels = scenes.play_random_levels(policy, plan.levels, plan.level_episodes) if plan.levels else None
     return Plays(played, levels)
 
@@ -258,8 +258,11 @@ class Evaluator:
         if self.processes > 1 and self.minutes is None and self._seconds(policies) > SHARED_SECONDS:
             scenes = self.scenes
             plan = Plan(scenes.config, scenes.episodes, scenes.held_out, self.levels, self.episodes)
-            tell = lambda played: watch.ended(sum(one.episodes for one in played))  # noqa: E731
-            return apart(partial(_play_source, plan), [one.source for one in policies], self.processes, tell)
+
+            def count(played: list[Plays]) -> None:
+                watch.ended(sum(one.episodes for one in played))
+
+            return apart(partial(_play_source, plan), [one.source for one in policies], self.processes, count)
         played = self._play_scenes(policies, watch)
         return [
             Plays(scenes, self._play_levels(one, watch) if self.levels else None)
@@ -295,9 +298,11 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
     """Raise `CommandError` for runs of several games or tasks, or that read their program with different settings."""
     games = {run.config.minigame for run in runs}
     if len(games) > 1:
-        raise CommandError(f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them apart")
+        raise CommandError(
+            f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them separately"
+        )
     if any(run.config.reading() != runs[0].config.reading() for run in runs):
-        raise CommandError("these runs read their program with different settings; evaluate them apart")
+        raise CommandError("these runs read their program with different settings; evaluate them separately")
 
 
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""How the C library keeps memory that was freed. Read next: `run.build`, which decides it for every training run."""
+"""How the C library keeps memory that was freed. Read next: `run.build`, which calls it for every training run."""
 
 from __future__ import annotations
 

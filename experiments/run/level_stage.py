@@ -1,6 +1,6 @@
 """A level from the table of a run's levels, or of a task, in an environment at its start.
 
-Read next: `ued.levels.table`, which reads the row; `run.players`, who plays it; `commands.play`.
+Read next: `ued.levels.table`, which reads the row; `run.players`, which plays it; `commands.play`.
 """
 
 from __future__ import annotations

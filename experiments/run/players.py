@@ -1,4 +1,4 @@
-"""Who plays an episode of a Python task: random actions, one action, a baseline, or the student of a run.
+"""Policies that play an episode of a Python task: random, a constant action, a baseline, the student of a run.
 
 Read next: `run.level_stage`, the episode; `commands.play`.
 """
@@ -15,7 +15,7 @@ from regista.experiments.run.level_stage import Choose, LevelStage
 
 
 class TaskPlayer(NamedTuple):
-    """A policy and how a sentence calls its actions."""
+    """A policy, and its name in messages."""
 
     choose: Choose
     name: str
@@ -27,8 +27,8 @@ def task_player(name: str, stage: LevelStage, seed: int) -> TaskPlayer:
     Raises `UsageError` for another name, and for a student of another task.
     """
     if name == "idle":
-        return TaskPlayer(_same(stage.env), "always the first action")
-    if name in ("bot", "random"):  # a bot plays football alone
+        return TaskPlayer(_constant(stage.env), "always the first action")
+    if name in ("bot", "random"):  # bots play football only
         return TaskPlayer(_random(stage.env, seed), "random actions")
     baselines = stage.game.task(stage.game.start("fast")).make_baselines(stage.env)
     if name in baselines:
@@ -62,6 +62,6 @@ def _random(env: Any, seed: int) -> Choose:
     return lambda observation: np.asarray(env.single_action_space.sample())[None]
 
 
-def _same(env: Any) -> Choose:
+def _constant(env: Any) -> Choose:
     action = np.zeros_like(env.single_action_space.sample())[None]
     return lambda observation: action

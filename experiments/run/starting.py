@@ -50,7 +50,7 @@ def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
 
 
 def _named(argv: Sequence[str]) -> str | None:
-    """Return the game or the task that is typed, if there is one; the value of a flag may have the name of another."""
+    """Return the game or task on the command line, or None; values of flags in TAKING_TEXT are skipped."""
     pairs = itertools.pairwise(["", *argv])
     return next((word for flag, word in pairs if flag not in TAKING_TEXT and _is_game(word)), None)
 

@@ -51,11 +51,11 @@ class PythonTask:
     def start(self, preset: str) -> Any:
         """Return the settings of a preset for tasks, with the task's own defaults.
 
-        Raises `CommandError` where the task names a setting that does not exist, or gives it a value of another type.
+        Raises `CommandError` for defaults that name no setting or have a value of the wrong type.
         """
         from regista.experiments.run.config import changed, task_presets
 
-        where, defaults = f"{self.name}: its defaults are no settings of a run", self._loaded[0].defaults
+        where, defaults = f"{self.name}: invalid defaults", self._loaded[0].defaults
         if "minigame" in defaults:
             raise CommandError(f"{where}: 'minigame' is the task itself")
         return changed(task_presets()[preset], defaults, where)
@@ -83,7 +83,7 @@ class PythonTask:
 
 
 def _checked(make: Any, where: str = "") -> Any:
-    """Return a function that makes environments as one whose failures are sentences; levels stay levels."""
+    """Wrap a function that makes environments so that it raises `TaskError`; return levels unchanged."""
     return partial(_make, make, where) if callable(make) else make
 
 
@@ -98,7 +98,7 @@ def _make(make: Make, where: str, num_envs: int) -> UPOMDP:
 
 
 def _policy(name: str, make: Any, upomdp: UPOMDP) -> Any:
-    """Make a baseline. Raises `TaskError` where that fails, or what is made has not the methods of a policy."""
+    """Make a baseline. Raises `TaskError` if that fails, or if the result lacks the methods of a policy."""
     with user_code(f"the baseline '{name}' failed"):
         policy = make(upomdp)
     for method in ("play", "empty_memory"):
@@ -108,9 +108,9 @@ def _policy(name: str, make: Any, upomdp: UPOMDP) -> Any:
 
 
 class CheckedPainter:
-    """A task's painter, whose failures are sentences; it is a `ued.core.painter.ScenePainter`.
+    """A task's painter, a `ued.core.painter.ScenePainter`, whose errors are reported with their line.
 
-    Raises `TaskError` where the painter fails, lacks an attribute, or returns points of another shape.
+    Raises `TaskError` if the painter fails, lacks an attribute, or returns points of another shape.
     """
 
     def __init__(self, make: Any, upomdp: UPOMDP) -> None:
@@ -170,12 +170,12 @@ def name_of(task: Any) -> str:
 
     if not isinstance(task, Task) and not callable(task):
         raise UsageError(f"a task must be a ued.Task, a function make(num_envs) or a name, got {task!r}")
-    own = inspect.getmodule(task.make if isinstance(task, Task) else task)  # None of what is no plain function
+    own = inspect.getmodule(task.make if isinstance(task, Task) else task)  # None for a partial or an instance
     for module in filter(None, [own, *sys.modules.values()]):
         known = [key for key, value in [*vars(module).items()] if value is task]
         if known and getattr(module, "__file__", None):
             return canonical(f"{module.__file__}:{known[0]}")
-    raise UsageError("a task must be a name at the top of a file, so that a run can be continued")
+    raise UsageError("a task must be a global name of a Python file, so that a run can be resumed")
 
 
 def load_task(name: str) -> tuple[Task, str]:
@@ -203,7 +203,7 @@ def load_task(name: str) -> tuple[Task, str]:
 
 @contextmanager
 def user_code(what: str) -> Iterator[None]:
-    """Raise what goes wrong in the user's code as a `TaskError` that tells its line."""
+    """Convert errors in the user's code into a `TaskError` that reports the line."""
     try:
         yield
     except Exception as error:

@@ -90,6 +90,10 @@ def test_chosen_columns_include_those_that_are_left_out(tmp_path):
     assert set(read_levels(tmp_path / "run", "visit", "best/", "theta/")) == {
         *("visit", "best/student", "theta/a, b", "theta/ego.x")
     }
+    for name in ("visit", "parent", "episodes", "best/student"):
+        alone = read_levels(tmp_path / "run", name)
+        assert list(alone) == [name]
+        np.testing.assert_array_equal(alone[name], read_levels(tmp_path / "run")[name])
     with pytest.raises(KeyError, match="no level 5 at visit 6"):
         read_level(tmp_path / "run", 5, 6)
     assert read_level(tmp_path / "run", 5, 5)["theta"].tolist() == [
@@ -155,6 +159,14 @@ def test_an_older_table_keeps_its_columns(tmp_path):
     CsvLevels(tmp_path / "levels.csv").append_levels({"program": np.full(40, "1v1"), **rows(2)})
     assert read_header(tmp_path / "levels.csv") == list(older)
     assert read_levels(tmp_path, "visit")["visit"].tolist() == list(range(80))
+
+
+def test_the_visits_of_a_table_that_numbered_none_are_unknown(tmp_path):
+    older = {name: values for name, values in rows(1).items() if name != "visit"}
+    CsvLevels(tmp_path / "levels.csv").append_columns(older)
+    assert read_levels(tmp_path, "visit") == {}
+    with pytest.raises(ValueError, match="it has no column visit"):
+        read_level(tmp_path, 5)
 
 
 def test_other_columns_are_refused(tmp_path, small_parts):

@@ -108,7 +108,7 @@ def test_a_minigame_in_a_python_file_is_played_by_random_actions(tmp_path, capsy
     [
         (["--replay", "x.npz", "--id", "3"], "it takes --match, --video and --speed alone"),
         (["--replay", "x.npz", "1v1Free"], "it takes --match, --video and --speed alone"),
-        (["1v1Free", "--match", "0"], "it needs --replay RECORD"),
+        (["1v1Free", "--match", "0"], "--match needs --replay RECORD"),
         (["1v1Free", "--visit", "3"], "it needs --level RUN --id N"),
     ],
 )

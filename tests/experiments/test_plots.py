@@ -130,11 +130,11 @@ def test_a_curve_averages_runs_on_one_axis(runs):
 
 
 def test_levels_of_a_period_are_those_of_its_updates(runs):
-    assert len(level_plots.read_theta(runs["dr"][0], (0.0, 1.0))) == 300
-    assert len(level_plots.read_theta(runs["dr"][0], (0.9, 1.0))) == 30
+    assert len(level_plots.read_periods(runs["dr"][0], [(0.0, 1.0)])[0]) == 300
+    assert len(level_plots.read_periods(runs["dr"][0], [(0.9, 1.0)])[0]) == 30
     levels = runs["dr"][1] / "levels.csv"
     levels.write_text(levels.read_text().splitlines()[0] + "\n")  # no level was finished
-    assert level_plots.read_theta(runs["dr"][1], (0.0, 0.1)).shape == (0, 6)
+    assert level_plots.read_periods(runs["dr"][1], [(0.0, 0.1)])[0].shape == (0, 6)
 
 
 def test_the_pitch_lies_within_its_measures():
@@ -154,7 +154,8 @@ def test_the_painter_puts_players_and_ball_in_metres(painter):
 
 def test_a_short_run_has_levels_in_all_periods(tmp_path):
     Table(tmp_path / "levels.csv").append([{"update": update, "theta/0": update / 10} for update in range(1, 7)])
-    found = {name: level_plots.read_theta(tmp_path, span)[:, 0].tolist() for name, span in level_plots.PERIODS.items()}
+    thetas = level_plots.read_periods(tmp_path, level_plots.PERIODS.values())
+    found = {name: theta[:, 0].tolist() for name, theta in zip(level_plots.PERIODS, thetas, strict=True)}
     assert found == {"first tenth": [0.1], "middle": [0.3, 0.4], "last tenth": [0.6]}
 
 

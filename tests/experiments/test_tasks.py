@@ -272,7 +272,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
         (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
-        (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine says what reads a program"),
+        (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine applies to programs; a task is Python"),
         (["inspect", "{}/push_task.py:push", "--rrd", "{}/x.rrd"], "--rrd and --show are for Scenic programs"),
         (["inspect", "{}/push_task.py:push", "--show", "code"], "--rrd and --show are for Scenic programs"),
         (["train", "no_such_module:make"], "there is no module no_such_module"),
@@ -361,7 +361,7 @@ def test_a_task_brings_defaults_baselines_held_out_scenes_and_its_word(task, tra
 def test_defaults_that_are_no_settings_are_refused(name, message, task, tmp_path, capsys):
     assert train(task.replace(":push", f":{name}"), tmp_path / "run") == 1
     said = capsys.readouterr().err
-    assert "its defaults are no settings of a run" in said and message in said
+    assert "invalid defaults" in said and message in said
 
 
 def test_defaults_may_be_a_group_and_numbers_of_numpy(task):
@@ -413,7 +413,7 @@ def test_a_task_without_held_out_scenes_says_so(task, tmp_path, capsys):
 def test_whatever_is_no_task_is_refused_from_python(task, tmp_path):
     with pytest.raises(UsageError, match=r"a task must be a ued\.Task, a function make\(num_envs\) or a name, got 3"):
         regista.train(3)
-    with pytest.raises(UsageError, match="a name at the top of a file"):
+    with pytest.raises(UsageError, match="a global name of a Python file"):
         regista.train(lambda num_envs: None)
 
 

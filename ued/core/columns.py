@@ -71,12 +71,11 @@ def _by_rows(data: bytes, begin: int, width: int, columns: dict[str, int], words
     for number, row in enumerate(rows, 2):
         if len(row) != width:
             raise ValueError(f"line {number} is not a row of {width} cells")
-    return {
-        name: np.array([row[at] for row in rows], str if name in words else None)
-        if name in words
-        else np.array([float(row[at] or nan) for row in rows], np.float64)
-        for name, at in columns.items()
-    }
+    return {name: _column([row[at] for row in rows], name in words) for name, at in columns.items()}
+
+
+def _column(cells: list[str], is_text: bool) -> np.ndarray:
+    return np.array(cells, str) if is_text else np.array([float(cell or nan) for cell in cells], np.float64)
 
 
 def read_parts(folder: Path, wanted: Wanted = every) -> Columns:

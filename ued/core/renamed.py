@@ -1,7 +1,7 @@
 """Names in files of older runs, and what they are called now: checkpoints and tables are read through this mapping.
 
 A field or key of a checkpoint, or a column of a table, that has an old name is read under its new name. Read next:
-`checkpoint`, `levels.table` and `experiments/run/table.py`, which use it.
+`checkpoint`, `columns` and `experiments/run/table.py`, which use it.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ued.core.level_space import level_dtype
 CSV, PARQUET = "levels.csv", "levels.parquet"
 WORDS = ("source", "program")  # columns of text
 IMPLIED: dict[str, str | float] = {"visit": "id", "parent": np.nan, "episodes": 1.0}  # see `implied_by`
+OF_IMPLIED = ("id", "parent")  # columns that `with_implied` needs: the number of rows, and the age of the table
 
 
 def table_of(run: str | Path) -> Path:
@@ -51,13 +53,15 @@ def read_levels(run: str | Path, *names: str) -> Columns:
     path = table_of(run)
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist: no update has finished yet")
-    sources = [source for source in map(implied_by, names) if isinstance(source, str)]
+    sources = [implied_by(name) for name in names]
+    also = [source for source in sources if isinstance(source, str)]
+    if any(source is not None for source in sources):
+        also += OF_IMPLIED
 
     def wanted(name: str) -> bool:
-        return not names or _matches(name, [*names, *sources])
+        return not names or _matches(name, [*names, *also])
 
-    columns = read_parts(path, wanted) if path.is_dir() else read_csv(path, wanted, WORDS)
-    columns = with_implied(columns)
+    columns = with_implied(read_parts(path, wanted) if path.is_dir() else read_csv(path, wanted, WORDS))
     return {name: values for name, values in columns.items() if not names or _matches(name, names)}
 
 
@@ -66,15 +70,15 @@ def with_implied(columns: Columns) -> Columns:
 
     A table with `parent` but without `visit` is of an older version, which numbered no visits.
     """
+    if "id" not in columns:
+        return columns
     best = [f"best/{name.removeprefix('return/')}" for name in columns if name.startswith("return/")]
     missing = {}
-    for name in ("visit", "parent", "episodes", *best):
-        source = implied_by(name)
-        older = name == "visit" and "parent" in columns
-        if name in columns or older or "id" not in columns:
+    for name in (*IMPLIED, *best):
+        if name in columns or (name == "visit" and "parent" in columns):
             continue
-        number = source if isinstance(source, float) else np.nan
-        missing[name] = columns[source] if isinstance(source, str) else np.full(len(columns["id"]), number)
+        source: Any = implied_by(name)
+        missing[name] = columns[source] if isinstance(source, str) else np.full(len(columns["id"]), source)
     return columns | missing
 
 
@@ -99,7 +103,7 @@ def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray
 def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.ndarray, int]:
     """Return a level, see `read_level`, and the number of the visit; for None the first one in the table."""
     path = table_of(run)
-    columns = read_levels(path, "id", "visit", "parent", "seed", "theta/")
+    columns = read_levels(path, "id", "visit", "seed", "theta/")
     for name in ("id", "visit", "seed"):
         if name not in columns:
             raise ValueError(f"{path} is damaged: it has no column {name}")

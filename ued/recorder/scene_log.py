@@ -54,7 +54,7 @@ class SceneLog:
         self._heat = np.zeros(cells)  # [rows, columns], y from low to high
 
     def open(self, students: Sequence[str]) -> None:
-        """Write what does not change: the ground, and the looks of points, lines and notes."""
+        """Write the static content: the ground, and the style of points, lines and notes."""
         turn_y_up(self.stream)
         log_ground(self.stream, "scene", self.painter)
         x_low, _, y_low, _ = self.painter.bounds
@@ -142,7 +142,7 @@ class SceneLog:
         return np.where(self._tiles[:, None], np.nan, places) if self._tiles.any() else places
 
     def _log_tiles(self, root: str, places: np.ndarray) -> None:
-        """Write the tiles among the points `[K, 2]` as squares, each a line that fills it to and fro: see `FILLING`."""
+        """Write the tiles among the points `[K, 2]` as squares, each one a line that fills it, see `FILLING`."""
         if not self._tiles.any():
             return
         shown = self._tiles & np.isfinite(places).all(1)
@@ -152,7 +152,7 @@ class SceneLog:
         self.stream.log(f"{root}/tiles", tiles)
 
     def _looks(self) -> Any:
-        """Return the looks of the points of a scene."""
+        """Return the style of the points of a scene."""
         return rerun.Points2D.from_fields(class_ids=self.painter.classes, radii=self._radii, show_labels=False)
 
     def _note_above(self, text: str, bounds: Sequence[float]) -> Any:

@@ -54,7 +54,7 @@ class ThetaLog:
             self._density = np.zeros((len(self.names), min(self._horizon, MAP_COLUMNS), BINS))
 
     def open(self) -> None:
-        """Write what does not change: styles, the uniform distribution for comparison, and the axes."""
+        """Write the static content: styles, the uniform distribution for comparison, and the axes."""
         for d, name in enumerate(self.names):
             shades = [(90, 130, 170), (130, 200, 255), (90, 130, 170)]
             quantiles = rerun.SeriesLines(colors=shades, names=["10%", name, "90%"], widths=[1, 2.5, 1])
