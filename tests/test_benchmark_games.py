@@ -2,6 +2,7 @@
 
 import re
 from functools import cache
+from itertools import groupby
 
 import gymnasium
 import numpy as np
@@ -14,6 +15,7 @@ from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.__main__ import main
 from regista.experiments.run import build, games
+from regista.experiments.run.built_in import BUILT_IN
 from regista.minigames.published import find_published, published
 from regista.minigames.suites import ALL, BENCHMARK, HERE, NAMED
 from scenic_lite import load
@@ -284,7 +286,8 @@ def test_names_are_found_and_slips_are_told(capsys):
 def test_the_list_shows_games_with_what_is_published(capsys):
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == len(ALL) + 2
+    shown, tasks = (list(part) for blank, part in groupby(lines, bool) if blank)
+    assert len(shown) == len(ALL) + 2 and len(tasks) == len(BUILT_IN) + 2
     (row,) = [line for line in lines if line.startswith("offense/hard_crossing ")]
     assert re.split(r"\s{2,}", row)[1:9] == ["4 v 4", "12", "12", "closest1", "allNonGK", "+0.12", "-0.00", "-0.02"]
     assert main(["list", "11_vs"]) == 0
