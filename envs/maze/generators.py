@@ -1,7 +1,6 @@
 """Test mazes with a new layout in every episode: MiniGrid's FourRooms and SimpleCrossing, and perfect mazes.
 
-Written from their descriptions. Sizes are inner sides: MiniGrid and DCD count the border of walls, two cells more.
-Read next: `named_mazes`.
+Sizes are inner sides: MiniGrid and DCD count the border of walls, two cells more. Read next: `named_mazes`.
 """
 
 from __future__ import annotations
@@ -54,26 +53,22 @@ def simple_crossing(rng: np.random.Generator) -> Maze:
 def perfect_maze(side: int, rng: np.random.Generator) -> Maze:
     """Sample a maze of S x S cells, S odd, in which exactly one way joins any two cells.
 
-    A randomized depth-first search from a uniform cell joins the cells in even rows and columns (ACCEL, appendix).
-    Agent, goal and direction are uniform.
+    The cells in even rows and columns are joined along a random spanning tree by Kruskal's algorithm. Agent and goal
+    are in two random corners (DCD `envs/multigrid/mst_maze.py`; minimax places them in any two cells).
     """
-    nodes, walls = (side + 1) // 2, np.ones((side, side), bool)
-    path = [tuple(rng.integers(nodes, size=2).tolist())]
-    walls[2 * path[0][0], 2 * path[0][1]] = False
-    while path:
-        row, column = path[-1]
-        ahead = [
-            (row + down, column + right)
-            for down, right in ((0, 1), (1, 0), (0, -1), (-1, 0))
-            if 0 <= row + down < nodes and 0 <= column + right < nodes
-            if walls[2 * (row + down), 2 * (column + right)]
-        ]
-        if not ahead:
-            path.pop()
-            continue
-        path.append(ahead[rng.integers(len(ahead))])
-        walls[2 * path[-1][0], 2 * path[-1][1]] = walls[row + path[-1][0], column + path[-1][1]] = False
-    return with_ends(walls, rng)
+    walls, nodes = np.ones((side, side), bool), np.arange((side + 1) // 2)
+    tree = np.arange(nodes.size**2).reshape(nodes.size, nodes.size)  # which tree each node belongs to
+    walls[::2, ::2] = False
+    right = [(row, column, 0, 1) for row in nodes for column in nodes[:-1]]
+    down = [(row, column, 1, 0) for row in nodes[:-1] for column in nodes]
+    for row, column, below, beside in rng.permutation(right + down).tolist():
+        one, other = tree[row, column], tree[row + below, column + beside]
+        if one != other:
+            tree[tree == other] = one
+            walls[2 * row + below, 2 * column + beside] = False
+    corners = [(0, 0), (0, side - 1), (side - 1, 0), (side - 1, side - 1)]
+    start, goal = rng.choice(len(corners), 2, replace=False)
+    return Maze(walls, corners[start], corners[goal], int(rng.integers(DIRECTIONS)))
 
 
 def with_ends(walls: np.ndarray, rng: np.random.Generator) -> Maze:

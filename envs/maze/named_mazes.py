@@ -1,15 +1,19 @@
-"""The benchmark's test mazes under their published names, with what their sources say and where ours may differ.
+"""The benchmark's test mazes under their published names, as DCD plays them.
 
-Sources: PAIRED is Dennis et al. 2020 (appendix, test environments), PLR⊥ Jiang et al. 2021, ACCEL Parker-Holder et al.
-2022, MiniGrid Chevalier-Boisvert et al. 2023 and its documentation. Layouts follow the descriptions and pictures in
-these papers and are not copied cell by cell: success rates are comparable with published ones in kind, not to the
-percent.
+| | layout | start, goal | steps | seen |
+|---|---|---|---|---|
+| rooms, labyrinths, mazes | one each (`drawings`) | fixed | 2 n^2 | through walls |
+| corridors | one each (`drawings`) | goal in one of 10 or 16 dead ends | 2 n^2 | through walls |
+| perfect mazes | new (`generators`) | two random corners | 2 n^2 | through walls |
+| FourRooms | new (`generators`) | random | 100 | up to walls |
+| SimpleCrossing | new (`generators`) | fixed | 4 n^2 | up to walls |
 
-The agent faces a uniform direction in each episode; start and goal of a layout are fixed unless its row says otherwise.
-Time limits are DCD's 2 n^2 steps for a grid of n x n with its border ("over 5k steps" for n = 51 in ACCEL), and
-MiniGrid's own for FourRooms and SimpleCrossing. JaxUED allows 250 steps in all of its test mazes. Limits, directions
-and what varies from episode to episode follow the papers; they were not compared with DCD's code.
-Read next: `drawings` and `generators`, the layouts; `task`, which tests students on them.
+n is the side of the grid with its border, so 2 n^2 is 450 for 15 x 15. The agent faces a uniform direction, right in
+SimpleCrossing. All of this is in DCD's `envs/multigrid/{maze,mst_maze,crossing,fourrooms}.py`. minimax plays the same
+layouts, with fixed directions in some. JaxUED allows 250 steps. In both, agents see through the walls of all mazes.
+
+Sources: PAIRED is Dennis et al. 2020, PLR⊥ Jiang et al. 2021, ACCEL Parker-Holder et al. 2022, MiniGrid
+Chevalier-Boisvert et al. 2023. Read next: `drawings`, `generators`; `task`, which tests students.
 """
 
 from __future__ import annotations
@@ -35,7 +39,7 @@ from regista.envs.maze.grid import DIRECTIONS
 from regista.envs.maze.levels import ARROWS, Maze, maze_from
 
 DrawMaze = Callable[[np.random.Generator], Maze]
-MEDIUM, LARGE = 17, 49  # inner sides of DCD's 19 x 19 and 51 x 51
+MEDIUM, LARGE = 19, 49  # inner sides of DCD's 21 x 21 and 51 x 51
 
 
 class NamedMaze(NamedTuple):
@@ -45,26 +49,39 @@ class NamedMaze(NamedTuple):
         draw: samples the maze of an episode.
         side: its inner side S.
         max_steps: its time limit.
-        about: what its source describes, and where ours differs.
+        about: what it is, and its source.
+        see_through: whether agents see through walls, if they do where they train.
     """
 
     draw: DrawMaze
     side: int
     max_steps: int
     about: str
+    see_through: bool = True
 
     def make(self, num_envs: int, config: MazeConfig = MazeConfig()) -> DrawnMazes:  # noqa: B008 (frozen)
-        """Make N environments of this maze, seen as `config` says, that can be drawn."""
+        """Make N environments of this maze, observed as `config` says, that can be drawn."""
         own = replace(config, side=self.side, max_steps=self.max_steps)
-        return DrawnMazes(num_envs, self.draw, own, "rgb_array")
+        return DrawnMazes(num_envs, self.draw, own, self.see_through, "rgb_array")
 
 
 class DrawnMazes(Mazes):
-    """Mazes whose random levels are those of `draw`, a function of a random stream, instead of random walls."""
+    """Mazes whose random levels are those of `draw`, a function of a random stream, instead of random walls.
 
-    def __init__(self, num_envs: int, draw: DrawMaze, config: MazeConfig, render_mode: str | None = None) -> None:
+    With `see_through=False`, walls hide cells, and hidden cells are observed as empty ones (as unseen in images).
+    """
+
+    def __init__(
+        self,
+        num_envs: int,
+        draw: DrawMaze,
+        config: MazeConfig,
+        see_through: bool = True,
+        render_mode: str | None = None,
+    ) -> None:
         super().__init__(num_envs, config, render_mode)
         self.draw_maze = draw
+        self._settings = self._settings._replace(see_through=bool(config.see_through and see_through))
 
     def _draw(self, count: int) -> np.ndarray:
         return np.stack([self.theta_of(self.draw_maze(self._stream)) for _ in range(count)])
@@ -93,60 +110,29 @@ def _perfect(side: int, about: str) -> NamedMaze:
 
 
 TEST_MAZES = {
-    "SixteenRooms": _drawn(
-        drawings.SIXTEEN_ROOMS,
-        "PAIRED: 4 x 4 rooms, doors between all neighbors, start and goal in opposite corners. Ours: one door of one "
-        "cell in each of the 24 walls between rooms, in places of our own",
-    ),
-    "SixteenRoomsFewerDoors": _drawn(
-        drawings.SIXTEEN_ROOMS_FEWER_DOORS,
-        "ACCEL: the sixteen rooms with fewer doors. Ours: 18 of the 24 doors, our choice; every room can be reached",
-    ),
-    "Labyrinth": _drawn(
-        drawings.LABYRINTH,
-        "PAIRED: rings of walls around a goal in the center. Ours: three rings with one opening each and a bar across "
-        "the ways around, so that the shortest way leads nearly once around",
-    ),
-    "Labyrinth2": _drawn(
-        drawings.LABYRINTH_2,
-        "PAIRED: another labyrinth, entered from another corner. Ours: openings on alternate sides, bars at the top "
-        "and the bottom",
-    ),
-    "Maze": _drawn(
-        drawings.MAZE,
-        "PAIRED: corridors one cell wide with dead ends. Ours: a perfect maze with start and goal in opposite corners",
-    ),
-    "Maze2": _drawn(drawings.MAZE_2, "PLR⊥: a second such maze. Ours: another perfect maze, with a longer way"),
-    "Maze3": _drawn(drawings.MAZE_3, "ACCEL: a third such maze. Ours: a perfect maze with its goal in the center"),
+    "SixteenRooms": _drawn(drawings.SIXTEEN_ROOMS, "PAIRED: 4 x 4 rooms; start and goal in opposite ones"),
+    "SixteenRoomsFewerDoors": _drawn(drawings.SIXTEEN_ROOMS_FEWER_DOORS, "PAIRED: 4 x 4 rooms with fewer doors"),
+    "Labyrinth": _drawn(drawings.LABYRINTH, "PAIRED: three rings of walls around the goal"),
+    "Labyrinth2": _drawn(drawings.LABYRINTH_2, "PLR⊥: three rings of walls, entered from another corner"),
+    "Maze": _drawn(drawings.MAZE, "PAIRED: corridors one cell wide"),
+    "Maze2": _drawn(drawings.MAZE_2, "PLR⊥: another maze of corridors"),
+    "Maze3": _drawn(drawings.MAZE_3, "ACCEL: another maze of corridors"),
     "SmallCorridor": _drawn(
-        drawings.SMALL_CORRIDOR,
-        "PLR⊥: a corridor with dead ends on both sides; the goal lies at the end of a random one. Ours: 12 dead ends "
-        "of 6 cells, one of 12 goals in each episode",
+        drawings.SMALL_CORRIDOR, "PLR⊥: a wall with ten dead ends along both sides; the goal is in a random one"
     ),
     "LargeCorridor": _drawn(
-        drawings.LARGE_CORRIDOR,
-        "PLR⊥: a larger corridor, 19 x 19 with its border. Ours: 16 dead ends of 8 cells, one of 16 goals in each "
-        "episode",
+        drawings.LARGE_CORRIDOR, "PLR⊥: 21 x 21 with its border, 16 dead ends; the goal is in a random one"
     ),
     "FourRooms": NamedMaze(
-        four_rooms,
-        FOUR_ROOMS_SIDE,
-        100,
-        "MiniGrid FourRooms, 19 x 19 with its border, 100 steps: gaps, goal and agent are new in each episode",
+        four_rooms, FOUR_ROOMS_SIDE, 100, "MiniGrid FourRooms, 19 x 19 with its border", see_through=False
     ),
     "SimpleCrossing": NamedMaze(
         simple_crossing,
         CROSSING_SIDE,
         4 * (CROSSING_SIDE + 2) ** 2,
-        "MiniGrid SimpleCrossingS11N5, 11 x 11 with its border, 484 steps: five walls and their gaps are new in each "
-        "episode, the agent faces right",
+        "MiniGrid SimpleCrossingS11N5, 11 x 11 with its border: five walls to pass",
+        see_through=False,
     ),
-    "PerfectMazeMedium": _perfect(
-        MEDIUM,
-        "ACCEL: perfect mazes of 19 x 19 with the border. New in each episode: walls by a randomized depth-first "
-        "search, start and goal uniform",
-    ),
+    "PerfectMazeMedium": _perfect(MEDIUM, "ACCEL: perfect mazes, 21 x 21 with their border"),
 }
-LARGE_MAZES = {
-    "PerfectMazeLarge": _perfect(LARGE, "ACCEL: perfect mazes of 51 x 51 with the border, otherwise as the medium one")
-}
+LARGE_MAZES = {"PerfectMazeLarge": _perfect(LARGE, "ACCEL: perfect mazes, 51 x 51 with their border")}

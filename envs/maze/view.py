@@ -3,13 +3,13 @@
 The view is turned so that the agent looks up from the middle of the lowest row. Cells have numbers 5 i + j, with column
 i from the left and row j from the top: the order of MiniGrid's `image[i, j]`. The agent's own cell is shown empty.
 
-Walls hide nothing in DCD (`see_through_walls=True` in `AdversarialEnv` and in the test mazes of `MazeEnv`), in JaxUED
+Walls hide nothing in DCD's training mazes (`see_through_walls=True` in `AdversarialEnv`), in JaxUED
 (`Maze._get_partial_obs` has no occlusion) and in minimax (`see_through_walls=True`, and False is not implemented).
 Otherwise cells behind walls are unseen, by MiniGrid's `Grid.process_vis`.
 
 A vector of observations ends with the direction, one-hot. Before it come, in "features", walls and goal, 1 where the
-cell holds one, and if walls hide cells, which cells are seen: `[25 walls, 25 goal(, 25 seen)]`. In "image" it is
-MiniGrid's object, color and state of each cell, divided by 10 as in DCD (`VecPreprocessImageWrapper(scale=10)`).
+cell holds one, and if training mazes hide cells, which cells are seen: `[25 walls, 25 goal(, 25 seen)]`. In "image" it
+is MiniGrid's object, color and state of each cell, divided by 10 as in DCD (`VecPreprocessImageWrapper(scale=10)`).
 Read next: `dynamics`.
 """
 
@@ -107,7 +107,7 @@ def write_image(layouts, agents, settings, e, image):
 
 @kernel
 def write_features(layouts, agents, settings, e, row):
-    """Write the features of environment e, `[F]`, without the direction."""
+    """Write the features of environment e, `[F]`, without the direction; which cells are seen where F has room."""
     grid, at = layouts.grid[e], agents.at[e]
     ahead, aside, seen = look(grid, at, agents.direction[e], settings)
     for i in range(VIEW):
@@ -115,7 +115,7 @@ def write_features(layouts, agents, settings, e, row):
             thing, k = thing_at(grid, at, ahead, aside, i, j, seen), VIEW * i + j
             row[k] = 1.0 if thing == WALL else 0.0
             row[CELLS + k] = 1.0 if thing == GOAL else 0.0
-            if not settings.see_through:
+            if len(row) > 2 * CELLS + DIRECTIONS:
                 row[2 * CELLS + k] = 0.0 if thing == UNSEEN else 1.0
 
 
