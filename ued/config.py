@@ -100,7 +100,7 @@ class FineTuningConfig(Checked):
     """Settings of a training run that starts from an already trained student."""
 
     kl_to_clone: float = setting(
-        0.0, "initial weight of the KL divergence from the initial policy; it is annealed to 0", ">=0", most=1e6
+        0.0, "weight of the KL divergence from the initial policy, annealed to 0", ">=0", most=1e6
     )
     kl_share: float = setting(0.5, "share of the training over which that weight is annealed to 0", "0-1")
 

@@ -25,10 +25,12 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Game
 from regista.experiments.run.launch.seeds import prepare
 from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.variants import rows_of
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.report import Report
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 from ued.core.task import TRAINING_SCENE
+from ued.methods import METHODS
 
 DESCRIPTION = (
     "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
@@ -43,6 +45,9 @@ class CompareConfig(Checked):
 
     minigame: str = positional(GAME, default="1v1Restricted")
     methods: tuple[str, ...] = setting(("dr", "paired"), "methods to compare; differences are relative to the first")
+    variants: tuple[str, ...] = setting(
+        (), 'more rows, "NAME: FLAGS": the first method, or that of --method, with other settings'
+    )
     seeds: int = setting(5, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
         0,
@@ -55,10 +60,10 @@ class CompareConfig(Checked):
     levels: int = setting(
         200, "random levels for CVaR10, the success rate on the worst tenth; 0: none", most=1_000_000, least=0
     )
-    level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
+    level_episodes: int = setting(10, "episodes on each, an even number", most=10_000, least=2)
     from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
-    rrd: Path | None = setting(None, "also record the curves of all runs to this Rerun file")
+    rrd: Path | None = setting(None, "Rerun file for the curves of all runs")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
@@ -67,7 +72,7 @@ class CompareConfig(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_levels(self.levels, self.level_episodes)
-        if not self.methods or len(set(self.methods)) < len(self.methods):
+        if len(set(self.methods)) < len(self.methods) or not (self.methods or self.variants):
             raise ValueError(f"methods must be one or more, without repetition, got {' '.join(self.methods) or 'none'}")
 
 
@@ -76,8 +81,8 @@ def main(argv: Sequence[str]) -> int:
     config, game = _read(argv)
     folder = config.out or Path("runs") / f"compare-{game.short}"
     seeds = range(config.first_seed, config.first_seed + config.seeds)
-    settings = replace(config.train, minigame=game.name)
-    runs = prepare(folder, settings, config.methods, seeds, config.from_, config.fine_tuning)
+    rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
+    runs = prepare(folder, rows, seeds, config.from_, config.fine_tuning)
     # This compiles the kernels, which must happen before several processes start.
     scenes = EvalScenes(runs[0].config, game, config.episodes, config.held_out)
     with StopRequest() as stop:
@@ -98,7 +103,8 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
     painter = task.painter(upomdp) if task.painter else None
     by_method: dict[str, list[Path]] = {}
     for run in runs:
-        by_method.setdefault(run.config.method, []).append(run.path)
+        by_method.setdefault(run.name, []).append(run.path)
+    plots.distinguish([name for name in by_method if name not in METHODS])
     with read_from(f"the tables of a run in {folder} are"):
         draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters), folder)
     report.save(folder)
@@ -133,6 +139,8 @@ def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)
+    if "variants" in typed:
+        typed.setdefault("methods", ())
     config = arguments.replace_paths(CompareConfig(train=start), typed)
     origin.check_needed(config.from_, config.fine_tuning)
     for method in config.methods:

@@ -59,7 +59,7 @@ class EvaluateConfig(Checked):
         most=1_000_000,
         least=0,
     )
-    level_episodes: int = setting(10, "episodes on each of these levels, an even number", most=10_000, least=2)
+    level_episodes: int = setting(10, "episodes on each, an even number", most=10_000, least=2)
     held_out: bool = setting(False, "evaluate on the held-out scenes, for final results only")
     baselines: bool = setting(True, "also evaluate the baselines 'shoot' and 'random'")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)

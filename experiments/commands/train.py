@@ -27,6 +27,7 @@ from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, rea
 from regista.experiments.run.folder import EVALUATED_ALONE, RunFolder
 from regista.experiments.run.launch import seeds
 from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.variants import Variant
 from regista.experiments.run.launch.workers import LaunchConfig
 from regista.experiments.run.notes import telling_warnings, warn
 from regista.experiments.run.progress import Progress, count
@@ -209,7 +210,7 @@ def _train_several(typed: dict[str, Any], resumed: Sequence[RunFolder]) -> int:
         raise UsageError(f"--seed {config.seed} --seeds {count} needs seeds above {LARGEST_SEED}, the largest")
     folder = flags.out or Path("runs") / stem
     several = range(config.seed, config.seed + count)
-    runs = seeds.prepare(folder, config, [config.method], several, flags.from_, flags.fine_tuning)
+    runs = seeds.prepare(folder, [Variant(config.method, config)], several, flags.from_, flags.fine_tuning)
     return seeds.train_together(runs, flags.launch)
 
 

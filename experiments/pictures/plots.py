@@ -6,6 +6,7 @@ Each method has the same color in all pictures; blue and red are the teams. Read
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO
@@ -28,6 +29,7 @@ FAINT = "#8a9199"
 METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {"shoot": "#9aa3ab", "random": "#cfd5da"}
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {"shoot": "shoot at once", "random": "random"}
+VARIANT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito 2008
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 WINDOW = 0.04  # window of the running mean, relative to the curve's length
 
@@ -69,6 +71,11 @@ def style() -> AbstractContextManager:
 
     matplotlib.use("Agg")
     return matplotlib.rc_context(STYLE)
+
+
+def distinguish(variants: Sequence[str]) -> None:
+    """Give the variants of a comparison colors of their own; those of more than seven repeat."""
+    METHOD_COLOURS.update(zip(variants, itertools.cycle(VARIANT_COLOURS), strict=False))
 
 
 def colour(method: str) -> str:

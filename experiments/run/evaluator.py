@@ -250,7 +250,7 @@ class Evaluator:
 
     def _trained(self, run: RunFolder) -> Policy:
         student, trained = load_student(run, self.scenes.game)
-        name = run.config.method if self.alike else run.label
+        name = run.name if self.alike else run.label
         return Policy(name, run.config.seed, trained, student, run.path)
 
     def _play_all(self, policies: Sequence[Policy], watch: Watch) -> list[Plays]:

@@ -22,6 +22,7 @@ Read next: `commands.train`.
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -59,14 +60,15 @@ class RunFolder:
 
     @classmethod
     def create(
-        cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None
+        cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None, name: str = ""
     ) -> RunFolder:
-        """Create the folder and write its configuration; `prepare` writes other files first.
+        """Create the folder and write its configuration; `prepare` writes other files first. `name` as in `name`.
 
         The configuration comes last, since a folder that has one can be resumed. Raises `CommandError` if the folder
         already holds a run.
         """
-        run = cls(path, config, provenance.about() | versions.stamp(config))
+        named = {"name": name} if name not in ("", config.method) else {}
+        run = cls(path, config, provenance.about() | versions.stamp(config) | named)
         if run.begun():
             raise CommandError(f"{path} already holds a run; continue it with --resume {path}, or choose another --out")
         names = [entry.name for entry in path.iterdir()] if path.is_dir() else []
@@ -84,10 +86,10 @@ class RunFolder:
         return run
 
     @classmethod
-    def create_or_extend(cls, path: Path, config: TrainConfig) -> RunFolder:
+    def create_or_extend(cls, path: Path, config: TrainConfig, name: str = "") -> RunFolder:
         """Create the folder, or open an existing one whose configuration must match this one."""
         if not (path / "config.json").exists():
-            return cls.create(path, config)
+            return cls.create(path, config, name=name)
         run = cls.open(path)
         run.extend(config)
         with run.locked():
@@ -210,11 +212,17 @@ class RunFolder:
         self._saved_at = time.monotonic()
 
     @property
+    def name(self) -> str:
+        """The method of the run, or the name of its variant in a comparison."""
+        name = self.about.get("name")
+        return name if isinstance(name, str) and re.fullmatch(ROW_NAME, name) else self.config.method
+
+    @property
     def label(self) -> str:
-        """Name of the run in tables: "clone", or its method, with "fine-tuned" if it started from another student."""
+        """Name of the run in tables: "clone", or its `name`, with "fine-tuned" if it started from another student."""
         if (self.path / "clone.json").exists():
             return "clone"
-        return f"{self.config.method} fine-tuned" if (self.path / "origin.pt").exists() else self.config.method
+        return f"{self.name} fine-tuned" if (self.path / "origin.pt").exists() else self.name
 
     def checkpoint_due(self, update_seconds: float = 0.0) -> bool:
         """Return whether to save a checkpoint: the last one is older than `checkpoint_seconds`, or updates are slow.
@@ -270,6 +278,7 @@ class RunFolder:
         return first if not parts else self.path / f"curriculum.{parts + 1}.rrd"
 
 
+ROW_NAME = r"[A-Za-z0-9._+-]{1,60}"  # of a variant: it is part of the name of a folder
 EVALUATED_ALONE = "it can be evaluated, but not resumed or compared"
 # Files that a folder may hold before training, and settings that may change on resume
 UNTRAINED = ("config.json", "program.scenic", "task.py", "train.log", "origin.pt", "curriculum.rrd", OWNER)

@@ -16,6 +16,7 @@ import pytest
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
+from regista.experiments.pictures.plots import colour
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
@@ -96,6 +97,60 @@ def test_other_settings_are_not_mixed_in(in_process, tmp_path, capsys):
         f"was trained with ppo.gamma = {TrainConfig().ppo.gamma}; it cannot continue with 0.5"
         in capsys.readouterr().err
     )
+
+
+def test_a_method_is_compared_with_itself(in_process, tmp_path, capsys):
+    folder = tmp_path / "demo"
+    command = ["compare", "1v1Restricted", "--methods", "dr", "--seeds", "1", *SHORT, *LEVELS, "--out", str(folder)]
+    variants = ["--variants", "slow: --learning-rate 1e-5", "edits: --method accel --accel.num-edits 7"]
+    assert main([*command, *variants]) == 0
+    runs = {path.name: RunFolder.open(path) for path in folder.iterdir() if path.is_dir()}
+    assert set(runs) == {"dr-0", "slow-0", "edits-0"}
+    assert {name: run.config.method for name, run in runs.items()} == {"dr-0": "dr", "slow-0": "dr", "edits-0": "accel"}
+    rates = [runs[name].config.ppo.learning_rate for name in ("dr-0", "slow-0", "edits-0")]
+    assert rates[1] == 1e-5 and rates[0] == rates[2] != 1e-5
+    assert runs["edits-0"].config.accel.num_edits == 7
+    assert [row["method"] for row in read_rows(folder / "results.csv")[::4]] == [
+        "dr",
+        "slow",
+        "edits",
+        "shoot",
+        "random",
+    ]
+    assert runs["slow-0"].label == "slow" and "slow" in capsys.readouterr().out
+    assert len({colour(name) for name in ("dr", "slow", "edits")}) == 3
+    before = (folder / "slow-0" / "metrics.csv").read_bytes()
+    assert main([*command, *variants]) == 0 and (folder / "slow-0" / "metrics.csv").read_bytes() == before
+    assert main([*command, "--variants", "slow: --learning-rate 1e-4"]) == 1
+    assert "was trained with ppo.learning_rate = 1e-05; it cannot continue with 0.0001" in capsys.readouterr().err
+
+
+def test_variants_alone_are_of_dr_or_of_their_own_method(in_process, tmp_path):
+    command = ["compare", "1v1Restricted", "--seeds", "1", *SHORT, "--levels", "0", "--out", str(tmp_path / "demo")]
+    assert main([*command, "--variants", "a: --gamma 0.9", "b: --method plr"]) == 0
+    kinds = {path.name: RunFolder.open(path).config.method for path in (tmp_path / "demo").iterdir() if path.is_dir()}
+    assert kinds == {"a-0": "dr", "b-0": "plr"}
+
+
+@pytest.mark.parametrize(
+    ("variant", "told"),
+    [
+        ("slow --learning-rate 1", 'is not "NAME: FLAGS"'),
+        ("a/b: --gamma 0.9", "names have letters, digits"),
+        ("plr: --gamma 0.9", "plr is the name of a method"),
+        ("a: --gama 0.9", "--gama"),
+        ("a: --gamma 9", "--gamma: must be between 0 and 1"),
+        ("a: --method plrr", "plrr"),
+        ("a: --seed 3", "--seed"),
+        ("a: --device 'cpu", "No closing quotation"),
+        ("a: --representation simple115", "share the environment"),
+        ("b: --gamma 0.9", "two rows of the comparison are called 'b'"),
+    ],
+)
+def test_what_is_no_variant_is_refused(variant, told, tmp_path, capsys):
+    folder = tmp_path / "demo"
+    assert main(["compare", "1v1Restricted", "--variants", "b: --gamma 0.5", variant, "--out", str(folder)]) == 2
+    assert told in capsys.readouterr().err and not folder.exists()
 
 
 def test_evaluate_prints_a_table_and_writes_csv(in_process, tmp_path, capsys):

@@ -85,7 +85,7 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     ),
     MethodRow(
         "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
-        "robust PLR: the student learns only from replayed levels", "2", settings_of="plr",
+        "PLR that learns only from replayed levels", "2", settings_of="plr",
     ),
     MethodRow(
         "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",

@@ -1,4 +1,4 @@
-"""Runs that differ in method and seed alone, each in a folder `METHOD-SEED` of one folder: `compare`, `train --seeds`.
+"""Runs of several seeds, each in a folder `NAME-SEED` of one folder: `compare`, `train --seeds`.
 
 Read next: `run.launch.workers`, which trains them.
 """
@@ -8,20 +8,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from regista.experiments.run import build, origin
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.signals import StopRequest
+from regista.experiments.run.launch.variants import Variant
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from ued.config import FineTuningConfig
 
 
 def prepare(
-    folder: Path, settings: Any, methods: Sequence[str], seeds: range, source: Path | None, tuning: FineTuningConfig
+    folder: Path, rows: Sequence[Variant], seeds: range, source: Path | None, tuning: FineTuningConfig
 ) -> list[RunFolder]:
-    """Create missing run folders and open existing ones, whose settings must match.
+    """Create the missing run folders of each row and seed, and open existing ones, whose settings must match.
 
     `source` is the run from which students start, or a folder of one run for each seed; None: random students.
     Raises `CommandError` if `folder` itself is a run.
@@ -29,9 +29,9 @@ def prepare(
     if (folder / "config.json").exists():
         raise CommandError(f"{folder} is a run folder; several runs need a folder of their own, --out")
     runs = [
-        RunFolder.create_or_extend(folder / f"{method}-{seed}", replace(settings, method=method, seed=seed))
+        RunFolder.create_or_extend(folder / f"{row.name}-{seed}", replace(row.config, seed=seed), row.name)
         for seed in seeds
-        for method in methods
+        for row in rows
     ]
     origin.begin_all(runs, source, tuning)
     return runs
@@ -42,7 +42,7 @@ def opened(folder: Path) -> list[RunFolder]:
     if (folder / "config.json").exists():
         return []
     runs = [RunFolder.open(file.parent) for file in sorted(folder.glob("*-*/config.json"))]
-    alike = [run for run in runs if run.path.name == f"{run.config.method}-{run.config.seed}"]
+    alike = [run for run in runs if run.path.name == f"{run.name}-{run.config.seed}"]
     return sorted(alike, key=lambda run: run.config.seed)
 
 
@@ -54,6 +54,6 @@ def train_together(runs: Sequence[RunFolder], how: LaunchConfig) -> int:
     with StopRequest() as stop:
         trained = train_unfinished(runs, how, stop)
     if trained:
-        names = dict.fromkeys(f"{run.path.parent / run.config.method}-*" for run in runs)
+        names = dict.fromkeys(f"{run.path.parent / run.name}-*" for run in runs)
         print(f"{len(runs)} runs finished; evaluate them: regista evaluate {' '.join(names)}")
     return stop.exit_code

@@ -64,7 +64,7 @@ class LaunchConfig(Checked):
     """Where the runs of a command execute, and how many in parallel."""
 
     launcher: Literal["local", "ray", "commands"] = setting(
-        "local", "where runs execute: local, ray (a Ray cluster), or commands (print one command line per run)"
+        "local", "where runs execute; commands prints a command line for each"
     )
     processes: int = setting(0, "parallel runs; 0: one per core, on a cluster as many as fit", ">=0", most=100_000)
 
