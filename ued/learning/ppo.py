@@ -49,6 +49,7 @@ class PPO(Resumable):
         """Update on the steps whose `train` mask is set; return the means of the losses over all minibatches.
 
         The mask does not change the size of minibatches; if it is empty, nothing changes and `gradient_steps` is 0.
+        `trained_steps` are those of the mask.
         `env_steps` so far anneal the learning rate; `advantages` default to `gae`; `regularizer` is another policy to
         stay close to. Raises `FloatingPointError` for a gradient that is not finite.
         """
@@ -58,7 +59,7 @@ class PPO(Resumable):
         old = Batch.of(rollout, advantages, target=advantages + rollout.value).to(device)  # T * N rows
         sequences = self.student.actor_memory.sequences(rollout.train, config.bptt_steps).to(device)  # [S, L] rows
         if not len(sequences):
-            return {"gradient_steps": 0.0}
+            return {"gradient_steps": 0.0, "trained_steps": 0.0}
         old.seen = self.student.see(old.observation)
         minibatch_size = -(-len(old.action) // sequences.shape[1] // config.num_minibatches)
         old.add_memories(self.student, config.bptt_steps, minibatch_size)
@@ -76,6 +77,7 @@ class PPO(Resumable):
         return {
             **means(logs, config.clip_coef),
             "gradient_steps": float(len(logs)),
+            "trained_steps": float(rollout.train.sum()),
             "explained_variance": explained_variance(old.value[learned], old.target[learned]),
             "learning_rate": self.optimizer.param_groups[0]["lr"],
         }
