@@ -343,6 +343,9 @@ class ACCELConfig(PLRConfig):
     num_edits: int = setting(3, "edits per child: parameters to change, drawn with replacement", ">=1", most=10_000)
     edit_size: float = setting(0.2, "maximum change by an edit, on the scale [-1, 1] of theta", ">0", most=2)
     parents: Literal["all", "easy"] = setting("all", "replayed levels to edit: all, or the easier half")
+    new_levels: Literal["random", "simplest"] = setting(
+        "random", "levels that no edit made: random, or the simplest of a level family, such as empty mazes"
+    )
 
 
 @dataclass(frozen=True)

@@ -90,6 +90,12 @@ class MazeFamily:
         """Sample a maze."""
         return self.decode(self.draw_codes(rng, 1)[0])
 
+    def simplest(self, rng: np.random.Generator) -> Maze:
+        """Sample a maze without walls, with which ACCEL begins in DCD (`GoalLastEmptyAdversarialEnv`)."""
+        cells = self.side**2
+        start, goal = (divmod(int(cell), self.side) for cell in rng.choice(cells, 2, replace=False))
+        return Maze(np.zeros((self.side, self.side), bool), start, goal, int(rng.integers(DIRECTIONS)))
+
     def mutate(self, level: Maze, rng: np.random.Generator) -> Maze:
         """Return the maze after one edit. An agent or a goal that loses its cell moves to a random empty one.
 

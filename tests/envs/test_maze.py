@@ -11,9 +11,11 @@ import torch
 from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.env import Mazes
 from regista.envs.maze.levels import Maze, MazeFamily, maze_from
-from ued import METHODS, PPOConfig
+from ued import METHODS, ACCELConfig, BufferConfig, PPOConfig
 from ued.core.parameters import LevelFamily
 from ued.learning import worker
+from ued.levels.record import Origin
+from ued.probes import Frontier
 
 LEFT, RIGHT, FORWARD = 0, 1, 2
 CORRIDOR = """
@@ -209,6 +211,21 @@ def test_edits_change_one_cell():
     assert walls.max() == 1 and 0.25 < walls.mean() < 0.5
     assert 1 / 4 < goals.mean() < 1 / 2  # a third of all edits place the goal
     assert 0 < starts.mean() < 0.02  # only edits of its cell move the agent
+
+
+def test_accel_begins_with_empty_mazes_if_told_to():
+    settings = ACCELConfig(new_levels="simplest", min_fill=0.01, buffer=BufferConfig(capacity=300))
+    mazes = Mazes(8, MazeConfig(side=7, max_steps=20))
+    method = METHODS["accel"].load()(mazes, PPOConfig(num_steps=64, num_minibatches=1), settings, seed=0)
+    walls = {Origin.RANDOM: [], Origin.EDITED: []}
+    for _ in range(8):
+        method.update()
+        for row in method.last.records:
+            if row["origin"] in walls:
+                walls[row["origin"]].append(mazes.level_family.decode(row["level"]["theta"]).walls.sum())
+    assert not any(walls[Origin.RANDOM]) and len(walls[Origin.RANDOM]) > 8 and max(walls[Origin.EDITED]) > 1
+    with pytest.raises(ValueError, match="know no simplest ones"):
+        METHODS["accel"].load()(Frontier(4), PPOConfig(), settings, seed=0)
 
 
 def test_a_maze_without_an_empty_cell_stays_as_it_is():

@@ -21,12 +21,14 @@ class LevelFamily(Protocol):
     """Levels of your own that are not vectors of parameters: mazes, tracks, graphs.
 
     A level may be any object; its code, numbers in [-1, 1], is stored and compared. Equal levels have equal codes.
-    Three attributes are optional:
+    Four attributes are optional:
         parameters: a mapping from the name of each column of a code, in their order, to its `Range`, `LogRange`,
             `Integer`, `Choice` or a pair (low, high). An adversary then chooses a value for each column, and `decode`
             makes a level of them. It sets a column of K values to the center of one of the K equal parts of [-1, 1].
             The weights of a `Choice` are the probabilities with which the adversary begins.
         builder: a `LevelBuilder`.
+        simplest: `simplest(rng)` samples a level from which edits may begin, such as an empty room (Parker-Holder et
+            al. 2022, section 3): `--accel.new-levels simplest`.
         valid: `valid(codes)` returns which codes `[n, size]` describe levels, bool `[n]`; without it, all do.
 
     Attributes:

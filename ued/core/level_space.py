@@ -156,6 +156,18 @@ class LevelSpace:
         """Sample valid levels uniformly (domain randomization): `[count]` of `level_dtype(D)`."""
         return self.make_levels(self.sample_theta(count))
 
+    def simplest_levels(self, count: int) -> np.ndarray:
+        """Sample levels from which edits may begin, `[count]` of `level_dtype(D)`.
+
+        Raises ValueError if there is no family of levels that has them; see `families`.
+        """
+        simplest = getattr(self.level_family, "simplest", None)
+        if simplest is None:
+            kind = "θ" if self.level_family is None else type(self.level_family).__name__
+            raise ValueError(f"levels of {kind} know no simplest ones: that takes a level family with `simplest(rng)`")
+        codes = [self.level_family.encode(simplest(self._stream)) for _ in range(count)]
+        return self.make_levels(np.reshape(codes, (count, self.theta_dim)))
+
     def sample_theta(self, count: int) -> np.ndarray:
         """Sample valid θ uniformly, by rejection: `[count, D]`; for a family, codes of its levels.
 

@@ -1,7 +1,7 @@
 """ACCEL (Parker-Holder et al. 2022, Algorithm 1): robust replay of levels whose edited copies enter the buffer, too.
 
     repeat
-        with probability 1 - p: draw a level uniformly; look at it; offer it to the buffer
+        with probability 1 - p: draw a level uniformly, or a simplest one; look at it; offer it to the buffer
         else: replay a level and learn from it;
               edit a copy of it; look at that; offer it to the buffer
 
@@ -29,7 +29,7 @@ TRIES = 8  # to edit a level into a valid one
 class ACCEL(Method):
     """Trains one student on replayed levels, which evolve; see `Method` for the arguments.
 
-    Raises `ValueError` where the environment has no free parameters.
+    Raises `ValueError` where the environment has no free parameters, or no simplest levels to begin with.
     """
 
     curriculum: ACCELCurriculum
@@ -62,11 +62,20 @@ class ACCELCurriculum(PLRCurriculum):
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)
         self.children = np.zeros(0, self.dtype)  # not yet looked at
+        if config.new_levels == "simplest":
+            space.simplest_levels(0)  # raises where there are none
 
     def propose(self, count: int) -> np.ndarray:
         """Return children of replayed levels first, then as PLR."""
         children, self.children = self.children[:count], self.children[count:]
         return np.concatenate([children, super().propose(count - len(children))])
+
+    def _new(self, count: int) -> np.ndarray:
+        if self.config.new_levels == "random":
+            return super()._new(count)
+        records = make_records(self.dtype, self.space.simplest_levels(count), Origin.RANDOM)
+        records["train"] = False
+        return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score the levels and store them as PLR; edit copies of those that were replayed."""
