@@ -4,7 +4,7 @@ Reads a comparison on `ued.probes:frontier` (40 core-minutes), prints its table,
 picture `experiments/gallery/frontier.png`:
 
     regista compare ued.probes:frontier --methods dr minimax paired_literal paired self_regret repaired plr robust_plr \
-        accel --seeds 10 --levels 0 --no-record --out runs/frontier
+        accel --seeds 20 --levels 0 --no-record --out runs/frontier
     python -m lab.frontier runs/frontier --publish
 """
 
