@@ -397,7 +397,9 @@ class NCCConfig(Checked):
     rescore_share: float = setting(
         0.25, "share of levels of the buffer that are only evaluated, those first whose scores are oldest", "0-1"
     )
-    learning_rate: float = setting(0.007, "step size of the ascent of the level distribution", ">0", most=10)
+    learning_rate: float = setting(
+        28.0, "step size of the ascent of the level distribution, relative to 1 / capacity", ">0", most=1e6
+    )
     ent_coef: float = setting(0.032, "weight of the entropy of the level distribution (in nats)", ">=0", most=1e6)
     floor: float = setting(0.04, "share of the probability that all levels of the buffer have in equal parts", "0-1")
 

@@ -4,7 +4,9 @@
     m = 0.9 m + 0.1 g,  v = 0.999 v + 0.001 g^2                    moments of it
     y = project(y + eta m / (1 - 0.9^t) / (v^0.4 / sqrt(1 - 0.999^t) + 1e-5))
 
-This is the step of TiAda for the maximizing player (Li et al. 2023) in its form with moments, as in the code of NCC.
+This is the step of TiAda for the maximizing player (Li et al. 2023) in its form with moments, as in the code of NCC. Step
+size and smallest probability are relative to 1 / K: 28 / K and 0.04 / K are those of the authors, 0.007 and 1e-5, for
+K = 4,000.
 Read next: `methods.ncc`.
 """
 
@@ -71,8 +73,8 @@ class SimplexAscent(Resumable):
         self.mean = DECAY * self.mean + (1 - DECAY) * gradient
         self.square = SQUARE_DECAY * self.square + (1 - SQUARE_DECAY) * gradient**2
         scale = self.square**POWER / np.sqrt(1 - SQUARE_DECAY**self.steps) + STEP_EPSILON
-        ascent = self.config.learning_rate * self.mean / (1 - DECAY**self.steps) / scale
-        self.y = project_to_simplex(self.y + ascent, self.config.floor / len(self.y))
+        rate, least = self.config.learning_rate / len(self.y), self.config.floor / len(self.y)
+        self.y = project_to_simplex(self.y + rate * self.mean / (1 - DECAY**self.steps) / scale, least)
 
     @property
     def entropy(self) -> float:

@@ -12,9 +12,9 @@ from. A share of further levels is only evaluated: random candidates, and the le
 scores. All steps count.
 
 Other differences: the student learns from the first levels while they fill the buffer; PPO keeps Adam, where the paper
-has TiAda; a level is drawn from the y of the last update; the smallest probability is a share of 1 / K, since the
-paper's 1e-5 depends on K = 4,000. A level that enters the buffer has the y of the level that it replaces, as in the
-authors' code. Read next: `levels.simplex`, then `methods.accel`.
+has TiAda; a level is drawn from the y of the last update; step size and smallest probability are relative to the
+size of the buffer. A level that enters the buffer has the y of the level that it replaces, as in the
+authors' code. Read next: `levels.simplex`, then `methods.alp_gmm`.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@
         the student plays levels, a share of them chosen ones and the rest random, and learns
 
 The reference implementation spends several times more steps on looking than on training, and does not count them. Here
-candidates are played like all other levels. Read next: `methods.alp_gmm`.
+candidates are played like all other levels. Read next: `methods.ncc`.
 """
 
 from __future__ import annotations
