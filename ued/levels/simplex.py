@@ -4,9 +4,10 @@
     m = 0.9 m + 0.1 g,  v = 0.999 v + 0.001 g^2                    moments of it
     y = project(y + eta m / (1 - 0.9^t) / (v^0.4 / sqrt(1 - 0.999^t) + 1e-5))
 
-This is the step of TiAda for the maximizing player (Li et al. 2023) in its form with moments, as in the code of NCC. Step
-size and smallest probability are relative to 1 / K: 28 / K and 0.04 / K are those of the authors, 0.007 and 1e-5, for
-K = 4,000.
+This is the step of TiAda for the maximizing player (Li et al. 2023) in its form with moments, as in the code of NCC.
+Step size and smallest probability are relative to 1 / K: 28 / K and 0.04 / K are those of the authors for K = 4,000.
+Fixed scores lead to y ~ exp(score / alpha). Where second moments differ, y is biased; this bias fades by a factor of e
+in 5,000 steps.
 Read next: `methods.ncc`.
 """
 
