@@ -11,6 +11,7 @@ from ued.config import BufferConfig as BufferConfig
 from ued.config import BuilderConfig as BuilderConfig
 from ued.config import DRConfig as DRConfig
 from ued.config import MinimaxConfig as MinimaxConfig
+from ued.config import NCCConfig as NCCConfig
 from ued.config import PairedConfig as PairedConfig
 from ued.config import PairedLiteralConfig as PairedLiteralConfig
 from ued.config import PLRConfig as PLRConfig
@@ -51,6 +52,7 @@ from ued.methods.alp_gmm import ALPGMM as ALPGMM
 from ued.methods.dr import DR as DR
 from ued.methods.method import Method as Method
 from ued.methods.minimax import Minimax as Minimax
+from ued.methods.ncc import NCC as NCC
 from ued.methods.paired import Paired as Paired
 from ued.methods.paired_literal import PairedLiteral as PairedLiteral
 from ued.methods.plr import PLR as PLR

@@ -312,7 +312,18 @@ class BufferConfig(Checked):
     no_duplicates: bool = setting(True, "do not store a level that is already in the buffer")
 
 
-ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability"]
+ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability", "generalized_learnability", "mna"]
+SCORE_HELP = (
+    "score of a level: best return ever minus value (max_mc), mean positive (positive_value_loss) or absolute "
+    "(l1_value_loss) advantage, p (1 - p) with success rate p (learnability), deviation of returns where their mean is "
+    "usual (generalized_learnability), or sum of negative advantages if ever solved (mna)"
+)
+
+
+def check_episodes(score: str, episodes: int) -> None:
+    """Raise `ValueError` if a score needs more episodes on each level."""
+    if score in ("learnability", "generalized_learnability") and episodes < 2:
+        raise ValueError(f"the score {score} needs episodes_per_level of at least 2, got {episodes}")
 
 
 @dataclass(frozen=True)
@@ -321,18 +332,13 @@ class PLRConfig(Checked):
 
     replay_prob: float = setting(0.5, "probability of replaying a level from the buffer", "0-1")
     min_fill: float | None = min_fill()
-    score: ScoreRule = setting(
-        "max_mc",
-        "score of a level: best return ever minus value (max_mc), mean positive (positive_value_loss) or absolute "
-        "(l1_value_loss) advantage, or p (1 - p) with success rate p (learnability)",
-    )
+    score: ScoreRule = setting("max_mc", SCORE_HELP)
     episodes_per_level: int = setting(1, "episodes on a level", ">=1", most=10_000)
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.score == "learnability" and self.episodes_per_level < 2:
-            raise ValueError("the score learnability needs episodes_per_level of at least 2, got 1")
+        check_episodes(self.score, self.episodes_per_level)
 
 
 @dataclass(frozen=True)
@@ -366,6 +372,11 @@ class SFLConfig(Checked):
     chosen: int = setting(64, "number of most learnable candidates to select", ">=1", most=1_000_000)
     choose_every: int = setting(25, "select new levels every N updates", ">=1", most=10**9)
     chosen_share: float = setting(0.5, "share of selected levels among training levels; the others are random", "0-1")
+    score: Literal["learnability", "generalized_learnability"] = setting(
+        "learnability",
+        "score of a candidate: p (1 - p) with success rate p (learnability), or for returns that are not binary their "
+        "deviation, where their mean is usual (generalized_learnability)",
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -373,6 +384,34 @@ class SFLConfig(Checked):
             raise ValueError(f"candidate_episodes must be at least 2, got {self.candidate_episodes}")
         if self.chosen > self.candidates:
             raise ValueError(f"chosen must be at most candidates ({self.candidates}), got {self.chosen}")
+
+
+@dataclass(frozen=True)
+class NCCConfig(Checked):
+    """Settings of NCC, on a budget."""
+
+    capacity: int = setting(256, "capacity of the buffer, in levels", ">=1", most=1_000_000)
+    min_fill: float | None = min_fill()
+    score: ScoreRule = setting("learnability", SCORE_HELP)
+    episodes_per_level: int = setting(4, "episodes on a level", ">=1", most=10_000)
+    candidate_share: float = setting(
+        0.25, "share of random levels that are only evaluated, as candidates for the buffer", "0-1"
+    )
+    rescore_share: float = setting(
+        0.25, "share of levels of the buffer that are only evaluated, those first whose scores are oldest", "0-1"
+    )
+    learning_rate: float = setting(
+        28.0, "step size of the ascent of the level distribution, relative to 1 / capacity", ">0", most=1e6
+    )
+    ent_coef: float = setting(0.032, "weight of the entropy of the level distribution (in nats)", ">=0", most=1e6)
+    floor: float = setting(0.04, "share of the probability that all levels of the buffer have in equal parts", "0-1")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_episodes(self.score, self.episodes_per_level)
+        if self.candidate_share + self.rescore_share >= 1:
+            shares = self.candidate_share, self.rescore_share
+            raise ValueError(f"candidate_share and rescore_share must be less than 1 together, got {shares}")
 
 
 @dataclass(frozen=True)

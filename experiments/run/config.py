@@ -101,9 +101,9 @@ class RunConfig(Checked):
         64, "episodes of an evaluation on each test scene; not part of the budget", ">=1", most=1_000_000
     )
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
-    record: bool = setting(True, "write curriculum.rrd for the Rerun viewer")
+    record: bool = setting(True, "write curriculum.rrd for Rerun")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0: none", ">=0", most=10**9)
-    record_limit: int = setting(2_000, "maximum size of the recording in MB", ">=1", most=1_000_000)
+    record_limit: int = setting(2_000, "maximum MB of the recording", ">=1", most=1_000_000)
     levels_format: Literal["csv", "parquet"] = setting("csv", "format of the table of levels")
     report: tuple[Literal["tensorboard", "wandb"], ...] = setting((), "also log to tensorboard, wandb")
     ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})

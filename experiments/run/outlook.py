@@ -12,7 +12,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from regista.experiments.run.notes import warn
-from ued.config import ALPGMMConfig, PairedLiteralConfig, PLRConfig, RepairedConfig, SFLConfig, TeacherConfig
+from ued.config import (
+    ALPGMMConfig,
+    NCCConfig,
+    PairedLiteralConfig,
+    PLRConfig,
+    RepairedConfig,
+    SFLConfig,
+    TeacherConfig,
+)
 from ued.levels.budget import BATCH, FILL, LEAST_BATCH, SHARE
 from ued.methods import METHODS
 
@@ -59,7 +67,7 @@ class Outlook:
 
     def _begins(self) -> Iterator[str]:
         own = self.method
-        if isinstance(own, PLRConfig | RepairedConfig):
+        if isinstance(own, PLRConfig | RepairedConfig | NCCConfig):
             yield f"starts to replay after {self._or_sooner(self.replay_after(), own.min_fill is None)}"
         if isinstance(own, TeacherConfig):
             levels = own.adversary.min_batch or BATCH
@@ -73,8 +81,9 @@ class Outlook:
 
     def replay_after(self) -> int:
         """Return the number of levels before replay starts, in a long run."""
-        share = FILL if self.method.min_fill is None else self.method.min_fill
-        return math.ceil(share * self.method.buffer.capacity)
+        own = self.method
+        capacity = own.capacity if isinstance(own, NCCConfig) else own.buffer.capacity
+        return math.ceil((FILL if own.min_fill is None else own.min_fill) * capacity)
 
     def shortcomings(self) -> Iterator[str]:
         """Yield the shortcomings of the budget for the method if all episodes have maximum length."""
@@ -85,7 +94,7 @@ class Outlook:
                 f"each of {envs} environments plays fewer than {FEW} levels; "
                 f"--total-env-steps {enough:_} would be enough, or fewer --num-envs"
             )
-        if isinstance(own, PLRConfig | RepairedConfig) and own.min_fill is not None:
+        if isinstance(own, PLRConfig | RepairedConfig | NCCConfig) and own.min_fill is not None:
             yield from self._too_few(self.replay_after(), "replay starts", f"--{self._flag('min-fill')}")
         if isinstance(own, TeacherConfig):
             batch = LEAST_BATCH if own.adversary.min_batch is None else own.adversary.min_batch

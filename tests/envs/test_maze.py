@@ -327,6 +327,7 @@ CASES = {
         ("accel", 33, "GRU", GRU, FIVE),
         ("accel", 5, "feed-forward", SMALL, MazeConfig(side=7, max_steps=9)),
         ("sfl", 5, "GRU", GRU, FIVE),
+        ("ncc", 5, "GRU", GRU, FIVE),
     )
 }
 

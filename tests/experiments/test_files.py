@@ -53,6 +53,7 @@ def trained(tmp_path_factory):
         "paired": [],
         "plr": ["--plr.buffer.capacity", "20"],
         "accel": ["--accel.buffer.capacity", "20"],
+        "ncc": ["--ncc.capacity", "20", "--ncc.score", "mna", "--ncc.episodes-per-level", "2"],
         "sfl": ["--sfl.chosen", "4", "--sfl.candidates", "12", "--sfl.choose-every", "3"],
     }
     for method, settings in more.items():
@@ -131,6 +132,16 @@ def test_max_mc_follows_from_the_row(trained, method):
         known |= set(levels["id"][rows & (source != "replayed")])
         assert set(levels["id"][rows & (source == "replayed")]) <= known
     assert len(replayed) > 10
+
+
+@pytest.mark.slow
+def test_mna_follows_from_the_row(trained):
+    levels, source = levels_of(trained["ncc"])
+    score, solved = levels["score"], levels["success/student"] > 0
+    assert solved.sum() > 10 and np.allclose(score[solved], levels["negative_advantage"][solved], atol=3e-5)
+    assert ((score == 0) | np.isclose(score, levels["negative_advantage"], atol=3e-5)).all() and (score == 0).any()
+    known = set(levels["id"][source == "random"])
+    assert set(levels["id"][source == "replayed"]) <= known and (source == "replayed").sum() > 10
 
 
 @pytest.mark.slow

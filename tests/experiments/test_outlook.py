@@ -14,6 +14,7 @@ from ued.config import (
     ACCELConfig,
     AdversaryConfig,
     ALPGMMConfig,
+    NCCConfig,
     PairedConfig,
     PairedLiteralConfig,
     PLRConfig,
@@ -70,6 +71,11 @@ def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
         ("paired", PairedConfig(adversary=AdversaryConfig(min_batch=32)), "a smaller --paired.adversary.min-batch"),
         ("alp_gmm", ALPGMMConfig(), "the first mixture is fitted only after 250 levels"),
         ("sfl", SFLConfig(), "levels are chosen only after 1_024 levels"),
+        (
+            "ncc",
+            NCCConfig(min_fill=0.5),
+            "replay starts only after 128 levels; use a longer run or a smaller --ncc.min",
+        ),
         ("paired_literal", PairedLiteralConfig(), "can be longer than a rollout of 64 steps"),
     ],
 )

@@ -38,6 +38,22 @@ def test_means_over_the_steps_of_each_episode(rate):
     assert (resumed.sums == values.sums).all() and (resumed.steps == values.steps).all()
 
 
+def test_the_sum_of_negative_advantages_of_each_episode():
+    rng = np.random.default_rng(2)
+    values, sums, open_ = EpisodeValues(3, negative=True), [], np.zeros(3)
+    for _ in range(4):
+        made, advantage = rollout(rng, 8, 3, 0.1)
+        found = values.track(made, advantage, -advantage.abs())
+        sums.clear()
+        for t in range(8):
+            open_ += advantage[t].abs().numpy()
+            ended = (made.terminated | made.truncated)[t].numpy()
+            sums.extend(open_[ended])
+            open_[ended] = 0.0
+        assert found["negative_advantage"] == pytest.approx(np.array(sums), abs=1e-5)
+        assert set(found) == {*NAMES, "negative_advantage"}
+
+
 def test_what_was_cut_off_is_forgotten():
     rng = np.random.default_rng(1)
     values = EpisodeValues(3)

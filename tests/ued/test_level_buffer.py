@@ -7,7 +7,8 @@ from ued.config import BufferConfig
 from ued.core.curriculum import ThetaSpace
 from ued.core.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
-from ued.levels.record import NONE, level_record_dtype, make_records
+from ued.levels.record import NONE, Origin, level_record_dtype, make_records
+from ued.levels.scores import fields
 
 
 def levels(*values):
@@ -82,6 +83,35 @@ def test_the_best_return_of_all_time_is_remembered():
     insert(made, [0.1], [2.0])
     made.update_scores(np.array([0]), np.array([-1.0]), np.array([0.5]))
     assert made.slots["score"].tolist() == [-1.0] and made.slots["best"].tolist() == [2.0]
+
+
+def test_a_success_of_all_time_is_remembered():
+    made, dtype = buffer(), level_record_dtype(level_dtype(1), extra=fields("mna", 1))
+    records = make_records(dtype, levels(0.1, 0.2, 0.3))
+    records["returns"][:, 0, 0], records["success"][:, 0, 0] = [0.0, 0.0, 5.0], [1.0, 0.0, 0.0]
+    made.remember(records)
+    assert records["ever_solved"].tolist() == [True, False, False]  # the environment's word before the return's
+    made.insert(records, records["best"])
+    records["origin"], records["success"][:, 0, 0] = Origin.REPLAYED, [0.0, 1.0, 0.0]
+    made.remember(records)
+    assert records["ever_solved"].tolist() == [True, True, False]
+    made.store(records)
+    records["success"] = 0.0
+    made.remember(records)
+    assert records["ever_solved"].tolist() == [True, True, False] == made.slots["solved"].tolist()
+
+
+def test_states_without_successes_count_a_return_above_zero():
+    one, two = buffer(), buffer()
+    insert(one, [0.1, 0.2], [1.0, -1.0])
+    state = one.state_dict()
+    kept = [name for name in state["slots"].dtype.names if name != "solved"]
+    older = np.zeros(2, np.dtype([(name, state["slots"].dtype[name]) for name in kept]))
+    for name in kept:
+        older[name] = state["slots"][name]
+    two.load_state_dict(state | {"slots": older})
+    assert two.slots["solved"].tolist() == [True, False]
+    assert all((two.slots[name] == one.slots[name]).all() for name in kept)
 
 
 def test_lineage():

@@ -15,12 +15,14 @@ from ued import (
     ACCEL,
     ALPGMM,
     DR,
+    NCC,
     PLR,
     SFL,
     ACCELConfig,
     BufferConfig,
     Minimax,
     MinimaxConfig,
+    NCCConfig,
     Paired,
     PairedConfig,
     PairedLiteral,
@@ -61,6 +63,8 @@ METHODS = {
     "robust_plr": lambda env, seed=0: RobustPLR(env, PPO, PLRConfig(buffer=SMALL), seed),
     "accel": lambda env, seed=0: ACCEL(env, PPO, ACCELConfig(buffer=SMALL), seed),
     "sfl": lambda env, seed=0: SFL(env, PPO, SFLConfig(candidates=32, chosen=8, choose_every=3), seed),
+    "mna": lambda env, seed=0: PLR(env, PPO, PLRConfig(score="mna", buffer=SMALL), seed),
+    "ncc": lambda env, seed=0: NCC(env, PPO, NCCConfig(capacity=32), seed),
     "alp_gmm": lambda env, seed=0: ALPGMM(env, PPO, ALPGMMConfig(fit_every=60, max_components=3), seed),
 }
 
@@ -298,6 +302,18 @@ def test_sfl_chooses_even_where_looking_takes_longer_than_the_time_between_two_c
     assert len(again) and np.isin(again["level"]["theta"], records["level"]["theta"][1::2]).all()
 
 
+def test_sfl_without_a_success_chooses_levels_whose_returns_vary():
+    config = SFLConfig(candidates=12, chosen=3, choose_every=3, candidate_episodes=2, score="generalized_learnability")
+    levels = SFLCurriculum(ThetaSpace(2), config)
+    levels.update(levels.propose(4)[:0])
+    records = levels.propose(12)
+    records["returns"][:, 0] = -500.0 + np.stack([np.arange(12), -np.arange(12)], 1)  # no return is above 0
+    for k in range(0, 12, 4):
+        metrics = levels.update(records[k : k + 4])
+    assert metrics["sfl/chosen_score"] == pytest.approx(10 * np.sqrt(2))  # of 11, 10 and 9: all means are equal
+    assert np.isin(levels.chosen["level"]["theta"], records["level"]["theta"][9:]).all()
+
+
 def test_sfl_counts_its_looking_around_and_trains_on_the_chosen():
     method = METHODS["sfl"](frontier())
     seen = observed(method)
@@ -337,6 +353,8 @@ def test_methods_that_choose_theta_need_one(name):
         (lambda: PairedConfig(students=3, roles="flexible"), "more than two students have no antagonist"),
         (lambda: PairedConfig(antagonist="scripted", kl="one_way"), "a scripted antagonist cannot be regularized"),
         (lambda: PLRConfig(score="learnability"), "learnability needs episodes_per_level of at least 2, got 1"),
+        (lambda: NCCConfig(episodes_per_level=1), "learnability needs episodes_per_level of at least 2, got 1"),
+        (lambda: NCCConfig(candidate_share=0.5, rescore_share=0.5), r"less than 1 together, got \(0.5, 0.5\)"),
         (lambda: SFLConfig(chosen=300), r"chosen must be at most candidates \(256\), got 300"),
         (lambda: SFLConfig(candidate_episodes=1), "candidate_episodes must be at least 2, got 1"),
         (lambda: ALPGMMConfig(fit_every=5), r"fit_every must be above max_components \(10\), got 5"),

@@ -20,6 +20,7 @@ from ued import (
     Integer,
     LevelError,
     LogRange,
+    NCCConfig,
     Paired,
     PairedConfig,
     PPOConfig,
@@ -175,20 +176,21 @@ def words(num_envs=4):
     )
 
 
-@pytest.mark.parametrize("name", ["dr", "plr", "robust_plr", "accel", "sfl"])
+@pytest.mark.parametrize("name", ["dr", "plr", "robust_plr", "accel", "sfl", "ncc"])
 def test_levels_of_a_family_are_drawn_stored_and_mutated(name):
     buffer = BufferConfig(capacity=8)
     settings = {
         "plr": METHODS["plr"].settings().__class__(buffer=buffer),
         "accel": ACCELConfig(buffer=buffer, num_edits=1),
         "sfl": SFLConfig(candidates=8, chosen=4, choose_every=2),
+        "ncc": NCCConfig(capacity=8, episodes_per_level=2),
     }
     method = METHODS[name].load()(words(), SMALL, settings.get(METHODS[name].group), seed=0)
     for _ in range(6):
         metrics = method.update()
         assert set(np.unique(method.last.theta)) <= {-1.0, 1.0}
     assert "theta_entropy" not in metrics  # a code has none that means anything
-    if name in ("plr", "accel"):
+    if name in ("plr", "accel", "ncc"):
         buffer = method.curriculum.buffer
         assert len(np.unique(buffer.slots["level"]["theta"], axis=0)) == len(buffer) <= 8
 
@@ -244,6 +246,8 @@ def test_theta_of_any_size_and_mixture_through_every_method(name, dim):
         settings = settings.__class__(buffer=buffer)
     elif name == "sfl":
         settings = SFLConfig(candidates=8, chosen=4, choose_every=2)
+    elif name == "ncc":
+        settings = NCCConfig(capacity=8)
     if hasattr(settings, "adversary"):
         settings = replace(settings, adversary=AdversaryConfig(update_epochs=2))
     method = row.load()(Silent(mixed(dim)), SMALL, settings, seed=0)

@@ -7,7 +7,7 @@ from probes import Endless, TwoStep
 
 from ued.config import PPOConfig
 from ued.core.seeding import torch_generator
-from ued.learning.rollout import Rollout, gae
+from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
 from ued.learning.worker import RolloutWorker, collect
 from ued.levels.record import level_record_dtype, make_records
@@ -62,6 +62,43 @@ def slow_gae(rollout, gamma, gae_lambda):
 def test_gae_agrees_with_its_definition(gamma, gae_lambda):
     rollout = random_rollout()
     torch.testing.assert_close(gae(rollout, gamma, gae_lambda), slow_gae(rollout, gamma, gae_lambda))
+
+
+def slow_negative(rollout, gamma, gae_lambda):
+    """Sum, as defined, the weighted losses after n steps, relative to the highest value so far."""
+    steps, envs = rollout.reward.shape
+    advantage = torch.zeros(steps, envs)
+    error = gae(rollout, gamma, 0.0)  # of the value after one step
+    for n in range(envs):
+        for t in range(steps):
+            estimates, losses = [0.0], []  # relative to the first value
+            for k in range(t, steps):
+                estimates.append(estimates[-1] + gamma ** (k - t) * float(error[k, n]))
+                losses.append(estimates[-1] - max(estimates))
+                if rollout.terminated[k, n] or rollout.truncated[k, n]:
+                    break
+            weights = [(1 - gae_lambda) * gae_lambda**i for i in range(len(losses))]
+            weights[-1] = gae_lambda ** (len(losses) - 1)  # the last one stands for all that would follow
+            advantage[t, n] = sum(weight * loss for weight, loss in zip(weights, losses, strict=True))
+    return advantage
+
+
+@pytest.mark.parametrize(("gamma", "gae_lambda"), [(0.9, 0.8), (1.0, 1.0), (0.99, 0.0)])
+def test_negative_advantages_agree_with_their_definition(gamma, gae_lambda):
+    rollout = random_rollout()
+    found = negative_advantages(rollout, gamma, gae_lambda)
+    torch.testing.assert_close(found, slow_negative(rollout, gamma, gae_lambda), atol=1e-5, rtol=1e-5)
+    assert (found <= 0).all() and (found < 0).any()
+
+
+def test_what_is_lost_after_a_gain_counts():
+    """The values 0, 1, 0 end in nothing: GAE sees no loss at the first step, MNA that of the value 1."""
+    rollout = random_rollout()
+    rollout.reward[:], rollout.value[:], rollout.last_value[:] = 0.0, 0.0, 0.0
+    rollout.terminated[:], rollout.truncated[:] = False, False
+    rollout.value[1], rollout.terminated[2] = 1.0, True
+    assert gae(rollout, 1.0, 1.0)[:3, 0].tolist() == [0.0, -1.0, 0.0]
+    assert negative_advantages(rollout, 1.0, 1.0)[:3, 0].tolist() == [-1.0, -1.0, 0.0]
 
 
 def test_with_lambda_one_advantage_plus_value_is_the_return():

@@ -8,7 +8,7 @@ import pytest
 
 from ued.core.level_space import level_dtype
 from ued.levels.record import level_record_dtype, make_records
-from ued.levels.scores import population_regret, regret, score
+from ued.levels.scores import fields, population_regret, regret, score
 
 GAP = np.nan
 
@@ -45,6 +45,30 @@ def test_learnability_is_the_variance_of_success_without_bias():
     for count in (2, 5):
         learnability = score("learnability", records((rng.random((40_000, count)) < 0.3).astype(float)))
         assert learnability.mean() == pytest.approx(0.3 * 0.7, abs=0.003)
+
+
+def test_generalized_learnability_by_hand():
+    levels = records([[1.0, 3.0], [6.0, 6.0], [2.0, 6.0], [1.0, GAP]])
+    near = [np.exp(-0.5 * (mean - 3.25) ** 2 / np.var([2, 6, 4, 1])) for mean in (2, 4)]
+    assert score("generalized_learnability", levels) == pytest.approx([2**0.5 * near[0], 0, 8**0.5 * near[1], 0])
+    assert score("generalized_learnability", records([[-5.0, -3.0]])) == pytest.approx([2**0.5])  # no other level
+
+
+def test_generalized_learnability_depends_on_no_unit():
+    rng = np.random.default_rng(0)
+    returns = rng.normal(size=(20, 1)) + rng.normal(size=(20, 5))
+    one, other = (score("generalized_learnability", records(each)) for each in (returns, 7 * returns - 300))
+    assert other == pytest.approx(7 * one)
+
+
+def test_mna_is_the_mean_sum_on_levels_that_were_solved_once():
+    dtype = level_record_dtype(level_dtype(1), 1, 2, fields("mna", 2))
+    levels = make_records(dtype, np.zeros(3, level_dtype(1)))
+    levels["returns"][:, 0] = [[0.0, 0.0], [0.0, GAP], [1.0, 0.0]]
+    with pytest.raises(ValueError, match=r'the score mna needs records\["negative_advantage"\]'):
+        score("mna", levels)
+    levels["negative_advantage"][:, 0], levels["ever_solved"] = [[2.0, 4.0], [5.0, GAP], [1.0, 1.5]], [0, 1, 1]
+    assert score("mna", levels) == pytest.approx([0.0, 5.0, 1.25])
 
 
 def test_a_level_without_an_episode_is_not_scored_zero():

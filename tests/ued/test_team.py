@@ -13,7 +13,7 @@ from ued.config import PPOConfig
 from ued.core.seeding import torch_generator
 from ued.learning.networks import Categorical, Linears
 from ued.learning.ppo import PPO
-from ued.learning.rollout import Rollout, gae
+from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
 from ued.learning.value_stats import EpisodeValues
 from ued.methods import METHODS
@@ -224,6 +224,16 @@ def test_advantages_and_values_of_an_episode():
     torch.testing.assert_close(advantages[:, 0], torch.tensor([[1.0, 0.5]] * 3))
     stats = EpisodeValues(1).track(rollout, advantages)
     assert stats["mean_value"].tolist() == [0.25] and stats["positive_advantage"].tolist() == [0.75]
+
+
+def test_negative_advantages_of_a_team_are_means_over_agents():
+    rollout = Rollout.empty(3, 1, Box(-1, 1, (1,)), Discrete(2), agents=2)
+    rollout.reward[:, 0], rollout.terminated[2] = torch.tensor([0.0, 0.0, 1.0]), True
+    rollout.value[:, 0] = torch.tensor([[0.0, 2.0]] * 3)  # the second one expects more than there is
+    negative = negative_advantages(rollout, 1.0, 0.5)
+    torch.testing.assert_close(negative[:, 0], torch.tensor([[0.0, -0.25], [0.0, -0.5], [0.0, -1.0]]))
+    stats = EpisodeValues(1, negative=True).track(rollout, gae(rollout, 1.0, 0.5), negative)
+    assert stats["negative_advantage"].tolist() == [0.875]
 
 
 @pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)

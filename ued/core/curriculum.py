@@ -4,7 +4,7 @@
     ...                                        # play them; fill in records["returns"] and other results
     metrics = curriculum.update(records)       # the curriculum learns from the results
 
-A curriculum has no environment, no network of a student and no rollout. DR, PLR, ACCEL, SFL, ALP-GMM, minimax,
+A curriculum has no environment, no network of a student and no rollout. DR, PLR, ACCEL, SFL, NCC, ALP-GMM, minimax,
 self-regret and PAIRED's teacher are curricula. Read next: `methods.method`, our trainer; `methods`, the curricula;
 `examples` for other people's trainers.
 """
@@ -54,7 +54,7 @@ def need_vector(space: LevelSpace) -> None:
     if space.level_family is not None:
         raise ValueError(
             f"levels of {type(space.level_family).__name__} can be sampled and mutated, but not chosen by theta; "
-            "use dr, plr, robust_plr, accel or sfl"
+            "use dr, plr, robust_plr, accel, sfl or ncc"
         )
 
 

@@ -20,7 +20,7 @@ from ued.core.upomdp import UPOMDP
 from ued.learning.compiled import CompiledWorker
 from ued.learning.kl import AnnealedKL, KLRegularizer
 from ued.learning.ppo import PPO
-from ued.learning.rollout import Rollout, gae
+from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
 from ued.learning.upload import Upload
 from ued.learning.value_stats import EpisodeValues
@@ -95,10 +95,16 @@ class Learner:
         self.worker.start(records)
         self.values.reset()
 
+    def follow_negative_advantages(self) -> None:
+        """Add the maximized negative advantages, which a score needs, to the statistics of episodes from now on."""
+        self.values = EpisodeValues(self.upomdp.num_envs, negative=True)
+
     def compute_advantages(self) -> dict[str, np.ndarray]:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
-        self.advantages = gae(self.rollout, self.config.gamma, self.config.gae_lambda)  # [T, N]
-        return self.values.track(self.rollout, self.advantages)
+        discounts = self.config.gamma, self.config.gae_lambda
+        self.advantages = gae(self.rollout, *discounts)  # [T, N]
+        negative = negative_advantages(self.rollout, *discounts) if self.values.negative else None
+        return self.values.track(self.rollout, self.advantages, negative)
 
     def learn(
         self, env_steps: int, regularizer: KLRegularizer | None = None, rollout: Rollout | None = None

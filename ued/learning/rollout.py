@@ -99,6 +99,41 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
     The value after a step is the next value within an episode, 0 after a termination, and the value of the final
     observation after a truncation. The sum over later steps stops at either.
     """
+    delta, done = _errors(rollout, gamma)
+    decay = gamma * gae_lambda * (~done).float()
+    advantage = torch.zeros_like(delta)
+    running = torch.zeros_like(rollout.last_value)
+    for t in reversed(range(len(delta))):
+        running = delta[t] + decay[t] * running
+        advantage[t] = running
+    return advantage
+
+
+def negative_advantages(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
+    """Return maximized negative advantages `[T, N]`, of each agent, none above 0 (Mead et al. 2026, MNA).
+
+    GAE is the mean, with weights (1 - lambda) lambda^(n - 1), of advantages over n steps. Here the advantage over n
+    steps is c_n = min(0, c_(n - 1) + gamma^(n - 1) delta), c_0 = 0: what an episode loses compared with the highest
+    value so far, not with the value at its first step.
+    """
+    delta, done = _errors(rollout, gamma)
+    steps = len(delta)
+    total, advantage, open_ = torch.zeros_like(delta), torch.zeros_like(delta), torch.ones_like(done)
+    for lag in range(steps):
+        later = steps - lag  # starts whose step after this many others is in the rollout
+        total = (total[:later] + gamma**lag * delta[lag:]).clamp(max=0.0)
+        open_, ends = open_[:later], done[lag:].clone()
+        ends[-1] = True  # the rollout is over
+        weight = gae_lambda**lag * torch.where(ends, 1.0, 1 - gae_lambda)
+        advantage[:later] += torch.where(open_, weight * total, 0.0)
+        open_ = open_ & ~ends
+        if not open_.any():
+            break
+    return advantage
+
+
+def _errors(rollout: Rollout, gamma: float) -> tuple[Tensor, Tensor]:
+    """Return the errors of the values after one step `[T, N]`, of each agent, and whether the episode ended."""
     by_agent = rollout.value.ndim
     reward, terminated, truncated = (
         column if column.ndim == by_agent else column[..., None]
@@ -107,11 +142,4 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
     done = terminated | truncated
     next_value = torch.cat([rollout.value[1:], rollout.last_value[None]])
     next_value = torch.where(done, rollout.final_value.masked_fill(terminated, 0.0), next_value)
-    delta = reward + gamma * next_value - rollout.value  # [T, N]
-    decay = gamma * gae_lambda * (~done).float()
-    advantage = torch.zeros_like(delta)
-    running = torch.zeros_like(rollout.last_value)
-    for t in reversed(range(len(delta))):
-        running = delta[t] + decay[t] * running
-        advantage[t] = running
-    return advantage
+    return reward + gamma * next_value - rollout.value, done

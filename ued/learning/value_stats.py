@@ -14,16 +14,23 @@ from torch import Tensor
 from ued.core.resumable import Resumable
 from ued.learning.rollout import Rollout
 
+NEGATIVE = "negative_advantage"  # the name of a sum, where it is followed
 NAMES = ("mean_value", "positive_advantage", "absolute_advantage")
 
 
 class EpisodeValues(Resumable):
-    """Follows the episodes of N environments through rollouts."""
+    """Follows the episodes of N environments through rollouts.
+
+    Args:
+        num_envs: N.
+        negative: also follow maximized negative advantages.
+    """
 
     state_fields = ("sums", "steps")
 
-    def __init__(self, num_envs: int) -> None:
-        self.sums = np.zeros((len(NAMES), num_envs))  # over the steps of open episodes
+    def __init__(self, num_envs: int, negative: bool = False) -> None:
+        self.negative = negative
+        self.sums = np.zeros((len(NAMES) + negative, num_envs))  # over the steps of open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
     def reset(self) -> None:
@@ -31,20 +38,22 @@ class EpisodeValues(Resumable):
         self.sums[:] = 0.0
         self.steps[:] = 0
 
-    def track(self, rollout: Rollout, advantages: Tensor) -> dict[str, np.ndarray]:
+    def track(self, rollout: Rollout, advantages: Tensor, negative: Tensor | None = None) -> dict[str, np.ndarray]:
         """Add a rollout; return means over the steps of each of the E episodes that ended in it: `[E]` by name.
 
-        Episodes are ordered by their last step, then by environment.
+        Episodes are ordered by their last step, then by environment. `negative` are the `negative_advantages` of the
+        rollout `[T, N]`, if they are followed; of these the sum is returned, with its sign changed.
         """
-        per_step = torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
+        columns = [rollout.value, advantages.clamp(min=0.0), advantages.abs()]
+        per_step = torch.stack(columns if negative is None else [*columns, -negative])
         per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
-        running = per_step.double().cumsum(1).numpy()  # [3, T, N]
+        running = per_step.double().cumsum(1).numpy()  # [K, T, N]
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
         env, step = np.nonzero(ended.T)  # [E] each, by environment, then by step
         first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] first of its environment in this rollout
         previous = np.roll(np.arange(len(env)), 1)
-        totals = running[:, step, env]  # [3, E]
+        totals = running[:, step, env]  # [K, E]
         sums = np.where(first, totals + self.sums[:, env], totals - totals[:, previous])
         steps = np.where(first, step + 1 + self.steps[env], step - step[previous])
         last = np.append(env[1:] != env[:-1], True)[: len(env)]
@@ -53,4 +62,5 @@ class EpisodeValues(Resumable):
         self.sums[:, env[last]] = running[:, -1, env[last]] - totals[:, last]
         self.steps[env[last]] = num_steps - 1 - step[last]
         order = np.lexsort((env, step))
-        return dict(zip(NAMES, (sums / steps)[:, order], strict=True))
+        found = dict(zip(NAMES, (sums[: len(NAMES)] / steps)[:, order], strict=True))
+        return found if negative is None else found | {NEGATIVE: sums[-1, order]}

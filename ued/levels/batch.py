@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ued.levels.record import NONE, Origin, mean_played, mean_returns, solved
+from ued.levels.record import NEGATIVE, NONE, Origin, mean_played, mean_returns, solved
 
 SOURCES = np.array([origin.name.lower() for origin in Origin])
 VALUES = {"value": "mean_value", "positive_advantage": "positive_advantage", "absolute_advantage": "absolute_advantage"}
@@ -71,7 +71,8 @@ class LevelBatch:
         """Return the results of students on each level, by name `[L]`, and its score.
 
         return, best, success: of each student, over its episodes. For methods whose scores may use values, as in PLR,
-        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|.
+        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|, and
+        of the sum that the score mna needs.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}
@@ -79,5 +80,6 @@ class LevelBatch:
         columns |= {f"success/{name}": success[:, index] for index, name in enumerate(self.students)}
         if "best" in (self.records.dtype.names or ()):
             columns["best_ever"] = self.records["best"]
-            columns |= {name: mean_played(self.records[field][:, 0]) for name, field in VALUES.items()}
+            fields = VALUES | ({NEGATIVE: NEGATIVE} if NEGATIVE in (self.records.dtype.names or ()) else {})
+            columns |= {name: mean_played(self.records[field][:, 0]) for name, field in fields.items()}
         return columns | {"score": self.score}

@@ -20,7 +20,7 @@ from ued.core.level_space import LevelSpace, level_dtype
 from ued.core.resumable import Resumable
 from ued.levels.budget import Budget
 from ued.levels.ranking import Ranking
-from ued.levels.record import NONE, Origin, make_records, number
+from ued.levels.record import NONE, Origin, make_records, number, solved_once
 
 EPSILON = 1e-8  # avoids a division by 0 for scores of 0
 
@@ -28,7 +28,8 @@ EPSILON = 1e-8  # avoids a division by 0 for scores of 0
 def slot_dtype(level: np.dtype) -> np.dtype:
     """Return the record of a level in the buffer.
 
-    id: of the level, unique in a run; level; score; best: the highest return ever on it; last_played: time of its last
+    id: of the level, unique in a run; level; score; best: the highest return ever on it; solved: whether an
+    episode on it ever succeeded; last_played: time of its last
     replay, or of insertion; created: time of insertion; num_replays: number of replays; parent: id of the level it was
     edited from, or NONE; generation: edits between it and a random level.
     """
@@ -38,6 +39,7 @@ def slot_dtype(level: np.dtype) -> np.dtype:
             ("level", level),
             ("score", np.float64),
             ("best", np.float64),
+            ("solved", np.bool_),
             ("last_played", np.int64),
             ("created", np.int64),
             ("num_replays", np.int32),
@@ -56,7 +58,7 @@ class LevelBuffer(Resumable):
         budget: of the run; see `is_ready`.
     """
 
-    state_fields = ("slots", "now", "next_id", "replays")
+    state_fields: tuple[str, ...] = ("slots", "now", "next_id", "replays")
 
     def __init__(self, space: LevelSpace, config: BufferConfig, budget: Budget | None = None) -> None:
         self.space, self.config, self.budget = space, config, budget or Budget()
@@ -106,8 +108,19 @@ class LevelBuffer(Resumable):
         return self.replays
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned; older states lack `replays`."""
-        super().load_state_dict({"replays": False} | state)
+        """Restore what `state_dict` returned; older states lack `replays`, and `solved` of their levels."""
+        super().load_state_dict({"replays": False} | state | {"slots": self._with_solved(state["slots"])})
+
+    def _with_solved(self, slots: Any) -> Any:
+        """Return the levels of a state; in older ones a level counts as solved if its best return is above 0."""
+        fields = [item for item in self._slots.dtype.descr if item[0] != "solved"]
+        if getattr(slots, "dtype", None) != np.dtype(fields):
+            return slots
+        made: np.ndarray = np.zeros(len(slots), self._slots.dtype)
+        for name in slots.dtype.names:
+            made[name] = slots[name]
+        made["solved"] = slots["best"] > 0
+        return made
 
     # ------------------------------------------------------------ replay
 
@@ -137,14 +150,22 @@ class LevelBuffer(Resumable):
         cumulated = np.cumsum(self.weights())
         rows = np.searchsorted(cumulated, rng.random(count) * cumulated[-1], side="right")
         rows = np.minimum(rows, self._count - 1)
-        self.slots["last_played"][rows] = self.now + 1 + np.arange(count)
-        np.add.at(self.slots["num_replays"], rows, 1)
-        self.now += count
+        self.touch(rows)
         return rows
+
+    def touch(self, rows: np.ndarray) -> None:
+        """Count the levels of these rows `[k]` as played now, one after the other."""
+        self.slots["last_played"][rows] = self.now + 1 + np.arange(len(rows))
+        np.add.at(self.slots["num_replays"], rows, 1)
+        self.now += len(rows)
 
     def replay(self, dtype: np.dtype, count: int, rng: np.random.Generator) -> np.ndarray:
         """Sample `count` levels to replay; return them as level records of this dtype."""
-        slots = self.slots[self.sample(count, rng)] if count else self.slots[:0]
+        return self.as_records(dtype, self.sample(count, rng) if count else np.zeros(0, np.int64))
+
+    def as_records(self, dtype: np.dtype, rows: np.ndarray) -> np.ndarray:
+        """Return the levels of these rows `[k]` as level records of this dtype, to be replayed."""
+        slots = self.slots[rows]
         records = make_records(dtype, slots["level"], Origin.REPLAYED)
         records["id"] = slots["id"]
         return records
@@ -172,11 +193,28 @@ class LevelBuffer(Resumable):
     def best_returns(self, records: np.ndarray) -> np.ndarray:
         """Return the highest return `[L]` ever on the level of each record, by any student."""
         best = np.nanmax(records["returns"], (1, 2), initial=-np.inf)
+        known, rows = self._known(records)
+        best[known] = np.fmax(best[known], self.slots["best"][rows])
+        return best
+
+    def ever_solved(self, records: np.ndarray) -> np.ndarray:
+        """Return whether an episode ever succeeded on the level of each record, by any student: bool `[L]`."""
+        ever = solved_once(records)
+        known, rows = self._known(records)
+        ever[known] |= self.slots["solved"][rows]
+        return ever
+
+    def remember(self, records: np.ndarray) -> None:
+        """Fill in what scores know of the past of each level: `best`, and `ever_solved` in records that have it."""
+        records["best"] = self.best_returns(records)
+        if "ever_solved" in (records.dtype.names or ()):
+            records["ever_solved"] = self.ever_solved(records)
+
+    def _known(self, records: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return which records `[k]` replay levels of the buffer, and their rows `[k]`; others were displaced since."""
         replayed = np.flatnonzero(records["origin"] == Origin.REPLAYED)
         rows = self.find(records["id"][replayed])
-        kept = rows != NONE  # others were displaced since
-        best[replayed[kept]] = np.fmax(best[replayed[kept]], self.slots["best"][rows[kept]])
-        return best
+        return replayed[rows != NONE], rows[rows != NONE]
 
     def store(self, records: np.ndarray) -> dict[str, float]:
         """Store scored level records `[L]`: replayed levels get their new scores, the others are inserted.
@@ -184,11 +222,11 @@ class LevelBuffer(Resumable):
         Returns metrics: fill ratio, number of inserted levels, mean score, age and generation; see `insert`.
         """
         best = self.best_returns(records)
-        replayed = records["origin"] == Origin.REPLAYED
-        rows = self.find(records["id"][replayed])
-        kept = rows != NONE
-        self.update_scores(rows[kept], records["score"][replayed][kept], best[replayed][kept])
-        inserted = self.insert(records[~replayed], best[~replayed])
+        known, rows = self._known(records)
+        np.logical_or.at(self.slots["solved"], rows, solved_once(records[known]))
+        self.update_scores(rows, records["score"][known], best[known])
+        new = records["origin"] != Origin.REPLAYED
+        inserted = self.insert(records[new], best[new])
         metrics = {"buffer/fill_ratio": self.fill_ratio, "buffer/inserted": float(inserted)}
         if self._count:
             metrics["buffer/score"] = float(self.slots["score"].mean())
@@ -221,7 +259,7 @@ class LevelBuffer(Resumable):
         rows: np.ndarray = np.zeros(len(records), self._slots.dtype)
         for name in ("id", "level", "score", "parent"):
             rows[name] = records[name]
-        rows["best"], parents = best, rows["parent"]
+        rows["best"], rows["solved"], parents = best, solved_once(records), rows["parent"]
         rows["last_played"] = rows["created"] = self.now + np.arange(len(rows))
         where = self.find(parents)
         known = (parents != NONE) & (where != NONE)
@@ -234,6 +272,7 @@ class LevelBuffer(Resumable):
         if twin == NONE:
             return False
         better = max(row["score"], self._slots["score"][twin])
+        self._slots["solved"][twin] |= row["solved"]
         self.update_scores(np.array([twin]), np.array([better]), np.array([row["best"]]))
         return True
 
@@ -242,10 +281,14 @@ class LevelBuffer(Resumable):
         if not len(rows):
             return 0
         rows = rows[np.argsort(-rows["score"], kind="stable")]
-        least = smallest(self.weights(), len(rows))
+        least = self._weakest(len(rows))
         rows = rows[: len(least)]
         stronger = rows["score"] >= self.slots["score"][least]
         return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
+
+    def _weakest(self, count: int) -> np.ndarray:
+        """Return the rows of at most `count` levels that better ones may replace, the weakest first."""
+        return smallest(self.weights(), count)
 
     def _put(self, place: int, row: np.void) -> bool:
         key = self.space.key_of(row["level"])

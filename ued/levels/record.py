@@ -27,6 +27,7 @@ class Origin(IntEnum):
 
 
 RESULTS = ("returns", "success", "mean_value", "positive_advantage", "absolute_advantage")
+NEGATIVE = "negative_advantage"  # a result in records that have this field, see `scores.fields`
 
 
 def level_record_dtype(
@@ -70,7 +71,7 @@ def make_records(dtype: np.dtype, levels: np.ndarray, origin: int = Origin.RANDO
     records["level"], records["origin"], records["train"] = levels, origin, True
     records["id"] = records["visit"] = records["parent"] = NONE
     records["num_episodes"] = dtype["returns"].shape[1]
-    for name in (*RESULTS, "score"):
+    for name in (*RESULTS, "score", *({NEGATIVE} & set(dtype.names or ()))):
         records[name] = np.nan
     return records
 
@@ -94,6 +95,11 @@ def solved(records: np.ndarray) -> np.ndarray:
     """
     by_return = np.where(np.isnan(records["returns"]), np.nan, records["returns"] > 0)
     return np.where(np.isnan(records["success"]), by_return, records["success"])
+
+
+def solved_once(records: np.ndarray) -> np.ndarray:
+    """Return whether any student's episode on each record succeeded, bool `[L]`."""
+    return (solved(records) == 1).any((1, 2))
 
 
 def mean_played(values: np.ndarray) -> np.ndarray:

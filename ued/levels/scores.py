@@ -7,10 +7,11 @@ Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose sco
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
-from ued.levels.record import mean_played, solved
+from ued.levels.record import NEGATIVE, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
@@ -44,13 +45,57 @@ def learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
     return p * (1 - p) * count / np.maximum(count - 1, 1)
 
 
+def generalized_learnability(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return learnability for returns that are not binary `[L]` (Monette et al. 2025, "generalised learnability").
+
+    It is the standard deviation of a level's returns, times the normal density of their mean among the means of all L
+    levels: a level's returns must vary, and lie where those of most levels lie. The density is scaled to at most 1, so
+    levels with equal means have a score; as in `learnability`, the variance is unbiased. Adding a constant to all
+    returns changes no score, and a factor scales all. The density has the standard deviation of the means, where the
+    authors' code has their variance, which depends on the unit of returns.
+    """
+    returns = records["returns"][:, 0]
+    count, mean = (~np.isnan(returns)).sum(1), mean_played(returns)
+    variance = mean_played((returns - mean[:, None]) ** 2) * count / np.maximum(count - 1, 1)
+    deviation = mean.std() if len(mean) else 0.0
+    distance = (mean - mean.mean()) / deviation if deviation > 0 else np.zeros(len(mean))
+    return np.sqrt(variance) * np.exp(-0.5 * distance**2)
+
+
+def mna(records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return the maximized negative advantage `[L]` (Mead et al. 2026); 0 for a level that was never solved.
+
+    It is the sum over the steps of an episode of -A_t, A_t by `learning.rollout.negative_advantages`, and the mean of
+    this sum over episodes. The authors' code sums over rollouts of 256 steps, in which a short episode is repeated.
+    """
+    return mean_played(records[NEGATIVE][:, 0]) * records["ever_solved"]
+
+
 SCORES: dict[str, Score] = {
     "max_mc": max_mc,
     "positive_value_loss": positive_value_loss,
     "l1_value_loss": l1_value_loss,
     "learnability": learnability,
+    "generalized_learnability": generalized_learnability,
+    "mna": mna,
 }
-NEEDS = {"max_mc": "mean_value", "positive_value_loss": "positive_advantage", "l1_value_loss": "absolute_advantage"}
+NEEDS = {
+    "max_mc": "mean_value",
+    "positive_value_loss": "positive_advantage",
+    "l1_value_loss": "absolute_advantage",
+    "mna": NEGATIVE,
+}
+
+
+def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
+    """Return the fields that level records of one student need for a score, beside those that all have.
+
+    best: the highest return ever on the level. Of mna also negative_advantage `[1, n]`: filled in by the trainer, the
+    sum over the steps of an episode of its maximized negative advantages; and ever_solved: whether an episode on the
+    level ever succeeded.
+    """
+    more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []
+    return [("best", np.float64), *more]
 
 
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
@@ -64,7 +109,8 @@ def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.
     if empty.any():
         raise ValueError(f"level {int(np.flatnonzero(empty)[0])} has no finished episode, so it has no score")
     field = NEEDS.get(rule)
-    if field and np.isnan(mean_played(records[field][:, 0])).any():
+    missing = field is not None and field not in (records.dtype.names or ())
+    if field and (missing or np.isnan(mean_played(records[field][:, 0])).any()):
         raise ValueError(
             f'the score {rule} needs records["{field}"], which the trainer has not filled in; '
             "the score learnability needs only returns"

@@ -96,6 +96,10 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
         "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
+        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#c98bb9", "Monette et al. 2025",
+        "a learned distribution over a buffer of levels", "2",
+    ),
+    MethodRow(
         "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
         "levels with changing returns, by mixtures", "1",
     ),

@@ -32,6 +32,7 @@ from ued.levels.budget import Budget
 from ued.levels.buffer import LevelBuffer
 from ued.levels.diagnostics import level_metrics, program_metrics
 from ued.levels.queue import LevelQueue
+from ued.levels.record import NEGATIVE
 
 
 class Method:
@@ -90,6 +91,8 @@ class Method:
         if upomdp.plays_rollouts:  # a rollout is interrupted for every block of levels
             self.queue.propose_in_blocks()
         self.learners.append(Learner(name, upomdp, self.ppo, self._seeds, self.queue.of(index), scripted))
+        if NEGATIVE in (self.curriculum.dtype.names or ()):
+            self.learners[index].follow_negative_advantages()
         self.learners[index].start(self.queue.first(index))
         return self.learners[index]
 

@@ -72,9 +72,8 @@ class PLRCurriculum(Resumable):
         self, space: LevelSpace, config: PLRConfig, seed: int = 0, robust: bool = True, budget: Budget | None = None
     ) -> None:
         self.space, self.config, self.robust = space, config, robust
-        best = ("best", np.float64)  # the best return ever made on the level
-        level = level_dtype(space.theta_dim)
-        self.dtype = level_record_dtype(level, episodes=config.episodes_per_level, extra=[best])
+        level, episodes = level_dtype(space.theta_dim), config.episodes_per_level
+        self.dtype = level_record_dtype(level, episodes=episodes, extra=scores.fields(config.score, episodes))
         self.buffer = LevelBuffer(space, config.buffer, budget or Budget.of(space))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
@@ -91,6 +90,6 @@ class PLRCurriculum(Resumable):
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score the levels by the rule of the settings, see `levels.scores`; store them in the buffer."""
-        records["best"] = self.buffer.best_returns(records)
+        self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
         return self.buffer.store(records)  # new levels are offered, replayed ones get their new scores

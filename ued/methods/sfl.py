@@ -7,7 +7,7 @@
         the student plays levels, a share of them chosen ones and the rest random, and learns
 
 The reference implementation spends several times more steps on looking than on training, and does not count them. Here
-candidates are played like all other levels. Read next: `methods.alp_gmm`.
+candidates are played like all other levels. Read next: `methods.ncc`.
 """
 
 from __future__ import annotations
@@ -80,22 +80,22 @@ class SFLCurriculum(Resumable):
         records["train"][:candidates] = False  # they are only looked at
         return records[self.rng.permutation(count)]
 
-    def _learnability(self, records: np.ndarray) -> np.ndarray:
-        """Return p (1 - p) `[L]` of the candidates among these level records, nan for the others."""
-        learnability = np.full(len(records), np.nan)
-        looked_at = ~records["train"]
-        candidates = records[looked_at]
-        rate = mean_played(solved(candidates)[:, 0])
-        learnability[looked_at] = scores.score("learnability", candidates) + TIE_BREAK * rate
-        return learnability
+    def _learnability(self, candidates: np.ndarray) -> np.ndarray:
+        """Return the score `[L]` of these candidates by the rule of the settings."""
+        if self.config.score == "generalized_learnability":
+            return scores.score(self.config.score, candidates)
+        return scores.score("learnability", candidates) + TIE_BREAK * mean_played(solved(candidates)[:, 0])
 
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score candidates; choose the most learnable when all are scored; ask for new ones when it is time."""
-        records["score"] = self._learnability(records)
         candidates = records[~records["train"]]
+        candidates["score"] = self._learnability(candidates)
+        records["score"] = np.nan
+        records["score"][~records["train"]] = candidates["score"]
         self.judged = np.concatenate([self.judged, candidates])
         metrics = {"sfl/candidates": float(len(candidates))}
         if len(self.judged) >= self.config.candidates:
+            self.judged["score"] = self._learnability(self.judged)  # one may depend on all
             self.chosen = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
             metrics["sfl/chosen_score"] = float(self.chosen["score"].mean())
             self.judged, self.looking = self.judged[:0], False
