@@ -21,9 +21,10 @@ class EpisodeValues(Resumable):
     """Follows the episodes of N environments through rollouts."""
 
     state_fields = ("sums", "steps")
+    names: tuple[str, ...] = NAMES  # V of them
 
     def __init__(self, num_envs: int) -> None:
-        self.sums = np.zeros((len(NAMES), num_envs))  # over the steps of open episodes
+        self.sums = np.zeros((len(self.names), num_envs))  # over the steps of open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
     def reset(self) -> None:
@@ -36,15 +37,15 @@ class EpisodeValues(Resumable):
 
         Episodes are ordered by their last step, then by environment.
         """
-        per_step = torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
+        per_step = self.per_step(rollout, advantages)
         per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
-        running = per_step.double().cumsum(1).numpy()  # [3, T, N]
+        running = per_step.double().cumsum(1).numpy()  # [V, T, N]
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
         env, step = np.nonzero(ended.T)  # [E] each, by environment, then by step
         first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] first of its environment in this rollout
         previous = np.roll(np.arange(len(env)), 1)
-        totals = running[:, step, env]  # [3, E]
+        totals = running[:, step, env]  # [V, E]
         sums = np.where(first, totals + self.sums[:, env], totals - totals[:, previous])
         steps = np.where(first, step + 1 + self.steps[env], step - step[previous])
         last = np.append(env[1:] != env[:-1], True)[: len(env)]
@@ -53,4 +54,8 @@ class EpisodeValues(Resumable):
         self.sums[:, env[last]] = running[:, -1, env[last]] - totals[:, last]
         self.steps[env[last]] = num_steps - 1 - step[last]
         order = np.lexsort((env, step))
-        return dict(zip(NAMES, (sums / steps)[:, order], strict=True))
+        return dict(zip(self.names, (sums / steps)[:, order], strict=True))
+
+    def per_step(self, rollout: Rollout, advantages: Tensor) -> Tensor:
+        """Return the statistics of each step and agent: `[V, T, N]` or `[V, T, N, A]`."""
+        return torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
