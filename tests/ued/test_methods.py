@@ -98,7 +98,13 @@ def observed(method):
     return seen
 
 
-QUICK = ("dr", "paired", "robust_plr", "cenie", "alp_gmm")  # of each kind of teacher one; the others take a minute together
+QUICK = (
+    "dr",
+    "paired",
+    "robust_plr",
+    "cenie",
+    "alp_gmm",
+)  # of each kind of teacher one; the others take a minute together
 
 
 @pytest.mark.parametrize(

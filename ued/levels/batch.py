@@ -71,7 +71,8 @@ class LevelBatch:
         """Return the results of students on each level, by name `[L]`, and its score.
 
         return, best, success: of each student, over its episodes. For methods whose scores may use values, as in PLR,
-        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|.
+        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|; of
+        CENIE the novelty, nan before the first mixture.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}
@@ -80,4 +81,7 @@ class LevelBatch:
         if "best" in (self.records.dtype.names or ()):
             columns["best_ever"] = self.records["best"]
             columns |= {name: mean_played(self.records[field][:, 0]) for name, field in VALUES.items()}
+        if "novelty" in (self.records.dtype.names or ()):
+            novelty = mean_played(self.records["novelty"][:, 0])
+            columns["novelty"] = np.where(np.isfinite(novelty), novelty, np.nan)
         return columns | {"score": self.score}

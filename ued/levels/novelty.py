@@ -6,13 +6,13 @@ over the steps on a level its novelty. Read next: `levels.novelty_buffer`, which
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+import math
+from typing import ClassVar
 
 import numpy as np
 import torch
 from gymnasium.spaces import Space
 from torch import Tensor
-from torch.nn.functional import one_hot
 
 from ued.config import CoverageConfig
 from ued.core.resumable import Resumable
@@ -27,7 +27,7 @@ REGULARISER = 0.1  # added to variances, of a window that has about 1: a new val
 COUNTS = (2, 4, 8, 16, 32, 64)  # of Gaussians, among which the silhouette chooses
 LEAST_ROWS = 8  # per Gaussian
 JUDGED = 256  # rows whose silhouettes choose
-BLOCK = 1 << 20  # numbers of a block of rows whose density is computed together
+BLOCK = 1 << 18  # numbers in a block of rows whose densities are computed together: it stays in the cache
 
 
 class Coverage(Resumable):
@@ -42,13 +42,13 @@ class Coverage(Resumable):
         seed: of the pairs kept and of the clusters that fitting begins with.
     """
 
-    state_fields = ("pairs", "rng", "age", "mixture")
+    state_fields = ("pairs", "rng", "updates", "fitted", "mixture")
     optional_fields: ClassVar = {"mixture": dict}
 
     def __init__(self, columns: int, config: CoverageConfig, seed: int) -> None:
         self.config, self.rng = config, np.random.default_rng(seed)
         self.pairs = np.zeros((0, columns), np.float32)  # [n, D]
-        self.age = 0  # updates with new pairs since the last fit
+        self.updates = self.fitted = 0  # that brought pairs, so far and at the last fit
         self.mixture: dict[str, np.ndarray] | None = None  # center and scale `[D]`, and fields of a GaussianMixture
 
     @property
@@ -63,28 +63,22 @@ class Coverage(Resumable):
     def remember(self, pairs: np.ndarray) -> None:
         """Put pairs `[m, D]` into the window in the place of the oldest ones."""
         self.pairs = np.concatenate([self.pairs, pairs.astype(np.float32)])[-self.config.window :]
-        self.age += len(pairs) > 0
+        self.updates += len(pairs) > 0
 
     def novelty(self, pairs: np.ndarray) -> np.ndarray:
         """Return -log p of pairs `[n, D]` in nats, for columns in the scale of the window: `[n]`. Needs a mixture."""
         assert self.mixture is not None
-        parts = dict(self.mixture)
+        parts = {name: part.astype(np.float32) for name, part in self.mixture.items()}  # half the time of float64
         centre, scale = parts.pop("center"), parts.pop("scale")
-        mixture, rows = GaussianMixture(**parts), max(1, BLOCK // (1 + 2 * pairs.shape[1]))
+        mixture, rows = GaussianMixture(**parts), max(1, BLOCK // pairs.shape[1])
         blocks = [pairs[start : start + rows] for start in range(0, len(pairs), rows)]
-        return np.concatenate(
-            [
-                _unlikelihood(mixture.log_densities(products_of(_scaled(block, centre, scale), False)))
-                for block in blocks
-            ]
-        )
+        return np.concatenate([_unlikelihood(_log_densities(mixture, _scaled(each, centre, scale))) for each in blocks])
 
     def refit(self) -> None:
-        """Fit the mixture to the window if it is due; at first as soon as the window has enough pairs."""
-        due = self.config.fit_every if self.mixture is not None else 1
+        """Fit the mixture to the window if it is due: after `fit_every` updates, or when their number has doubled."""
         most = min(self.config.max_components, len(self.pairs) // LEAST_ROWS)
         counts = [count for count in COUNTS if count <= most]
-        if self.age < due or not counts:
+        if not counts or self.updates - self.fitted < max(1, min(self.config.fit_every, self.fitted)):
             return
         centre = self.pairs.mean(0)
         scale = np.maximum(self.pairs.std(0), LEAST_SCALE * np.ptp(self.pairs, 0))
@@ -94,7 +88,7 @@ class Coverage(Resumable):
         judged = rows[self.rng.permutation(len(rows))[:JUDGED]]
         best = max(mixtures, key=lambda mixture: silhouette(judged, _nearest(mixture, judged)))
         found = {name: getattr(best, name) for name in ("weights", "means", "covariances")}
-        self.mixture, self.age = found | {"center": centre, "scale": scale}, 0
+        self.mixture, self.fitted = found | {"center": centre, "scale": scale}, self.updates
 
 
 class EpisodeNovelty(EpisodeValues):
@@ -120,8 +114,8 @@ class EpisodeNovelty(EpisodeValues):
         """Return the statistics of `EpisodeValues`, and the novelty of each pair; 0 before the first mixture."""
         found, novelty = super().per_step(rollout, advantages), torch.zeros(rollout.value.shape)
         if self.coverage.components:
-            pairs = state_actions(rollout, torch.ones(rollout.value.shape, dtype=torch.bool), self.choices)
-            novelty = torch.as_tensor(self.coverage.novelty(pairs.numpy()), dtype=torch.float32).view(novelty.shape)
+            per_pair = self.coverage.novelty(state_actions(rollout, self.choices))
+            novelty = torch.as_tensor(per_pair).view(novelty.shape)
         return torch.cat([found, novelty[None]])
 
     def track(self, rollout: Rollout, advantages: Tensor) -> dict[str, np.ndarray]:
@@ -130,24 +124,31 @@ class EpisodeNovelty(EpisodeValues):
         if not self.coverage.components:  # nothing was learned from so far, so all is new
             found["novelty"][:] = self.sums[-1] = np.inf
         by_agent = rollout.train if rollout.value.ndim == 2 else rollout.train[..., None].expand_as(rollout.value)
-        learned = by_agent.nonzero()
-        kept = torch.zeros_like(by_agent)
-        kept[tuple(learned[torch.as_tensor(self.coverage.choose(len(learned)))].T)] = True
-        self.coverage.remember(state_actions(rollout, kept, self.choices).numpy())
+        learned = by_agent.flatten().nonzero()[:, 0]
+        kept = learned[torch.as_tensor(self.coverage.choose(len(learned)))]
+        self.coverage.remember(state_actions(rollout, self.choices, kept))
         return found
 
 
-def state_actions(rollout: Rollout, where: Tensor, choices: np.ndarray) -> Tensor:
-    """Return the state-action pairs of agents at steps `where`, bool `[T, N]` or `[T, N, A]`: float32 `[n, D]`.
+def state_actions(rollout: Rollout, choices: np.ndarray, rows: Tensor | None = None) -> np.ndarray:
+    """Return the state-action pairs of all agents at all steps, in the order of `rollout.value`: float32 `[n, D]`.
 
-    Observations are flat; a choice among K values is K columns, of which one is 1.
+    Observations are flat; a choice among K values, as in `networks.choices_of`, is K columns, of which one is 1.
+    `rows` selects among them.
     """
-    seen = rollout.observation[where.to(rollout.observation.device)].flatten(1).float().cpu()
-    action = rollout.action[where]
-    if not len(choices):
-        return torch.cat([seen, action.view(len(seen), -1)], 1)
-    columns = action.view(len(seen), len(choices)).unbind(1)
-    return torch.cat([seen, *(one_hot(column, int(k)) for column, k in zip(columns, choices, strict=True))], 1)
+    count = rollout.value.numel()
+    seen, action = rollout.observation.reshape(count, -1), rollout.action.reshape(count, -1)
+    if rows is not None:
+        seen, action = seen[rows.to(seen.device)], action[rows]
+    size = seen.shape[1]
+    pairs = torch.zeros(len(seen), size + int(choices.sum() or action.shape[1]))
+    pairs[:, :size] = seen
+    if len(choices):
+        first = torch.as_tensor(size + np.cumsum(choices) - choices)
+        pairs.scatter_(1, first + action, 1.0)
+    else:
+        pairs[:, size:] = action
+    return pairs.numpy()
 
 
 def silhouette(rows: np.ndarray, labels: np.ndarray) -> float:
@@ -176,7 +177,21 @@ def _nearest(mixture: GaussianMixture, rows: np.ndarray) -> np.ndarray:
 
 
 def _scaled(pairs: np.ndarray, centre: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    return np.clip((pairs - centre) / scale, -CLIP, CLIP)
+    rows = pairs - centre
+    rows *= 1 / scale
+    return np.clip(rows, -CLIP, CLIP, out=rows)
+
+
+def _log_densities(mixture: GaussianMixture, rows: np.ndarray) -> np.ndarray:
+    """Return `GaussianMixture.log_densities` of rows `[n, D]`, whose squares it takes in place: `[K, n]`."""
+    precision = 1 / mixture.covariances
+    slope = mixture.means * precision
+    constant = np.log(mixture.weights) + 0.5 * (np.log(precision) - math.log(2 * math.pi) - mixture.means * slope).sum(
+        1
+    )
+    parts = slope @ rows.T + constant[:, None]
+    parts -= 0.5 * precision @ np.square(rows, out=rows).T
+    return parts
 
 
 def _unlikelihood(parts: np.ndarray) -> np.ndarray:

@@ -31,9 +31,7 @@ class NoveltyBuffer(LevelBuffer):
 
     slot_dtype = staticmethod(novelty_slot_dtype)
 
-    def __init__(
-        self, space: LevelSpace, config: BufferConfig, share: float, budget: Budget | None = None
-    ) -> None:
+    def __init__(self, space: LevelSpace, config: BufferConfig, share: float, budget: Budget | None = None) -> None:
         super().__init__(space, config, budget)
         self.share = share
 

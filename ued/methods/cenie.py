@@ -28,12 +28,13 @@ from ued.levels.novelty import Coverage, EpisodeNovelty
 from ued.levels.novelty_buffer import NoveltyBuffer, novelty_of
 from ued.levels.queue import LevelQueue
 from ued.levels.record import level_record_dtype
-from ued.methods.accel import ACCEL, ACCELCurriculum
+from ued.methods.accel import ACCELCurriculum
+from ued.methods.method import Method
 
 MOST_ENTRIES = 1024  # of an observation: a pixel says too little of a state for a mixture over pixels
 
 
-class CENIE(ACCEL):
+class CENIE(Method):
     """Trains one student on replayed levels, by regret and novelty; see `Method` for the arguments.
 
     Raises `ValueError` where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
@@ -59,6 +60,10 @@ class CENIE(ACCEL):
         metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones; fit the mixture
         metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
         return self.report(levels, metrics)
+
+    @property
+    def buffer(self) -> NoveltyBuffer:
+        return self.curriculum.buffer
 
 
 class CENIECurriculum(ACCELCurriculum):
@@ -116,7 +121,7 @@ def pair_columns(upomdp: UPOMDP) -> int:
     size, actions = math.prod(shape), upomdp.agent_action_space
     if size > MOST_ENTRIES:
         raise ValueError(
-            f"cenie models observations of at most {MOST_ENTRIES:,} numbers by Gaussians, these have {size:,}, "
-            f"{' x '.join(map(str, shape))}; use accel or robust_plr"
+            f"cenie models observations of at most {MOST_ENTRIES:,} numbers by Gaussians, these have {size:,} "
+            f"({' x '.join(map(str, shape))}); use accel or robust_plr"
         )
     return size + int(choices_of(actions).sum() or math.prod(actions.shape or ()))
