@@ -349,8 +349,8 @@ class ACCELConfig(PLRConfig):
 class CoverageConfig(Checked):
     """Settings of the mixture of Gaussians over past state-action pairs."""
 
-    window: int = setting(2048, "state-action pairs that the mixture is fitted to, the latest", most=65_536, least=16)
-    pairs_per_update: int = setting(64, "pairs that enter the window per update", ">=1", most=65_536)
+    window: int = setting(2048, "state-action pairs that the mixture is fitted to, the latest", most=16_384, least=16)
+    pairs_per_update: int = setting(64, "pairs that enter the window per update", ">=1", most=16_384)
     fit_every: int = setting(16, "updates between two fits; fewer at first", ">=1", most=10**9)
     max_components: int = setting(
         8, "maximum number of Gaussians; the silhouette selects a power of two", most=64, least=2

@@ -309,6 +309,7 @@ CASES = {
         ("plr", 5, "GRU", GRU, replace(FIVE, representation="image")),
         ("accel", 33, "GRU", GRU, FIVE),
         ("accel", 5, "feed-forward", SMALL, MazeConfig(side=7, max_steps=9)),
+        ("cenie", 5, "GRU", GRU, FIVE),
         ("sfl", 5, "GRU", GRU, FIVE),
     )
 }
