@@ -9,11 +9,11 @@ import pytest
 from gymnasium.spaces import Box, Discrete
 
 import ued
-from ued.core.task import theta_of_scene
-from ued.levels.adversary import CodeAdversary
-from ued.levels.builder import Builder
-from ued.methods import METHODS
 from tests.ued.words import DeclaredWords, TypedWords, Words
+from ued.core.task import theta_of_scene
+from ued.levels.builder import Builder
+from ued.levels.proposer import CodeAdversary
+from ued.methods import METHODS
 
 PAGE = Path(__file__).parent.parent.parent / "docs" / "methods.md"
 FAMILIES = {"plain": Words, "parameters": DeclaredWords, "builder": TypedWords}
@@ -60,7 +60,7 @@ def test_the_table_has_every_method():
 def test_a_method_trains_on_a_family_or_refuses_it_as_the_page_says(name, family):
     says, upomdp = promised()[name][family], make(FAMILIES[family])
     if says == "refused":
-        with pytest.raises(ValueError, match="levels of .*Words can be sampled and mutated.* use dr, plr"):
+        with pytest.raises(ValueError, match=r"levels of .*Words can be sampled and mutated.* use dr, plr"):
             METHODS[name].load()(upomdp, PPO, seed=0, env_steps=400)
         return
     method = METHODS[name].load()(upomdp, PPO, seed=0, env_steps=400)

@@ -32,8 +32,8 @@ class Task:
     Attributes:
         make: makes N environments: `make(num_envs)`.
         tests: test scenes by name: θ of one level `[D]` or of several `[L, D]`; values by name of one level, or a list
-            of such, where the environments have `theta_of`; a list of levels of a `LevelFamily`; or a function `make(num_envs)` of other environments with
-            the same spaces, whose random levels are evaluated.
+            of such, where the environments have `theta_of`; a list of levels of a `LevelFamily`; or a function
+            `make(num_envs)` of other environments with the same spaces, whose random levels are evaluated.
         painter: makes what draws levels in pictures and recordings from environments of this task; None: θ is shown,
             and what environments render.
         held_out: test scenes for final tables alone (`--held-out`), in the form of `tests`.
