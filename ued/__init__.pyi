@@ -9,6 +9,7 @@ from ued.config import AdversaryConfig as AdversaryConfig
 from ued.config import ALPGMMConfig as ALPGMMConfig
 from ued.config import BufferConfig as BufferConfig
 from ued.config import BuilderConfig as BuilderConfig
+from ued.config import CENIEConfig as CENIEConfig
 from ued.config import DRConfig as DRConfig
 from ued.config import MinimaxConfig as MinimaxConfig
 from ued.config import NCCConfig as NCCConfig
@@ -49,6 +50,7 @@ from ued.levels.table import read_levels as read_levels
 from ued.methods import METHODS as METHODS
 from ued.methods.accel import ACCEL as ACCEL
 from ued.methods.alp_gmm import ALPGMM as ALPGMM
+from ued.methods.cenie import CENIE as CENIE
 from ued.methods.dr import DR as DR
 from ued.methods.method import Method as Method
 from ued.methods.minimax import Minimax as Minimax

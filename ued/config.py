@@ -355,6 +355,31 @@ class ACCELConfig(PLRConfig):
 
 
 @dataclass(frozen=True)
+class CoverageConfig(Checked):
+    """Settings of the mixture of Gaussians over past state-action pairs."""
+
+    window: int = setting(2048, "state-action pairs that the mixture is fitted to, the latest", most=16_384, least=16)
+    pairs_per_update: int = setting(64, "pairs that enter the window per update", ">=1", most=16_384)
+    fit_every: int = setting(16, "updates between two fits; fewer at first", ">=1", most=10**9)
+    max_components: int = setting(
+        8, "maximum number of Gaussians; the silhouette selects a power of two", most=64, least=2
+    )
+
+
+@dataclass(frozen=True)
+class CENIEConfig(ACCELConfig):
+    """Settings of CENIE."""
+
+    base: Literal["accel", "plr"] = setting(
+        "accel", "edit replayed levels (accel: ACCEL-CENIE), or not (plr: PLR-CENIE, robust)"
+    )
+    novelty_coef: float = setting(0.5, "share of novelty in the replay priority; the rest is that of the score", "0-1")
+    coverage: CoverageConfig = field(
+        default_factory=CoverageConfig, metadata={"help": "the model of past state-action pairs"}
+    )
+
+
+@dataclass(frozen=True)
 class RepairedConfig(PairedConfig):
     """Settings of REPAIRED."""
 

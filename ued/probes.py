@@ -137,7 +137,7 @@ DEFAULTS = {
     "ppo.hidden_size": 64,
     "paired.dr_fraction": 0.0,
     "repaired.dr_fraction": 0.0,
-    **{f"{method}.buffer.capacity": 256 for method in ("plr", "accel", "repaired")},
+    **{f"{method}.buffer.capacity": 256 for method in ("plr", "accel", "cenie", "repaired")},
 }
 
 

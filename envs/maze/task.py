@@ -40,9 +40,9 @@ DEFAULTS: dict[str, Any] = {
     "ppo.ent_coef": 0.0,
     "ppo.memory": "gru",
     "ppo.hidden_size": 64,
-    **{f"{method}.buffer.capacity": 4000 for method in ("plr", "accel", "repaired")},
-    **{f"{method}.buffer.temperature": 0.1 for method in ("plr", "accel", "repaired")},
-    **{f"{method}.buffer.staleness_coef": 0.3 for method in ("plr", "accel", "repaired")},
+    **{f"{method}.buffer.capacity": 4000 for method in ("plr", "accel", "cenie", "repaired")},
+    **{f"{method}.buffer.temperature": 0.1 for method in ("plr", "accel", "cenie", "repaired")},
+    **{f"{method}.buffer.staleness_coef": 0.3 for method in ("plr", "accel", "cenie", "repaired")},
 }
 
 

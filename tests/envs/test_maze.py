@@ -326,6 +326,7 @@ CASES = {
         ("plr", 5, "GRU", GRU, replace(FIVE, representation="image")),
         ("accel", 33, "GRU", GRU, FIVE),
         ("accel", 5, "feed-forward", SMALL, MazeConfig(side=7, max_steps=9)),
+        ("cenie", 5, "GRU", GRU, FIVE),
         ("sfl", 5, "GRU", GRU, FIVE),
         ("ncc", 5, "GRU", GRU, FIVE),
     )

@@ -14,12 +14,14 @@ import ued
 from ued import (
     ACCEL,
     ALPGMM,
+    CENIE,
     DR,
     NCC,
     PLR,
     SFL,
     ACCELConfig,
     BufferConfig,
+    CENIEConfig,
     Minimax,
     MinimaxConfig,
     NCCConfig,
@@ -62,6 +64,8 @@ METHODS = {
     "plr": lambda env, seed=0: PLR(env, PPO, PLRConfig(buffer=SMALL), seed),
     "robust_plr": lambda env, seed=0: RobustPLR(env, PPO, PLRConfig(buffer=SMALL), seed),
     "accel": lambda env, seed=0: ACCEL(env, PPO, ACCELConfig(buffer=SMALL), seed),
+    "cenie": lambda env, seed=0: CENIE(env, PPO, CENIEConfig(buffer=SMALL), seed),
+    "plr_cenie": lambda env, seed=0: CENIE(env, PPO, CENIEConfig(buffer=SMALL, base="plr"), seed),
     "sfl": lambda env, seed=0: SFL(env, PPO, SFLConfig(candidates=32, chosen=8, choose_every=3), seed),
     "mna": lambda env, seed=0: PLR(env, PPO, PLRConfig(score="mna", buffer=SMALL), seed),
     "ncc": lambda env, seed=0: NCC(env, PPO, NCCConfig(capacity=32), seed),
@@ -98,7 +102,13 @@ def observed(method):
     return seen
 
 
-QUICK = ("dr", "paired", "robust_plr", "alp_gmm")  # of each kind of teacher one; the others take a minute together
+QUICK = (
+    "dr",
+    "paired",
+    "robust_plr",
+    "cenie",
+    "alp_gmm",
+)  # of each kind of teacher one; the others take a minute together
 
 
 @pytest.mark.parametrize(
@@ -122,7 +132,7 @@ def test_updates_count_all_steps_and_resume_bit_for_bit(name, tmp_path):
     assert not changed(resumed.student, weights(method.student))
 
 
-@pytest.mark.parametrize("name", ["robust_plr", "accel", "repaired"])
+@pytest.mark.parametrize("name", ["robust_plr", "accel", "cenie", "plr_cenie", "repaired"])
 def test_robust_methods_learn_nothing_from_new_levels(name):
     method = METHODS[name](frontier(4))
     before = {each: weights(student) for each, student in method.students.items()}

@@ -54,7 +54,7 @@ def need_vector(space: LevelSpace) -> None:
     if space.level_family is not None:
         raise ValueError(
             f"levels of {type(space.level_family).__name__} can be sampled and mutated, but not chosen by theta; "
-            "use dr, plr, robust_plr, accel, sfl or ncc"
+            "use dr, plr, robust_plr, accel, cenie, sfl or ncc"
         )
 
 

@@ -32,8 +32,8 @@ class Task:
     Attributes:
         make: makes N environments: `make(num_envs)`.
         tests: test scenes by name: θ of one level `[D]` or of several `[L, D]`; values by name of one level, or a list
-            of such, where the environments have `theta_of`; or a function `make(num_envs)` of other environments with
-            the same spaces, whose random levels are evaluated.
+            of such, where the environments have `theta_of`; a list of levels of a `LevelFamily`; or a function
+            `make(num_envs)` of other environments with the same spaces, whose random levels are evaluated.
         painter: makes what draws levels in pictures and recordings from environments of this task; None: θ is shown,
             and what environments render.
         held_out: test scenes for final tables alone (`--held-out`), in the form of `tests`.
@@ -101,4 +101,10 @@ def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
             rows = [upomdp.theta_of(values) for values in rows]
         return check_theta(rows, upomdp.theta_dim)
     except (ValueError, TypeError, AttributeError) as error:
-        raise ValueError(f"expected theta [L, {upomdp.theta_dim}] or values by name: {error}") from error
+        family = upomdp.level_family
+        wanted = f"theta [L, {upomdp.theta_dim}] or values by name" if family is None else _levels_of(family)
+        raise ValueError(f"expected {wanted}: {error}") from error
+
+
+def _levels_of(family: Any) -> str:
+    return f"a list of levels of {type(family).__name__}, as its `sample` returns"

@@ -27,10 +27,11 @@ class EpisodeValues(Resumable):
     """
 
     state_fields = ("sums", "steps")
+    names: tuple[str, ...] = NAMES  # V of them
 
     def __init__(self, num_envs: int, negative: bool = False) -> None:
         self.negative = negative
-        self.sums = np.zeros((len(NAMES) + negative, num_envs))  # over the steps of open episodes
+        self.sums = np.zeros((len(self.names) + negative, num_envs))  # over the steps of open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
     def reset(self) -> None:
@@ -44,16 +45,17 @@ class EpisodeValues(Resumable):
         Episodes are ordered by their last step, then by environment. `negative` are the `negative_advantages` of the
         rollout `[T, N]`, if they are followed; of these the sum is returned, with its sign changed.
         """
-        columns = [rollout.value, advantages.clamp(min=0.0), advantages.abs()]
-        per_step = torch.stack(columns if negative is None else [*columns, -negative])
+        per_step = self.per_step(rollout, advantages)
+        if negative is not None:
+            per_step = torch.cat([per_step, -negative[None]])
         per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
-        running = per_step.double().cumsum(1).numpy()  # [K, T, N]
+        running = per_step.double().cumsum(1).numpy()  # [V, T, N], one more with `negative`
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
         env, step = np.nonzero(ended.T)  # [E] each, by environment, then by step
         first = np.append(True, env[1:] != env[:-1])[: len(env)]  # [E] first of its environment in this rollout
         previous = np.roll(np.arange(len(env)), 1)
-        totals = running[:, step, env]  # [K, E]
+        totals = running[:, step, env]  # [V, E]
         sums = np.where(first, totals + self.sums[:, env], totals - totals[:, previous])
         steps = np.where(first, step + 1 + self.steps[env], step - step[previous])
         last = np.append(env[1:] != env[:-1], True)[: len(env)]
@@ -62,5 +64,10 @@ class EpisodeValues(Resumable):
         self.sums[:, env[last]] = running[:, -1, env[last]] - totals[:, last]
         self.steps[env[last]] = num_steps - 1 - step[last]
         order = np.lexsort((env, step))
-        found = dict(zip(NAMES, (sums[: len(NAMES)] / steps)[:, order], strict=True))
+        means = (sums[: len(self.names)] / steps)[:, order]
+        found = dict(zip(self.names, means, strict=True))
         return found if negative is None else found | {NEGATIVE: sums[-1, order]}
+
+    def per_step(self, rollout: Rollout, advantages: Tensor) -> Tensor:
+        """Return the statistics of each step and agent: `[V, T, N]` or `[V, T, N, A]`."""
+        return torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])

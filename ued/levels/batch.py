@@ -72,7 +72,7 @@ class LevelBatch:
 
         return, best, success: of each student, over its episodes. For methods whose scores may use values, as in PLR,
         also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|, and
-        of the sum that the score mna needs.
+        of the sum that the score mna needs; of CENIE the novelty, nan before the first mixture.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}
@@ -82,4 +82,7 @@ class LevelBatch:
             columns["best_ever"] = self.records["best"]
             fields = VALUES | ({NEGATIVE: NEGATIVE} if NEGATIVE in (self.records.dtype.names or ()) else {})
             columns |= {name: mean_played(self.records[field][:, 0]) for name, field in fields.items()}
+        if "novelty" in (self.records.dtype.names or ()):
+            novelty = mean_played(self.records["novelty"][:, 0])
+            columns["novelty"] = np.where(np.isfinite(novelty), novelty, np.nan)
         return columns | {"score": self.score}

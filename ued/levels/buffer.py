@@ -59,10 +59,11 @@ class LevelBuffer(Resumable):
     """
 
     state_fields: tuple[str, ...] = ("slots", "now", "next_id", "replays")
+    slot_dtype = staticmethod(slot_dtype)
 
     def __init__(self, space: LevelSpace, config: BufferConfig, budget: Budget | None = None) -> None:
         self.space, self.config, self.budget = space, config, budget or Budget()
-        self._slots = np.zeros(config.capacity, slot_dtype(level_dtype(space.theta_dim)))
+        self._slots = np.zeros(config.capacity, self.slot_dtype(level_dtype(space.theta_dim)))
         self._count = 0
         self._rows: dict[bytes, int] = {}  # which row holds a level, by its key
         self._rows_by_id: dict[int, int] = {}
@@ -140,10 +141,13 @@ class LevelBuffer(Resumable):
             weight = np.empty(len(score))
             weight[self._ranking.update(score, self._rescored)] = self._by_rank[: len(score)]
             self._rescored.clear()
-        else:  # relative to the largest, so that a small temperature does not overflow
-            positive = np.maximum(score, 0.0) + EPSILON
-            weight = (positive / positive.max(initial=EPSILON)) ** (1 / self.config.temperature)
+        else:
+            weight = self._powers(score)
         return weight / weight.sum() if len(weight) else weight
+
+    def _powers(self, score: np.ndarray) -> np.ndarray:
+        positive = np.maximum(score, 0.0) + EPSILON  # relative to the largest: a small temperature does not overflow
+        return (positive / positive.max(initial=EPSILON)) ** (1 / self.config.temperature)
 
     def sample(self, count: int, rng: np.random.Generator) -> np.ndarray:
         """Sample `count` levels to replay; return their rows `[count]`. They count as played now."""
@@ -280,11 +284,16 @@ class LevelBuffer(Resumable):
         """Let levels `[k]`, the best first, replace those with the smallest replay weights; return how many did."""
         if not len(rows):
             return 0
-        rows = rows[np.argsort(-rows["score"], kind="stable")]
+        worth, worth_here = self._worth(rows)
+        best = np.argsort(-worth, kind="stable")
         least = self._weakest(len(rows))
-        rows = rows[: len(least)]
-        stronger = rows["score"] >= self.slots["score"][least]
+        best = best[: len(least)]
+        rows, stronger = rows[best], worth[best] >= worth_here[least]
         return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
+
+    def _worth(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what levels `[k]` are worth, and what those in the buffer `[n]` are, on the same scale."""
+        return rows["score"], self.slots["score"]
 
     def _weakest(self, count: int) -> np.ndarray:
         """Return the rows of at most `count` levels that better ones may replace, the weakest first."""

@@ -94,19 +94,28 @@ def aic(mixtures: Sequence[GaussianMixture], data: np.ndarray) -> np.ndarray:
     return 2 * parameters - 2 * len(data) * _share(densities, np.repeat(np.arange(len(counts)), counts))[1]
 
 
-def fit(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator) -> list[GaussianMixture]:
+def fit(
+    data: np.ndarray,
+    counts: Sequence[int],
+    rng: np.random.Generator,
+    full: bool | None = None,
+    regulariser: float = REGULARISER,
+) -> list[GaussianMixture]:
     """Fit one mixture for each of these numbers of Gaussians to data `[n, D]`, initialized by clusters.
 
-    All mixtures, with K Gaussians in total, are updated together; each stops when it has converged.
+    All mixtures, with K Gaussians in total, are updated together; each stops when it has converged. `full` covariances
+    or diagonal ones; None: full if there are enough rows. `regulariser` is added to variances.
     """
-    products = products_of(data, data.shape[1] <= min(MOST_FULL, len(data) // max(counts)))
+    if full is None:
+        full = data.shape[1] <= min(MOST_FULL, len(data) // max(counts))
+    products = products_of(data, full)
     share, dim = _clusters(data, counts, rng), data.shape[1]  # [K, n]
     owner = np.repeat(np.arange(len(counts)), counts)  # [K] the mixture of each Gaussian
     fitted, before = dict[int, GaussianMixture](), np.full(len(counts), -math.inf)
-    mixtures = _maximize(products, share, dim)
+    mixtures = _maximize(products, share, dim, regulariser)
     for step in range(1, MOST_STEPS + 1):
         share, likelihood = _share(mixtures.log_densities(products), owner)
-        mixtures = _maximize(products, share, dim)
+        mixtures = _maximize(products, share, dim, regulariser)
         left = np.unique(owner)
         good = abs(likelihood - before[left]) < TOLERANCE
         before[left] = likelihood
@@ -139,7 +148,7 @@ def _share(parts: np.ndarray, owner: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return share, (largest + np.log(total)).mean(1)
 
 
-def _maximize(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixture:
+def _maximize(products: np.ndarray, share: np.ndarray, dim: int, regulariser: float) -> GaussianMixture:
     """Return the maximum-likelihood mixtures for these responsibilities `[K, n]` and products of rows with D = `dim`
     columns.
     """
@@ -148,9 +157,9 @@ def _maximize(products: np.ndarray, share: np.ndarray, dim: int) -> GaussianMixt
     moments = moments / total[:, None]
     means, squares = moments[:, 1 : 1 + dim], moments[:, 1 + dim :]
     if products.shape[1] == 1 + 2 * dim:
-        return GaussianMixture(total / len(products), means, squares - means**2 + REGULARISER)
+        return GaussianMixture(total / len(products), means, squares - means**2 + regulariser)
     squares = moments.reshape(-1, 1 + dim, 1 + dim)[:, 1:, 1:]
-    covariances = squares - means[:, :, None] * means[:, None] + REGULARISER * np.eye(dim)
+    covariances = squares - means[:, :, None] * means[:, None] + regulariser * np.eye(dim)
     return GaussianMixture(total / len(products), means, covariances)
 
 

@@ -92,6 +92,10 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
         "edited copies of replayed levels enter the buffer", "2.25",
     ),
     MethodRow(
+        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#b59a3c", "Teoh et al. 2024",
+        "ACCEL, or robust PLR, by regret and novelty of state-actions", "2.25",
+    ),
+    MethodRow(
         "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
         "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),

@@ -1,0 +1,129 @@
+"""CENIE (Teoh et al. 2024): ACCEL, or robust PLR, that replays levels by regret and by novelty.
+
+    repeat
+        with probability 1 - p: draw a level uniformly; look at it; offer it to the buffer
+        else: replay a level and learn from it; add its state-action pairs to the window
+              edit a copy of it; look at that; offer it to the buffer    (PLR-CENIE: no edits)
+        score each level by its regret, and by its novelty: the mean of -log p(observation, action) on it
+        fit the mixture of Gaussians, p, to the window of past pairs
+    replay a level with probability (1 - c) P_regret + c P_novelty, each by rank, and by staleness as PLR
+
+A level is novel if it leads the student into states, or to actions, that are rare in what it learned from lately. Read
+next: `levels.novelty`, then `levels.novelty_buffer`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ued.config import CENIEConfig
+from ued.core.curriculum import LevelSpace
+from ued.core.level_space import level_dtype
+from ued.core.upomdp import UPOMDP
+from ued.learning.networks import choices_of
+from ued.levels import scores
+from ued.levels.budget import Budget
+from ued.levels.novelty import Coverage, EpisodeNovelty
+from ued.levels.novelty_buffer import NoveltyBuffer, novelty_of
+from ued.levels.queue import LevelQueue
+from ued.levels.record import level_record_dtype
+from ued.methods.accel import ACCELCurriculum
+from ued.methods.method import Method
+
+MOST_ENTRIES = 1024  # of an observation: a pixel says too little of a state for a mixture over pixels
+
+
+class CENIE(Method):
+    """Trains one student on replayed levels, by regret and novelty; see `Method` for the arguments.
+
+    Raises `ValueError` where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
+    has nothing to edit.
+    """
+
+    curriculum: CENIECurriculum
+
+    def setup(self, config: CENIEConfig | None, seed: int) -> None:
+        config = config or CENIEConfig()
+        if config.base == "accel" and not self.upomdp.theta_dim:
+            raise ValueError("there is nothing to edit: the environment has no free parameters; use cenie.base = plr")
+        columns = pair_columns(self.upomdp)
+        self.curriculum = CENIECurriculum(self.upomdp, config, seed, self.budget, columns)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
+        self.learner = self.add_learner("student", self.upomdp)
+        coverage, actions = self.curriculum.coverage, self.upomdp.agent_action_space
+        negative = self.learner.values.negative  # of the score mna
+        self.learner.values = EpisodeNovelty(self.upomdp.num_envs, coverage, actions, negative)
+
+    def update(self) -> dict[str, float]:
+        """Play new, replayed and edited levels; score them by regret and novelty; learn from the replayed ones."""
+        levels = self.collect_rollouts()  # [L] with their novelty
+        metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones; fit the mixture
+        metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
+        return self.report(levels, metrics)
+
+    @property
+    def buffer(self) -> NoveltyBuffer:
+        return self.curriculum.buffer
+
+
+class CENIECurriculum(ACCELCurriculum):
+    """Replays levels of high regret and novelty, and tries edited copies of them. A `Curriculum`.
+
+    Its level records have a field `novelty` `[1, n]`, which the trainer fills in: of each episode, the mean novelty of
+    its state-action pairs under `coverage`, as `EpisodeNovelty` computes it.
+
+    Args:
+        space, config, seed, budget: see `PLRCurriculum`.
+        columns: D of a state-action pair; see `levels.novelty.state_actions`.
+    """
+
+    config: CENIEConfig
+    state_fields = (*ACCELCurriculum.state_fields, "coverage")
+
+    def __init__(
+        self, space: LevelSpace, config: CENIEConfig, seed: int = 0, budget: Budget | None = None, columns: int = 0
+    ) -> None:
+        super().__init__(space, config, seed, budget)
+        episodes = config.episodes_per_level
+        own = [*scores.fields(config.score, episodes), ("novelty", np.float64, (1, episodes))]
+        self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=episodes, extra=own)
+        self.children = np.zeros(0, self.dtype)
+        self.buffer: NoveltyBuffer = NoveltyBuffer(space, config.buffer, config.novelty_coef, self.buffer.budget)
+        self.coverage = Coverage(columns, config.coverage, seed)
+
+    def propose(self, count: int) -> np.ndarray:
+        """Return level records as ACCEL, without a novelty."""
+        records = super().propose(count)
+        records["novelty"] = np.nan
+        return records
+
+    def _parents(self, records: np.ndarray) -> np.ndarray:
+        return records[:0] if self.config.base == "plr" else super()._parents(records)
+
+    def update(self, records: np.ndarray) -> dict[str, float]:
+        """Score levels and store them as ACCEL, with their novelty; fit the mixture if it is due.
+
+        Raises `ValueError` if the trainer has not filled in the novelty.
+        """
+        novelty = novelty_of(records)
+        if np.isnan(novelty).any():
+            raise ValueError('cenie needs records["novelty"], which the trainer has not filled in; accel needs none')
+        metrics = super().update(records)
+        known = novelty[np.isfinite(novelty)]
+        metrics["cenie/novelty"] = float(known.mean()) if len(known) else float("nan")
+        self.coverage.refit()
+        return metrics | {"cenie/components": float(self.coverage.components)}
+
+
+def pair_columns(upomdp: UPOMDP) -> int:
+    """Return the number of columns of a state-action pair of one agent. Raises `ValueError` for images."""
+    shape = upomdp.agent_observation_space.shape or ()
+    size, actions = math.prod(shape), upomdp.agent_action_space
+    if size > MOST_ENTRIES:
+        raise ValueError(
+            f"cenie models observations of at most {MOST_ENTRIES:,} numbers by Gaussians, these have {size:,} "
+            f"({' x '.join(map(str, shape))}); use accel or robust_plr"
+        )
+    return size + int(choices_of(actions).sum() or math.prod(actions.shape or ()))
