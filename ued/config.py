@@ -42,7 +42,15 @@ class PPOConfig(Checked):
     )
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
-    hidden_layers: int = setting(2, "hidden layers of each torso", ">=1", most=64)
+    network: Literal["auto", "mlp", "cnn"] = setting(
+        "auto",
+        "first layers: convolutions for images, and those in Dict and Tuple observations (auto); also for those that "
+        "vectors declare, as those of mazes do (cnn); or no convolutions (mlp)",
+    )
+    hidden_layers: int = setting(
+        2, "hidden layers of each torso; observations that are one image have a single one", ">=0", most=64
+    )
+    head_size: int = setting(0, "units of a hidden layer before the policy and the value; 0: none", ">=0", most=16_384)
     shared_torso: bool = setting(False, "share the hidden layers of actor and critic")
     memory: Literal["none", "gru"] = setting("none", "memory within an episode: none, or a GRU after the hidden layers")
     bptt_steps: int = setting(0, "steps that gradients flow back; a divisor of num_steps, 0: all", ">=0", most=65_536)

@@ -243,7 +243,7 @@ LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto", "ppo.head_size": 0}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu"}
 ADDED |= {"levels_format": "csv"}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
