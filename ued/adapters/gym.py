@@ -10,6 +10,7 @@ import copy
 import math
 import os
 import signal
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Literal, NamedTuple
@@ -269,8 +270,6 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
         return env
     if isinstance(space, Box) and len(space.shape) == 2 and space.dtype == np.uint8:
         return gymnasium.wrappers.ReshapeObservation(env, (*space.shape, 1))
-    if has_images(space):
-        return _PartsObservation(env)
     parts = {f"observations[{name!r}]": part for name, part in space.items()} if isinstance(space, Dict) else {}
     for name, part in (parts or {"observations": space}).items():
         if not has_fixed_size(part):
@@ -279,6 +278,11 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
             raise ValueError(
                 f"{name} must have a fixed size, got {part}; wrap the environment so that they have{without}"
             )
+    if has_images(space):
+        try:
+            return _PartsObservation(env)
+        except ValueError as error:
+            warnings.warn(f"images are flattened, and seen by no convolutions: {error}", stacklevel=2)
     return gymnasium.wrappers.FlattenObservation(env)
 
 

@@ -208,7 +208,7 @@ class Mixture(UPOMDP):
 def _with_parts(spaces: Sequence[Space]) -> Parts | None:
     """Return the space of observations with a one-hot of the program behind them; None unless all know equal parts."""
     parts = [space for space in spaces if isinstance(space, Parts)]
-    if len(parts) < len(spaces) or any(part.space != parts[0].space for part in parts):
+    if len(parts) < len(spaces) or any(part.parts != parts[0].parts for part in parts):
         return None
     return repeated(parts[0], 1, len(spaces))
 

@@ -57,7 +57,7 @@ class Parts(Box):
 
     def __init__(self, space: Dict | Tuple, network: Literal["mlp", "cnn"] = "cnn") -> None:
         self.space, self.network = space, network
-        self.parts = tuple(_numbered(_leaves(space, ())))
+        self.parts = _parts_of(space)
         self.images = tuple(part for part in self.parts if part.image is not None)
         others = [np.arange(part.first, part.last) for part in self.parts if part.image is None]
         self.others = np.concatenate([np.zeros(0, np.int64), *others])
@@ -115,12 +115,9 @@ def channels_first(shape: tuple[int, ...]) -> bool:
 
 
 def has_images(space: Space) -> bool:
-    """Return whether a space is a `Dict` or `Tuple` that `Parts` can hold, with an image among its parts."""
-    if not isinstance(space, Dict | Tuple):
-        return False
-    leaves = [leaf for _, leaf in _walk(space, ())]
-    known = all(isinstance(leaf, Box | Discrete | MultiDiscrete | MultiBinary) for leaf in leaves)
-    return known and any(image_shape(leaf) is not None for leaf in leaves)
+    """Return whether a space is a `Dict` or `Tuple` with an image among its parts."""
+    nested = isinstance(space, Dict | Tuple)
+    return nested and any(image_shape(leaf) is not None for _, leaf in _walk(space, ()))
 
 
 def repeated(space: Parts, times: int, more: int) -> Parts:
@@ -137,25 +134,18 @@ def _walk(space: Space, keys: tuple[Any, ...]) -> list[tuple[tuple[Any, ...], Sp
     return [leaf for key, part in named for leaf in _walk(part, (*keys, key))]
 
 
-def _leaves(space: Space, keys: tuple[Any, ...]) -> list[tuple[tuple[Any, ...], Space]]:
-    """Return what `_walk` does. Raises ValueError for spaces that `Parts` does not support."""
+def _parts_of(space: Space) -> tuple[Part, ...]:
+    """Return the parts of a space in their order. Raises ValueError for spaces that `Parts` does not support."""
     if not isinstance(space, Dict | Tuple):
         raise ValueError(f"Parts needs a Dict or a Tuple, got {space}")
-    leaves = _walk(space, keys)
-    for at, leaf in leaves:
-        if not isinstance(leaf, Box | Discrete | MultiDiscrete | MultiBinary):
-            name = "".join(f"[{key!r}]" for key in at)
-            raise ValueError(f"observations{name} must be a Box, Discrete, MultiDiscrete or MultiBinary, got {leaf}")
-    return leaves
-
-
-def _numbered(leaves: list[tuple[tuple[Any, ...], Space]]) -> list[Part]:
     parts, first = [], 0
-    for keys, space in leaves:
-        last = first + _size(space)
-        parts.append(Part(keys, space, first, last, image_shape(space)))
-        first = last
-    return parts
+    for keys, leaf in _walk(space, ()):
+        part = Part(keys, leaf, first, first, image_shape(leaf))
+        if not isinstance(leaf, Box | Discrete | MultiDiscrete | MultiBinary):
+            raise ValueError(f"{part.name} must be a Box, Discrete, MultiDiscrete or MultiBinary, got {leaf}")
+        first += _size(leaf)
+        parts.append(part._replace(last=first))
+    return tuple(parts)
 
 
 def _size(space: Space) -> int:
