@@ -12,7 +12,7 @@ from probes import Probe
 
 import ued
 from ued import GymUPOMDP, PPOConfig, load_policy
-from ued.adapters.gym import as_array
+from ued.adapters.observations import as_array
 from ued.adapters.policy import spaces_of
 from ued.core import checkpoint
 from ued.core.parts import Parts, has_images, image_shape
