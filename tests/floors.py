@@ -98,6 +98,7 @@ FLOORS = {
         "statistics",
         "core.seeding",
         "core.resumable",  # states by a list of names
+        "core.parts",  # observations of several parts
         "core.room",  # how much memory there is
         "core.files",
         "core.renamed",  # names in older files
