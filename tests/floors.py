@@ -94,10 +94,12 @@ FLOORS = {
     ),
     "ued": (
         "settings",  # how they are declared
+        "student_config",
         "config",  # hyperparameters
         "statistics",
         "core.seeding",
         "core.resumable",  # states by a list of names
+        "core.parts",  # observations of several parts
         "core.room",  # how much memory there is
         "core.files",
         "core.renamed",  # names in older files

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete
+from gymnasium.spaces import Box, Dict, Discrete
 
 from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.dynamics import step_mazes
@@ -27,11 +27,12 @@ from regista.envs.maze.levels import Maze, MazeFamily
 from regista.envs.maze.paths import UNREACHABLE, path_lengths
 from regista.envs.maze.picture import draw_maze, view_entries
 from regista.envs.maze.rollout import play_mazes
-from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, observe_all, vector_size, write_images
+from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, image_shape, observe_all, write_images
 from regista.kernels.calls import compiles
 from ued.core.compiled import CompiledRollout
 from ued.core.level_space import check_theta
 from ued.core.parameters import ThetaMap
+from ued.core.parts import Parts
 from ued.core.upomdp import UPOMDP, check_count
 
 NUM_ACTIONS = 3
@@ -47,8 +48,9 @@ class Mazes(UPOMDP):
         config: size, random mazes, time limit, view.
         render_mode: None or "rgb_array".
 
-    Observations are vectors `[N, F]`, float32 in [0, 1] (see `view`); actions `[N]` are 0 turn left, 1 turn right,
-    2 forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both if the
+    Observations are vectors `[N, F]`, float32 in [0, 1], of an image and the direction (see `view`, `ued.core.parts`).
+    An MLP reads them, or convolutions if `PPOConfig.network` is "cnn". Actions `[N]` are 0 turn left, 1 turn right, 2
+    forward. An episode is terminated at the goal and truncated after `max_steps`. As in MiniGrid, it is both if the
     agent reaches the goal in the last step. `info["success"]` `[N]` is 1 where the agent has reached the goal in this
     step. Episodes on a level differ by the agent's actions alone.
     """
@@ -70,8 +72,9 @@ class Mazes(UPOMDP):
         self.theta_map = ThetaMap(self._family)
         as_image = config.representation == "image"
         self._settings = Settings(width_of(config.side), config.max_steps, bool(config.see_through), as_image)
-        self._size = vector_size(config.see_through, as_image)
-        super().__init__(count, Box(0.0, 1.0, (self._size,), np.float32), Discrete(NUM_ACTIONS), self.theta_map.draws)
+        seen = parts_of(config.see_through, as_image)
+        super().__init__(count, seen, Discrete(NUM_ACTIONS), self.theta_map.draws)
+        self._size = seen.shape[0]
         self.max_episode_steps = config.max_steps
         self._layouts = empty_layouts(count, config.side)
         self._agents = Agents(self._layouts.start.copy(), *(np.zeros(count, np.int64) for _ in range(2)))
@@ -256,6 +259,12 @@ class Mazes(UPOMDP):
         twin.set_state(self.get_state())
         twin._started = self._started
         return twin
+
+
+def parts_of(see_through: bool, as_image: bool) -> Parts:
+    """Return the space of observations: an image of the view, and the direction."""
+    image = Box(0.0, 1.0, image_shape(see_through, as_image), np.float32)
+    return Parts(Dict([("image", image), ("direction", Discrete(DIRECTIONS))]), network="mlp")
 
 
 def _cell(place: tuple[int, int]) -> str:

@@ -10,6 +10,7 @@ Otherwise cells behind walls are unseen, by MiniGrid's `Grid.process_vis`.
 A vector of observations ends with the direction, one-hot. Before it come, in "features", walls and goal, 1 where the
 cell holds one, and if training mazes hide cells, which cells are seen: `[25 walls, 25 goal(, 25 seen)]`. In "image" it
 is MiniGrid's object, color and state of each cell, divided by 10 as in DCD (`VecPreprocessImageWrapper(scale=10)`).
+Both are images of 5 x 5: "features" of 2 or 3 planes, "image" with 3 channels last.
 Read next: `dynamics`.
 """
 
@@ -26,10 +27,9 @@ _OWN = VIEW * MIDDLE + VIEW - 1  # the number of the agent's cell
 _ALL = (1 << CELLS) - 1
 
 
-def vector_size(see_through: bool, as_image: bool) -> int:
-    """Return the size F of a vector of observations."""
-    channels = CHANNELS if as_image else 2 if see_through else 3
-    return channels * CELLS + DIRECTIONS
+def image_shape(see_through: bool, as_image: bool) -> tuple[int, int, int]:
+    """Return the shape of the image that a vector of observations begins with; the direction follows it."""
+    return (VIEW, VIEW, CHANNELS) if as_image else (2 if see_through else 3, VIEW, VIEW)
 
 
 @kernel

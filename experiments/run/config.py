@@ -243,9 +243,9 @@ LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0}
-ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu"}
-ADDED |= {"levels_format": "csv", "accel.new_levels": "random"}
+ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto", "ppo.head_size": 0}
+ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv", "accel.new_levels": "random"}
+ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc")} | {"sfl.score": "learnability"}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}

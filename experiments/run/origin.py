@@ -19,7 +19,10 @@ from regista.experiments.run.folder import LARGEST, RunFolder
 from ued.config import FineTuningConfig
 
 # Settings of `PPOConfig` that determine the network; `RunConfig.seen` determines observations and control
-NETWORK = ("hidden_size", "hidden_layers", "shared_torso", "memory", "obs_std_floor", "team", "critic")
+NETWORK = (
+    *("network", "hidden_size", "hidden_layers", "head_size", "shared_torso", "memory"),
+    *("obs_std_floor", "team", "critic"),
+)
 
 
 @dataclass(frozen=True)

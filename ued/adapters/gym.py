@@ -16,9 +16,10 @@ from typing import Any, Literal, NamedTuple
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Dict
+from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
+from ued.adapters.observations import as_array
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
@@ -257,35 +258,11 @@ class _Slot(_Levelled):
         return observation, reward, False, False, info
 
 
-def as_array(env: gymnasium.Env) -> gymnasium.Env:
-    """Return an environment whose observations are vectors or images: others are flattened.
-
-    Grey images get an axis of one channel. Raises `ValueError` for observations of no fixed size.
-    """
-    space = env.observation_space
-    if isinstance(space, Box) and len(space.shape) in (1, 3):
-        return env
-    if isinstance(space, Box) and len(space.shape) == 2 and space.dtype == np.uint8:
-        return gymnasium.wrappers.ReshapeObservation(env, (*space.shape, 1))
-    parts = {f"observations[{name!r}]": part for name, part in space.items()} if isinstance(space, Dict) else {}
-    for name, part in (parts or {"observations": space}).items():
-        if not has_fixed_size(part):
-            raise ValueError(f"{name} must have a fixed size, got {part}; wrap the environment so that they have")
-    return gymnasium.wrappers.FlattenObservation(env)
-
-
-def has_fixed_size(space: gymnasium.Space) -> bool:
-    """Return whether what is in a space can be written as a vector; spaces of other packages may not say."""
-    try:
-        return space.is_np_flattenable
-    except NotImplementedError:
-        return False
-
-
 class GymUPOMDP(UPOMDP):
     """N copies of any Gymnasium environment, each with its own level.
 
-    Observations that are neither vectors nor images (`Dict`, `Discrete`, `MultiBinary` ...) are flattened into vectors.
+    Observations that are neither vectors nor images (`Dict`, `Discrete`, `MultiBinary` ...) are flattened into vectors,
+    in which convolutions find the images of a `Dict` or `Tuple`.
 
     Args:
         make_env: makes one environment; called `num_envs` times.

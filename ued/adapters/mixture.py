@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, flatdim
+from gymnasium.spaces import Box, Space, flatdim
 
 from ued.core import parameters
 from ued.core.cells import index_in
 from ued.core.level_space import check_theta, level_dtype
 from ued.core.parameters import Choice, Column, Range, quantize
+from ued.core.parts import Parts, repeated
 from ued.core.upomdp import UPOMDP
 
 
@@ -30,7 +31,8 @@ class Mixture(UPOMDP):
 
     θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
     order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
-    padded with zeros to the longest, and a one-hot of the program behind, for each agent. Where `only` is the index of
+    padded with zeros to the longest, and a one-hot of the program behind, for each agent. If they are of equal parts
+    (`core.parts`), those of the mixture know them, and convolutions find their images. Where `only` is the index of
     a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
 
     Raises `ValueError` for members that do not go together.
@@ -48,9 +50,10 @@ class Mixture(UPOMDP):
         draws = [Column("program", Choice(*names))]
         draws += [Column(str(k + 1), Range(-1.0, 1.0)) for k in range(widest)]
         seen = (self.width + len(members),)
-        space = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
+        flat = Box(-np.inf, np.inf, seen if self.num_agents == 1 else (self.num_agents, *seen), np.float32)
+        space = _with_parts([member.single_observation_space for member in members]) or flat
         super().__init__(first.num_envs, space, first.single_action_space, draws)
-        self._observations = np.zeros((self.num_envs, *space.shape), np.float32)
+        self._observations = np.zeros((self.num_envs, *space.shape), space.dtype)
         self.seed_is_luck = all(member.seed_is_luck for member in members)
 
     @property
@@ -200,6 +203,14 @@ class Mixture(UPOMDP):
     def close_extras(self, **kwargs: Any) -> None:
         for member in self.members:
             member.close()
+
+
+def _with_parts(spaces: Sequence[Space]) -> Parts | None:
+    """Return the space of observations with a one-hot of the program behind them; None unless all know equal parts."""
+    parts = [space for space in spaces if isinstance(space, Parts)]
+    if len(parts) < len(spaces) or any(part.parts != parts[0].parts for part in parts):
+        return None
+    return repeated(parts[0], 1, len(spaces))
 
 
 def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:

@@ -10,16 +10,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space, flatten
+from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space, Tuple, flatten
 
 from ued.config import PPOConfig
 from ued.core import checkpoint
 from ued.core.checkpoint import CheckpointError
+from ued.core.parts import Parts
 from ued.core.seeding import torch_generator
 from ued.core.upomdp import UPOMDP
 from ued.learning.student import Player, Student
 
-KINDS = {"Box": Box, "Discrete": Discrete, "MultiDiscrete": MultiDiscrete, "MultiBinary": MultiBinary}
+KINDS: dict[str, Any] = {"Box": Box, "Discrete": Discrete, "MultiDiscrete": MultiDiscrete, "MultiBinary": MultiBinary}
+KINDS |= {"Parts": Parts, "Dict": Dict, "Tuple": Tuple}
 
 
 class LoadedPolicy:
@@ -31,7 +33,7 @@ class LoadedPolicy:
         student: the trained student.
         shape: shape of one observation of the student: `(size,)` or that of an image; for a team `(A, ...)`.
         observation_space: space of one environment; observations that are not arrays are flattened to `(size,)`;
-            None: observations have the student's shape.
+            None: observations have the student's shape. `Parts` flatten batches, too.
         seed: seed for sampling actions.
     """
 
@@ -45,15 +47,22 @@ class LoadedPolicy:
         For a team, return an action for each agent, `[A, ...]`. Actions are sampled from the policy, or the most likely
         ones if `greedy`. Raises `ValueError` for another shape.
         """
-        if self.observation_space is not None and not isinstance(observation, np.ndarray):
-            observation = flatten(self.observation_space, observation)
-        seen = np.asarray(observation)
+        seen = np.asarray(self._flat(observation))
         single = seen.shape == self.shape
         if not single and seen.shape[1:] != self.shape:
             raise ValueError(f"an observation must have shape {self.shape}, or [N, *{self.shape}], got {seen.shape}")
         self.player.greedy = greedy
         actions = self.player(seen[None] if single else seen)
         return actions[0] if single else actions
+
+    def _flat(self, observation: Any) -> Any:
+        """Return an observation, or a batch of them, as arrays."""
+        space = self.observation_space
+        if space is None or isinstance(observation, np.ndarray):
+            return observation
+        if isinstance(space, Parts):
+            return space.flatten_batch(observation) if space.is_batch(observation) else space.flatten(observation)
+        return flatten(space, observation)
 
     def begin(self, where: np.ndarray | None = None) -> None:
         """Reset the memory at the start of an episode; for a batch, in the environments `where`, bool `[N]`."""
@@ -63,8 +72,9 @@ class LoadedPolicy:
 def load_policy(path: str | Path, observation_space: Space | None = None, seed: int = 0) -> LoadedPolicy:
     """Return the first student of a run folder or a checkpoint as a policy for one or many environments.
 
-    Pass the `observation_space` of your environment if it is a `Dict` or similar, since training flattened it. Raises
-    `CheckpointError` for a checkpoint without a student or without saved spaces.
+    Pass the `observation_space` of your environment if it is a `Dict` or similar without images, since training
+    flattened it; a checkpoint knows those with images. Raises `CheckpointError` for a checkpoint without a student or
+    without saved spaces.
     """
     path = Path(path)
     file = path / "checkpoint.pt" if path.is_dir() else path
@@ -84,6 +94,7 @@ def load_policy(path: str | Path, observation_space: Space | None = None, seed: 
         raise CheckpointError(f"{file} is damaged: its student or its spaces are invalid") from error
     student.requires_grad_(False)
     shape = seen.shape or ()
+    observation_space = seen if isinstance(seen, Parts) else observation_space
     return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)
 
 
@@ -95,6 +106,12 @@ def spaces_of(upomdp: UPOMDP) -> dict[str, Any]:
 
 def space_data(space: Space) -> dict[str, Any]:
     """Return a space as plain data. Raises `ValueError` for a space that students do not support."""
+    if isinstance(space, Parts):
+        return {"kind": "Parts", "space": space_data(space.space), "network": space.network}
+    if isinstance(space, Dict):
+        return {"kind": "Dict", "spaces": [[key, space_data(part)] for key, part in space.items()]}
+    if isinstance(space, Tuple):
+        return {"kind": "Tuple", "spaces": [space_data(part) for part in space]}
     if isinstance(space, Box):
         return {"kind": "Box", "low": space.low, "high": space.high, "dtype": str(space.dtype)}
     if isinstance(space, Discrete):
@@ -110,6 +127,12 @@ def space_from(data: dict[str, Any]) -> Space:
     """Return the space from data of `space_data`."""
     about = dict(data)
     kind = KINDS[about.pop("kind")]
+    if kind is Parts:
+        return Parts(space_from(about["space"]), about["network"])  # type: ignore[arg-type]
+    if kind is Dict:
+        return Dict([(key, space_from(part)) for key, part in about["spaces"]])
+    if kind is Tuple:
+        return Tuple([space_from(part) for part in about["spaces"]])
     if kind is Box:
         about["dtype"] = np.dtype(about["dtype"]).type
     return kind(**about)

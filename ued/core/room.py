@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ued.core.parts import Parts
+
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
 
@@ -73,11 +75,13 @@ def check_learners(config: PPOConfig, space: Space, num_envs: int, agents: int, 
 def weights(config: PPOConfig, space: Space, agents: int) -> int:
     """Return a lower bound on the weights in a student's hidden layers."""
     shape, hidden = space.shape or (), config.hidden_size
-    image = len(shape) == 3
-    inputs = FEATURES if image else math.prod(shape)
-    torso = inputs * hidden + (0 if image else (config.hidden_layers - 1) * hidden * hidden)
+    image = len(shape) == 3 and config.network != "mlp"
+    inputs, layers = (FEATURES, 1) if image else (math.prod(shape), config.hidden_layers)
+    if isinstance(space, Parts) and config.network != "mlp":
+        inputs = len(space.others)  # convolutions may make fewer features of images than they have entries
+    torso = inputs * hidden + (layers - 1) * hidden * hidden if layers else 0
     if config.memory == "gru":
-        torso += 6 * hidden * hidden
+        torso += 3 * hidden * ((hidden if layers else inputs) + hidden)
     return torso * (1 if config.shared_torso else 2) * (1 if config.team == "shared" else agents)
 
 

@@ -50,7 +50,7 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
 def has_tanh_layers(student: Student) -> bool:
     """Return whether `by_hand` supports the student's networks."""
     layers = (*student.actor_torso, *student.critic_torso)
-    known = all(type(layer) in (nn.Linear, nn.Tanh) for layer in layers)
+    known = all(type(layer) in (nn.Linear, nn.Tanh) for layer in layers) and not len(student.actor_hidden)
     return known and student.agents == 1 and not student.memory_width and student.actor.single
 
 

@@ -55,8 +55,8 @@ class CompiledWorker(RolloutWorker):
     def is_compiled(self) -> bool:
         """Whether the simulator plays the rollouts.
 
-        It must support that, and no subclass step otherwise; the observations be vectors of float32, the actions
-        discrete, the levels from a queue, and the student on the host.
+        It must support that, and no subclass step otherwise; the observations be vectors of float32 without images in
+        them, the actions discrete, the levels from a queue, and the student on the host.
         """
         return (
             worker.COMPILED
@@ -65,6 +65,7 @@ class CompiledWorker(RolloutWorker):
             and self.student is not None
             and self.student.device.type == "cpu"
             and isinstance(self.student.normaliser, Normaliser)
+            and not (self.student.shared and len(self.student.actor_hidden))  # heads that are no single layer
             and isinstance(self.student.action_space, Discrete)
             and self.rollout.observation.dtype == torch.float32
             and isinstance(self.on_episode_end, LevelsAhead)

@@ -52,19 +52,20 @@ class GRU(nn.Module):
     """A gated recurrent unit (Cho et al. 2014, in cuDNN's form) for each agent, reset where episodes start.
 
     Backpropagation through time goes through a whole rollout, from the state at its first step, or through pieces of it
-    from the states at their first steps; see `Batch.add_memories`.
+    from the states at their first steps; see `Batch.add_memories`. It has `size` units, and as many inputs unless these
+    are given.
     """
 
-    def __init__(self, size: int, generator: torch.Generator, team: Team) -> None:
+    def __init__(self, size: int, generator: torch.Generator, team: Team, inputs: int | None = None) -> None:
         super().__init__()
-        self.width = team.agents * size
+        self.size, self.width = size, team.agents * size
         self.policies = team.policies
-        self.read = linear(size, 3 * size, 1.0, generator, team.policies)
+        self.read = linear(size if inputs is None else inputs, 3 * size, 1.0, generator, team.policies)
         self.recall = linear(size, 3 * size, 1.0, generator, team.policies)
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return features `[mask, (A,) size]` for `[L * B, (A,) size]`, and the state after them, `[B, W]`."""
-        state = memory.view(len(memory), *features.shape[1:])  # [B, (A,) size]
+        """Return features `[mask, (A,) size]` for `[L * B, (A,) inputs]`, and the state after them, `[B, W]`."""
+        state = memory.view(len(memory), *features.shape[1:-1], self.size)  # [B, (A,) size]
         begins = past.episode_starts
         if len(features) == len(state):
             states = self._step(features, state if begins is None else _masked(state, begins[0], 0))
@@ -95,7 +96,7 @@ class GRU(nn.Module):
         start = _masked(state.index_select(-2, env), (packed.first >= envs) | begins[0, env], -2)
         weights = (part for layer in (self.read, self.recall) for part in self._by_policy(layer))
         states = Recurrence.apply(by_row, start, *weights, packed)
-        return states.transpose(0, 1) if self.policies > 1 else states.view_as(features)
+        return states.transpose(0, 1) if self.policies > 1 else states.unflatten(0, features.shape[:-1])
 
     def _by_policy(self, layer: nn.Linear) -> tuple[Tensor, Tensor]:
         """Return the weights `[3 size, size]` and `[1, 3 size]`; of several policies `[P, ...]`."""
@@ -125,6 +126,6 @@ def _masked(state: Tensor, begins: Tensor, axis: int) -> Tensor:
 Memory = NoMemory | GRU
 
 
-def make_memory(kind: Literal["none", "gru"], size: int, generator: torch.Generator, team: Team) -> Memory:
-    """Return a memory for a torso with `size` features."""
-    return GRU(size, generator, team) if kind == "gru" else NoMemory()
+def make_memory(kind: Literal["none", "gru"], size: int, generator: torch.Generator, team: Team, inputs: int) -> Memory:
+    """Return a memory of `size` units for a torso with `inputs` features."""
+    return GRU(size, generator, team, inputs) if kind == "gru" else NoMemory()

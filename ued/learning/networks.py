@@ -7,6 +7,7 @@ All weights are initialized from an explicit generator. Read next: `learning.stu
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -14,6 +15,9 @@ import numpy as np
 import torch
 from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
 from torch import Tensor, nn
+
+from ued.config import PPOConfig
+from ued.core.parts import LEAST, Network, Part, Parts, channels_first, image_shape
 
 LOG_2_PI = math.log(2 * math.pi)
 IMPOSSIBLE = -1e9  # logit of invalid choices: finite, since 0 times infinity is nan
@@ -173,8 +177,8 @@ def mlp(
 
 CONVOLUTIONS = ((32, 8, 4), (64, 4, 2), (32, 3, 1))  # output channels, kernel, stride (thesis, Fig. 4.10)
 SMALL_CONVOLUTIONS = ((16, 3, 1), (32, 3, 1))  # for images smaller than LARGE
+PART_CONVOLUTIONS = SMALL_CONVOLUTIONS[:1]  # for those that are a part of an observation (PAIRED, DCD)
 LARGE = 36  # minimum height and width for CONVOLUTIONS
-LEAST = 5  # minimum for SMALL_CONVOLUTIONS; smaller images are flattened
 
 
 class ChannelsFirst(nn.Module):
@@ -194,19 +198,28 @@ class ChannelsFirst(nn.Module):
         return image.flatten(0, 1) if self.team.policies == 1 else image.flatten(1, 2)
 
 
-def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> nn.Sequential:
-    """Return the convolutional torso of the thesis (Fig. 4.10): images in [0, 1] -> `[B, hidden_size]`.
+class Torso(nn.Sequential):
+    """The layers before the memory, `[B, ...]` or `[B, A, ...]` -> `[B, size]` or `[B, A, size]`."""
 
-    Planes of 72 × 96 are reduced to 32 planes of 5 × 8; small images use small convolutions. Raises `ValueError` for a
-    team with channels-first images.
+    def __init__(self, layers: Sequence[nn.Module], size: int) -> None:
+        super().__init__(*layers)
+        self.size = size
+
+
+def convolutions(
+    shape: tuple[int, ...], small: Sequence[tuple[int, int, int]], generator: torch.Generator, team: Team
+) -> Torso:
+    """Return convolutions for images of a shape with three axes; `small` are those of images smaller than `LARGE`.
+
+    Raises `ValueError` for a team with channels-first images.
     """
     agents, policies = team
-    first = channels_first(space)
-    channels, height, width = space.shape if first else (space.shape[2], *space.shape[:2])
+    first = channels_first(shape)
+    channels, height, width = shape if first else (shape[2], *shape[:2])
     if first and agents > 1:
-        raise ValueError(f"images of several agents must be [height, width, channels], got {list(space.shape)}")
+        raise ValueError(f"images of several agents must be [height, width, channels], got {list(shape)}")
     layers: list[nn.Module] = [] if first else [ChannelsFirst(team)]
-    for outputs, kernel, stride in CONVOLUTIONS if min(height, width) >= LARGE else SMALL_CONVOLUTIONS:
+    for outputs, kernel, stride in CONVOLUTIONS if min(height, width) >= LARGE else small:
         sizes = policies * channels, policies * outputs, kernel, stride
         layer = nn.utils.skip_init(nn.Conv2d, *sizes, groups=policies)
         initialise(layer, math.sqrt(2), generator, policies)
@@ -216,43 +229,95 @@ def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = O
     layers.append(nn.Flatten())
     if agents > 1:  # separate their rows or channels again
         layers.append(nn.Unflatten(0, (-1, agents)) if policies == 1 else nn.Unflatten(1, (agents, features)))
-    return nn.Sequential(*layers, linear(features, hidden_size, math.sqrt(2), generator, policies), nn.ReLU())
+    return Torso(layers, features)
+
+
+def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = ONE_AGENT) -> Torso:
+    """Return the convolutional torso of the thesis (Fig. 4.10): images in [0, 1] -> `[B, hidden_size]`.
+
+    Planes of 72 × 96 are reduced to 32 planes of 5 × 8; small images use small convolutions. Raises `ValueError` for a
+    team with channels-first images.
+    """
+    read = convolutions(space.shape, SMALL_CONVOLUTIONS, generator, team)
+    return Torso(
+        [*read, linear(read.size, hidden_size, math.sqrt(2), generator, team.policies), nn.ReLU()], hidden_size
+    )
+
+
+class PartReader(nn.Module):
+    """Convolutions for the images in vectors of several parts: `[B, F]` or `[B, A, F]` -> `[B, size]`, `[B, A, size]`.
+
+    Small images have 16 filters of 3 × 3, as the students of PAIRED (Dennis et al. 2020, appendix D) and of DCD; large
+    ones have `CONVOLUTIONS`. Their outputs come first, in the order of the images; all other entries follow as they
+    are. DCD puts a linear layer of 5 units on the direction: before another linear layer, that adds nothing.
+    """
+
+    others: Tensor
+
+    def __init__(self, space: Parts, generator: torch.Generator, team: Team) -> None:
+        super().__init__()
+        self.images = space.images
+        shapes = [part.image for part in self.images if part.image is not None]
+        read = [convolutions(shape, PART_CONVOLUTIONS, generator, team) for shape in shapes]
+        self.read = nn.ModuleList(read)
+        self.register_buffer("others", torch.as_tensor(space.others), persistent=False)
+        self.size = sum(one.size for one in read) + len(space.others)
+
+    def forward(self, observation: Tensor) -> Tensor:
+        read = [layers(image_of(observation, part)) for layers, part in zip(self.read, self.images, strict=True)]
+        return torch.cat([*read, observation[..., self.others]], -1)
+
+
+def image_of(observation: Tensor, part: Part) -> Tensor:
+    """Return the image that is a part of vectors `[..., F]`: `[..., height, width, channels]`, or channels first."""
+    assert part.image is not None
+    return observation[..., part.first : part.last].unflatten(-1, part.image)
 
 
 def is_image(space: Space) -> bool:
-    """Return whether observations are images: three axes, at least `LEAST` high and wide."""
-    if not isinstance(space, Box) or len(space.shape) != 3:
-        return False
-    return min(space.shape[1:] if channels_first(space) else space.shape[:2]) >= LEAST
+    """Return whether observations are images: three axes, high and wide enough; see `core.parts.image_shape`."""
+    return len(space.shape or ()) == 3 and image_shape(space) is not None
 
 
-def channels_first(space: Box) -> bool:
-    """Return whether images are `[channels, height, width]`: the first axis is the shortest, and not the last."""
-    return space.shape[0] < min(space.shape[1:])
+def seen_as(space: Space, network: Network) -> Space:
+    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions.
 
-
-def torso(
-    space: Space, hidden_size: int, hidden_layers: int, generator: torch.Generator, team: Team = ONE_AGENT
-) -> nn.Sequential:
-    """Return the torso for an agent's observations: an MLP for a flat feature vector, convolutions for an image.
-
-    Raises `ValueError` for other observations.
+    Raises `ValueError` for `network` "cnn" if there is no image.
     """
-    if is_image(space):
+    images = space.images if isinstance(space, Parts) else is_image(space)
+    if network == "cnn" and not images:
+        raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, observations are {space}")
+    if isinstance(space, Parts) and not (images and "cnn" in (network, space.network) and network != "mlp"):
+        return Box(space.low, space.high, dtype=space.dtype.type)
+    return space
+
+
+def torso(space: Space, config: PPOConfig, generator: torch.Generator, team: Team = ONE_AGENT) -> Torso:
+    """Return the torso for an agent's observations: an MLP for a flat feature vector, convolutions for images.
+
+    `space` is that of `seen_as`. Raises `ValueError` for other observations.
+    """
+    sizes = config.hidden_size, config.hidden_layers, generator
+    if isinstance(space, Parts):
+        reader = PartReader(space, generator, team)
+        hidden = mlp(reader.size, *sizes, team.policies)
+        return Torso([reader, *hidden], config.hidden_size if len(hidden) else reader.size)
+    if is_image(space) and config.network != "mlp":
         assert isinstance(space, Box)
-        return cnn(space, hidden_size, generator, team)
+        return cnn(space, config.hidden_size, generator, team)
     if not isinstance(space, Box):
         raise ValueError(
             f"observations must be a Box, got {space}; wrap the environment with gymnasium.wrappers.FlattenObservation"
         )
-    if len(space.shape) == 3 and team.agents == 1:  # images too small for convolutions
-        return nn.Sequential(nn.Flatten(), *mlp(math.prod(space.shape), hidden_size, hidden_layers, generator))
-    if len(space.shape) != 1:
+    if len(space.shape) not in (1, 3):
         raise ValueError(
             f"observations must be flat vectors, got shape {space.shape}; "
             "wrap the environment with gymnasium.wrappers.FlattenObservation"
         )
-    return mlp(space.shape[0], hidden_size, hidden_layers, generator, team.policies)
+    size = math.prod(space.shape)
+    flat = [nn.Flatten(-3)] if len(space.shape) == 3 else []  # an image without convolutions
+    hidden = mlp(size, *sizes, team.policies)
+    return Torso([*flat, *hidden], config.hidden_size if len(hidden) else size)
 
 
 def choices_of(space: Space) -> np.ndarray:

@@ -25,20 +25,23 @@ class Layer(NamedTuple):
     gru: bool = False
 
 
-def layers_of(torso: nn.Sequential, memory: Memory, heads: Sequence[nn.Linear]) -> list[Layer]:
-    """Return the layers of an MLP torso, a memory, and heads that are evaluated as one layer."""
-    layers = [Layer((module,), tanh=True) for module in torso if isinstance(module, nn.Linear)]
+def layers_of(torso: nn.Sequential, memory: Memory, hidden: nn.Sequential, heads: Sequence[nn.Linear]) -> list[Layer]:
+    """Return the layers of an MLP torso, a memory, a hidden layer, and heads that are evaluated as one layer."""
+    layers, last = (
+        [Layer((one,), tanh=True) for one in part if isinstance(one, nn.Linear)] for part in (torso, hidden)
+    )
     layers += [Layer((memory.read,), gru=True), Layer((memory.recall,))] if isinstance(memory, GRU) else []
-    return [*layers, Layer(tuple(heads))]
+    return [*layers, *last, Layer(tuple(heads))]
 
 
 def student_layers(student: Student) -> tuple[list[Layer], list[Layer]]:
     """Return the layers of actor and critic; with a shared torso the critic has none, see `Network`."""
     heads = (student.actor.layer, student.critic) if student.shared else (student.actor.layer,)
-    actor = layers_of(student.actor_torso, student.actor_memory, heads)
+    actor = layers_of(student.actor_torso, student.actor_memory, student.actor_hidden, heads)
     if student.shared:
         return actor, []
-    return actor, layers_of(student.critic_torso, student.critic_memory, (student.critic,))
+    critic = layers_of(student.critic_torso, student.critic_memory, student.critic_hidden, (student.critic,))
+    return actor, critic
 
 
 def empty_policy(student: Student, size: int) -> Policy:

@@ -1,5 +1,7 @@
 """Scaling of images: by the bounds of their space, or by the observed maximum if it is far below the bounds.
 
+In observations of several parts, each image has its own scale, and the other entries are normalized.
+
 Read next: `learning.student`, which uses the scaled images.
 """
 
@@ -12,6 +14,9 @@ from typing import Any
 import torch
 from gymnasium.spaces import Box
 from torch import Tensor, nn
+
+from ued.core.parts import Parts
+from ued.learning.networks import image_of
 
 DARK = 0.1  # share of the bound; images that stay below are scaled by the observed maximum
 LEVELS = 255  # a scale is at least 1 / LEVELS of the bound, to avoid amplifying noise around 0
@@ -71,3 +76,37 @@ class Pixels(nn.Module):
         state_dict.setdefault(f"{prefix}scale", torch.full_like(self.scale, self.reach))
         super()._load_from_state_dict(state_dict, prefix, *others)
         self.divisor = float(self.scale)
+
+
+class PartScales(nn.Module):
+    """Scale each image in vectors of several parts by a `Pixels` of its own, and normalize all other entries.
+
+    Args:
+        space: of the vectors.
+        others: normalizer of the entries that belong to no image, `[B, k]` or `[B, A, k]`.
+    """
+
+    where: Tensor
+
+    def __init__(self, space: Parts, others: Any) -> None:
+        super().__init__()
+        self.parts, self.others = space.images, others
+        self.images = nn.ModuleList(Pixels(part.space) for part in self.parts if isinstance(part.space, Box))
+        self.register_buffer("where", torch.as_tensor(space.others), persistent=False)
+
+    def forward(self, observation: Tensor) -> Tensor:
+        """Return vectors `[B, F]` or `[B, A, F]`: images in [0, 1], other entries in standard deviations."""
+        scaled = observation.to(torch.float32, copy=True)
+        for pixels, part in zip(self.images, self.parts, strict=True):
+            scaled[..., part.first : part.last] = pixels(image_of(observation, part)).flatten(-3)
+        if len(self.where):
+            scaled[..., self.where] = self.others(observation[..., self.where].float())
+        return scaled
+
+    def track(self, observation: Tensor) -> None:
+        """Update the scales and the statistics with a batch of observations `[B, F]` or `[B, A, F]`."""
+        for pixels, part in zip(self.images, self.parts, strict=True):
+            assert isinstance(pixels, Pixels)
+            pixels.track(image_of(observation, part))
+        if len(self.where):
+            self.others.track(observation[..., self.where])

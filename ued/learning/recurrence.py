@@ -70,18 +70,19 @@ class Recurrence(torch.autograd.Function):
         r = σ(r + r'),  z = σ(z + z'),  n = tanh(n + r n')
         h ← (1 - z) n + z h
 
-    `apply(features, start, V, c, W, b, segments)` takes features `[R, H]`, initial states `[S, H]` of the segments, and
-    weights `[3 H, H]` and `[1, 3 H]`. It returns states `[R, H]`, in the order of the batch as features are. For
-    several policies all of them have a leading policy axis.
+    `apply(features, start, V, c, W, b, segments)` takes features `[R, F]`, initial states `[S, H]` of the segments, and
+    weights `[3 H, F]`, `[1, 3 H]`, `[3 H, H]` and `[1, 3 H]`. It returns states `[R, H]`, in the order of the batch as
+    features are. For several policies all of them have a leading policy axis.
     """
 
     @staticmethod
     def forward(ctx: Any, features: Tensor, start: Tensor, *weights_and_segments: Any) -> Tensor:
         read_weight, read_bias, weight, bias, packed = weights_and_segments
-        size, counts = features.shape[-1], packed.counts
+        size, counts = start.shape[-1], packed.counts
         features = features.index_select(-2, packed.rows)
         read = _product(features)(read_bias, features, read_weight.mT)  # [R, 3 H]
-        candidates, states = read[..., 2 * size :].contiguous(), torch.empty_like(features)
+        candidates = read[..., 2 * size :].contiguous()
+        states = torch.empty_like(candidates)
         # below, W h is added: the gates become r + r' and z + z', the last third n'
         gates, recalled = read.split((2 * size, size), -1)
         gates.add_(bias[..., : 2 * size])
@@ -103,7 +104,7 @@ class Recurrence(torch.autograd.Function):
     @torch.autograd.function.once_differentiable
     def backward(ctx: Any, by_states: Tensor) -> tuple[Tensor | None, ...]:
         features, start, read_weight, weight, read, candidates, states = ctx.saved_tensors
-        size, counts = features.shape[-1], ctx.packed.counts
+        size, counts = start.shape[-1], ctx.packed.counts
         reset, keep, recalled = read.split(size, -1)
         blocks = states.split(counts, -2)
         before = [start, *(block.narrow(-2, 0, count) for block, count in zip(blocks, counts[1:], strict=False))]

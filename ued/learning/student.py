@@ -9,7 +9,7 @@ It has no memory within an episode, or a GRU. Its caller stores the state of the
 
 Observations are normalized by running statistics, which are part of the student and its checkpoint. So a student learns
 from any Gymnasium environment, whatever the units of its observations.
-Images are scaled to [0, 1]; see `learning.pixels`.
+Images, which may be parts of an observation (see `core.parts`), are scaled to [0, 1]; see `learning.pixels`.
 Read next: `learning.rollout`.
 """
 
@@ -26,9 +26,10 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
+from ued.core.parts import Parts, repeated
 from ued.learning.memory import Past, make_memory
-from ued.learning.networks import Policy, PolicyHead, Team, linear, torso
-from ued.learning.pixels import Pixels
+from ued.learning.networks import Policy, PolicyHead, Team, linear, mlp, seen_as, torso
+from ued.learning.pixels import PartScales, Pixels
 
 CLIP = 10.0  # standard deviations
 
@@ -82,11 +83,26 @@ class Normaliser(nn.Module):
         self.count.copy_(total)
 
 
+def normaliser_of(
+    space: Box, std_floor: float, unit: np.ndarray | None, policies: int
+) -> Normaliser | Pixels | PartScales:
+    """Return the normalizer of vectors, of images, or of vectors with images in them.
+
+    `unit` is that of each entry `[size]`, None if unknown; `std_floor` is the smallest divisor of an entry in units.
+    """
+    if len(space.shape) == 3:
+        return Pixels(space)
+    floor = std_floor * torch.as_tensor(np.zeros(space.shape) if unit is None else unit)
+    if isinstance(space, Parts):
+        return PartScales(space, Normaliser(floor[space.others], policies))
+    return Normaliser(floor, policies)
+
+
 class Student(nn.Module):
     """An actor and a critic on top of one or two torsos.
 
     Args:
-        observation_space, action_space: of one environment; flat Box or image, and see `networks.PolicyHead`.
+        observation_space, action_space: of one environment; flat Box, image or `Parts`, and see `networks.PolicyHead`.
         config: size of the torsos, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: random stream of the initial weights.
         unit: of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
@@ -110,26 +126,26 @@ class Student(nn.Module):
         self.agents, self.policies = agents, 1 if config.team == "shared" else agents
         self.numbered, self.central = agents > self.policies, agents > 1 and config.critic == "central"
         self.shared = config.shared_torso and not self.central
-        sizes, team = (config.hidden_size, config.hidden_layers), Team(agents, self.policies)
-        players = team
+        team = players = Team(agents, self.policies)
+        observation_space = seen_as(observation_space, config.network)
         seen = widened(observation_space, 1, agents) if self.numbered else observation_space
-        self.actor_torso = torso(seen, *sizes, generator, team)
+        self.actor_torso = torso(seen, config, generator, team)
         if self.central:
             seen, team = widened(observation_space, agents, 0), Team()
-        self.critic_torso = self.actor_torso if self.shared else torso(seen, *sizes, generator, team)
-        assert observation_space.shape is not None  # `torso` has refused the others
-        if len(observation_space.shape) == 3:
-            assert isinstance(observation_space, Box)
-            self.normaliser: Normaliser | Pixels = Pixels(observation_space)
-        else:
-            units = np.zeros(observation_space.shape) if unit is None else unit
-            self.normaliser = Normaliser(config.obs_std_floor * torch.as_tensor(units), self.policies)
-        self.actor = PolicyHead(action_space, config.hidden_size, generator, self.policies)
-        self.critic = linear(config.hidden_size, 1, 1.0, generator, team.policies)
+        self.critic_torso = self.actor_torso if self.shared else torso(seen, config, generator, team)
+        assert isinstance(observation_space, Box)  # `torso` has refused the others
+        self.normaliser = normaliser_of(observation_space, config.obs_std_floor, unit, self.policies)
+        remembers, size = (config.memory, config.hidden_size, generator), config.hidden_size
+        inputs = [one.size if config.memory == "none" else size for one in (self.actor_torso, self.critic_torso)]
+        heads = config.head_size, int(config.head_size > 0), generator
+        self.actor_hidden = mlp(inputs[0], *heads, self.policies)
+        self.critic_hidden = mlp(inputs[1], *heads, team.policies)
+        self.actor = PolicyHead(action_space, config.head_size or inputs[0], generator, self.policies)
+        self.critic = linear(config.head_size or inputs[1], 1, 1.0, generator, team.policies)
         self.action_space = action_space
-        remembers = config.memory, config.hidden_size, generator
-        self.actor_memory = make_memory(*remembers, players)
-        self.critic_memory = self.actor_memory if self.shared else make_memory(*remembers, team)
+        self.actor_memory = make_memory(*remembers, players, self.actor_torso.size)
+        own = self.critic_torso.size
+        self.critic_memory = self.actor_memory if self.shared else make_memory(*remembers, team, own)
         self.memory_width = self.actor_memory.width + (0 if self.shared else self.critic_memory.width)
 
     def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False) -> Any:
@@ -168,10 +184,11 @@ class Student(nn.Module):
         """Return the policy, the value, and the new memory, for normalized observations."""
         past = past or Past(self.empty_memory(len(seen)).to(self.device))
         features, memory = self._actor_features(seen, past)
+        policy = self.actor(self.actor_hidden(features))
         if self.shared:
-            return self.actor(features), self.critic(features).squeeze(-1), memory
+            return policy, self.critic(self.critic_hidden(features)).squeeze(-1), memory
         value, critic_memory = self._value(seen, past)
-        return self.actor(features), value, torch.cat([memory, critic_memory], -1)
+        return policy, value, torch.cat([memory, critic_memory], -1)
 
     def _actor_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         memory = past.memory[:, : self.actor_memory.width]
@@ -185,7 +202,7 @@ class Student(nn.Module):
 
     def _value(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         features, memory = self._critic_features(seen, past)
-        value = self.critic(features)  # [B, 1], of a team [B, A, 1] unless the critic is central
+        value = self.critic(self.critic_hidden(features))  # [B, 1], of a team [B, A, 1] unless the critic is central
         return value.expand(-1, self.agents) if self.central else value.squeeze(-1), memory
 
     @torch.no_grad()
@@ -209,8 +226,9 @@ class Student(nn.Module):
     @cached_property  # constant, and slow to compute
     def parameters_apart(self) -> tuple[list[nn.Parameter], list[nn.Parameter]]:
         """Return the parameters that are stacked by policy along the first axis, and the others."""
-        parts: list[nn.Module] = [self.actor_torso, self.actor_memory, self.actor]
-        parts += [] if self.central else [self.critic_torso, self.critic_memory, self.critic]
+        parts: list[nn.Module] = [self.actor_torso, self.actor_memory, self.actor_hidden, self.actor]
+        critic = [self.critic_torso, self.critic_memory, self.critic_hidden, self.critic]
+        parts += [] if self.central else critic
         own = {weight for part in parts for weight in part.parameters()} if self.policies > 1 else set()
         return [p for p in self.parameters() if p in own], [p for p in self.parameters() if p not in own]
 
@@ -275,7 +293,7 @@ class Student(nn.Module):
         memory = self.empty_memory(len(observation)) if memory is None else memory
         seen = self.normaliser(self._sent(torch.as_tensor(observation, dtype=torch.float32)))
         features, memory[:, : self.actor_memory.width] = self._actor_features(seen, Past(self._sent(memory)))
-        policy = self._fetched(self.actor(features))
+        policy = self._fetched(self.actor(self.actor_hidden(features)))
         return self.to_environment(policy.mode() if greedy else policy.sample(generator))
 
     def to_environment(self, action: Tensor) -> np.ndarray:
@@ -300,6 +318,8 @@ class Student(nn.Module):
 
 def widened(space: Space, times: int, more: int) -> Space:
     """Return a space of observations whose last axis is `times` as long plus `more`."""
+    if isinstance(space, Parts):
+        return repeated(space, times, more)
     if not isinstance(space, Box) or not space.shape:
         return space  # `torso` says why not
     shape = (*space.shape[:-1], times * space.shape[-1] + more)

@@ -118,7 +118,7 @@ def _lacking(family: LevelFamily, kind: str, lacks: str) -> str:
         right = {"builder": "direct", "parameters": "steps"}[lacks]
         return f"builder = {kind} needs a `{lacks}` of {name}, which has none; use builder = {right}"
     return (
-        f"levels of {name} can be sampled and mutated, but not chosen by theta; use dr, plr, robust_plr, accel, cenie, "
-        f"sfl or ncc, or give {name} `parameters`, the columns of its codes, or a `builder`, the steps in which its levels "
-        "are built (see ued.LevelFamily)"
+        f"levels of {name} can be sampled and mutated, but not chosen by theta; use dr, plr, robust_plr, accel, "
+        f"cenie, sfl or ncc, or give {name} `parameters`, the columns of its codes, or a `builder`, the steps in which "
+        "its levels are built (see ued.LevelFamily)"
     )
