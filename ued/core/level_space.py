@@ -161,11 +161,11 @@ class LevelSpace:
 
         Raises ValueError if there is no family of levels that has them; see `families`.
         """
-        simplest = getattr(self.level_family, "simplest", None)
-        if simplest is None:
-            kind = "θ" if self.level_family is None else type(self.level_family).__name__
+        family, simplest = self.level_family, getattr(self.level_family, "simplest", None)
+        if family is None or simplest is None:
+            kind = "θ" if family is None else type(family).__name__
             raise ValueError(f"levels of {kind} know no simplest ones: that takes a level family with `simplest(rng)`")
-        codes = [self.level_family.encode(simplest(self._stream)) for _ in range(count)]
+        codes = [family.encode(simplest(self._stream)) for _ in range(count)]
         return self.make_levels(np.reshape(codes, (count, self.theta_dim)))
 
     def sample_theta(self, count: int) -> np.ndarray:
