@@ -19,7 +19,7 @@ from regista.envs.maze.shortest_path import ShortestPath
 from ued.core.baselines import UniformPolicy
 from ued.core.task import Task
 
-# 32 environments x 256 steps, discount 0.995, lambda 0.95, 5 epochs of 1 minibatch, clipping 0.2 and Adam's epsilon 1e-5
+# 32 environments x 256 steps, discount 0.995, lambda 0.95, 5 epochs of 1 minibatch, clipping 0.2, Adam's epsilon 1e-5
 # are DCD's, as are the buffers of PLR and ACCEL ("25 blocks"). Its entropy bonus is 0.01 for DR and PLR, 0 for PAIRED
 # and ACCEL. Two settings differ, for budgets below its 250M steps: a GRU of 64 units instead of a convolution and an
 # LSTM of 256, and a learning rate of 1e-3 instead of 1e-4. After 410k steps of DR the return of random mazes was 0.80
