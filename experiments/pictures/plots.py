@@ -73,14 +73,18 @@ def style() -> AbstractContextManager:
     return matplotlib.rc_context(STYLE)
 
 
+_variant_colours: dict[str, str] = {}  # of the comparison that is drawn
+
+
 def distinguish(variants: Sequence[str]) -> None:
     """Give the variants of a comparison colors of their own; those of more than seven repeat."""
-    METHOD_COLOURS.update(zip(variants, itertools.cycle(VARIANT_COLOURS), strict=False))
+    _variant_colours.clear()
+    _variant_colours.update(zip(variants, itertools.cycle(VARIANT_COLOURS), strict=False))
 
 
 def colour(method: str) -> str:
-    """Return the color of a method."""
-    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+    """Return the color of a method or a variant."""
+    return METHOD_COLOURS.get(method) or _variant_colours.get(method, OTHER_COLOUR)
 
 
 def title(method: str) -> str:

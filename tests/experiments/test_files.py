@@ -53,6 +53,7 @@ def trained(tmp_path_factory):
         "paired": [],
         "plr": ["--plr.buffer.capacity", "20"],
         "accel": ["--accel.buffer.capacity", "20"],
+        "cenie": ["--cenie.buffer.capacity", "20"],
         "ncc": ["--ncc.capacity", "20", "--ncc.score", "mna", "--ncc.episodes-per-level", "2"],
         "sfl": ["--sfl.chosen", "4", "--sfl.candidates", "12", "--sfl.choose-every", "3"],
     }

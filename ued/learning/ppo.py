@@ -48,10 +48,8 @@ class PPO(Resumable):
     ) -> dict[str, float]:
         """Update on the steps whose `train` mask is set; return the means of the losses over all minibatches.
 
-        The mask does not change the size of minibatches; if it is empty, nothing changes and `gradient_steps` is 0.
-        `trained_steps` are those of the mask.
-        `env_steps` so far anneal the learning rate; `advantages` default to `gae`; `regularizer` is another policy to
-        stay close to. Raises `FloatingPointError` for a gradient that is not finite.
+        The mask does not change the size of minibatches. `env_steps` so far anneal the learning rate; `advantages`
+        default to `gae`; `regularizer` is another policy to stay close to. Raises FloatingPointError for bad gradients.
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
