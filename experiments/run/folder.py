@@ -1,7 +1,7 @@
 """The run folder: the files of a training run, and how it resumes after a kill.
 
     config.json       the TrainConfig, enough to repeat the run; `about`: id, command, commit, versions, machine,
-                      and the version of the simulator
+                      the version of the simulator, and the name of a variant
     program.scenic    the text of the program when the run began; task.py for a Python task
     metrics.csv       one row per update; eval_env_steps are the steps of evaluations, not part of env_steps
     levels.csv        one row per played level: source, θ in [-1, 1], returns, score; or the folder levels.parquet

@@ -224,7 +224,7 @@ def test_accel_begins_with_empty_mazes_if_told_to():
             if row["origin"] in walls:
                 walls[row["origin"]].append(mazes.level_family.decode(row["level"]["theta"]).walls.sum())
     assert not any(walls[Origin.RANDOM]) and len(walls[Origin.RANDOM]) > 8 and max(walls[Origin.EDITED]) > 1
-    with pytest.raises(ValueError, match="know no simplest ones"):
+    with pytest.raises(ValueError, match="these are vectors θ"):
         METHODS["accel"].load()(Frontier(4), PPOConfig(), settings, seed=0)
 
 

@@ -116,8 +116,11 @@ def test_what_is_typed_is_respected():
     total = 60 * LONG
     for name, settings in (("accel", ACCELConfig(min_fill=0.5)), ("robust_plr", PLRConfig(min_fill=1.0))):
         rows = trained(made(name, settings, total), total)
-        assert all(row["student/gradient_steps"] == 0 for row in rows)
+        assert all(row["student/gradient_steps"] == row["student/trained_steps"] == 0 for row in rows)
     early = trained(made("robust_plr", PLRConfig(min_fill=0.0), total), total)
+    steps = np.diff([0, *(row["env_steps"] for row in early)])
+    learned = np.array([row["student/trained_steps"] for row in early])
+    assert (learned <= steps).all() and 0 < learned.sum() < 0.9 * steps.sum()  # new levels are only looked at
     assert np.mean([row["student/gradient_steps"] > 0 for row in early]) > 0.4
     paired = PairedConfig(adversary=AdversaryConfig(min_batch=500))
     assert all(not row["adversary/gradient_steps"] for row in trained(made("paired", paired, total), total))

@@ -163,8 +163,8 @@ class LevelSpace:
         """
         family, simplest = self.level_family, getattr(self.level_family, "simplest", None)
         if family is None or simplest is None:
-            kind = "θ" if family is None else type(family).__name__
-            raise ValueError(f"levels of {kind} know no simplest ones: that takes a level family with `simplest(rng)`")
+            kind = "these are vectors θ" if family is None else f"{type(family).__name__} has none"
+            raise ValueError(f"the simplest levels need a level family with a method `simplest(rng)`; {kind}")
         codes = [family.encode(simplest(self._stream)) for _ in range(count)]
         return self.make_levels(np.reshape(codes, (count, self.theta_dim)))
 
