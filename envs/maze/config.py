@@ -26,6 +26,10 @@ class MazeConfig:
     random_count: bool = field(
         default=False, metadata={"help": "place a random number of walls, 0 to num_walls - 1, in each maze"}
     )
+    goal_last: bool = field(
+        default=True,
+        metadata={"help": "let an adversary that builds mazes in steps place goal and agent after the walls"},
+    )
     max_steps: int = field(
         default=250, metadata={"help": "steps after which an episode is truncated", "least": 1, "most": MOST_STEPS}
     )

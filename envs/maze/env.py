@@ -68,7 +68,9 @@ class Mazes(UPOMDP):
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode must be None or 'rgb_array', not {render_mode!r}")
         self.config, count, self.render_mode = config, check_count(num_envs), render_mode
-        self.level_family = self._family = MazeFamily(config.side, config.num_walls, config.random_count)
+        self.level_family = self._family = MazeFamily(
+            config.side, config.num_walls, config.random_count, config.goal_last
+        )
         self.theta_map = ThetaMap(self._family)
         as_image = config.representation == "image"
         self._settings = Settings(width_of(config.side), config.max_steps, bool(config.see_through), as_image)

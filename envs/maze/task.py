@@ -2,6 +2,7 @@
 
     regista train maze --method accel
     regista compare maze --methods dr plr accel
+    regista compare maze60 --methods dr accel      # with 0 to 59 walls instead of 25
 
 Read next: `named_mazes`, what students are tested on; `ued.core.task`.
 """
@@ -74,3 +75,4 @@ def _random(upomdp: Any) -> UniformPolicy:
 
 
 maze = maze_task()
+maze60 = maze_task(MazeConfig(num_walls=60, random_count=True))

@@ -55,7 +55,7 @@ AGENTS = {
 class ListConfig(Checked):
     """Arguments of `regista list`."""
 
-    words: tuple[str, ...] = positional("minigames or tasks to show: a name or part of a name", default=())
+    words: tuple[str, ...] = positional("minigames or tasks to show: a name, or part of some", default=())
     solved: bool = setting(False, "train a student on these games and report the share of random levels it solves")
     solving: SolvedConfig = group(
         SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
@@ -80,9 +80,10 @@ def main(argv: Sequence[str]) -> int:
     from regista.minigames.suites import ALL
 
     names = [*ALL, *BUILT_IN]
-    chosen = [name for name in names if _chosen(name, config.words)]
-    for word in config.words:
-        if not any(_chosen(name, (word,)) for name in chosen):
+    by_word = {word: [word] if word in names else _containing(word, names) for word in config.words}
+    chosen = [name for name in names if not by_word or any(name in some for some in by_word.values())]
+    for word, some in by_word.items():
+        if not some:
             raise UsageError(f"no minigame or task has {word!r} in its name{nearest(word, names, 3)}")
     if len(chosen) == 1:
         print(card(ALL[chosen[0]]) if chosen[0] in ALL else task_card(chosen[0]))
@@ -95,8 +96,8 @@ def main(argv: Sequence[str]) -> int:
     return 0
 
 
-def _chosen(name: str, words: Sequence[str]) -> bool:
-    return not words or any(word.lower() in name.lower() for word in words)
+def _containing(word: str, names: Sequence[str]) -> list[str]:
+    return [name for name in names if word.lower() in name.lower()]
 
 
 # ---------------------------------------------------------------- all of them

@@ -83,15 +83,15 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
     assert all(name in shown for name in (FULL, "Labyrinth2", "PerfectMazeLarge", "PLR", "25_000_000"))
     assert main(["list", "ma"]) == 0
     shown = capsys.readouterr().out
-    assert BUILT_IN["maze"].about in shown
+    assert all(BUILT_IN[name].about in shown for name in ("maze", "maze60"))
     assert main(["list", "mazee"]) == 2
-    assert "did you mean 'maze'?" in capsys.readouterr().err
+    assert "did you mean 'maze' or 'maze60'?" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["train", "mase"], "did you mean 'maze'?"),
+        (["train", "mase"], "did you mean 'maze' or 'maze60'?"),
         (["train", "maze+1v1Free"], "maze is a Python task"),
         (["play", "maze", "--scene", "Labyrint"], "did you mean 'Labyrinth'?"),
         (["play", "maze", "--player", "nobody"], "idle, shortest path, random or a run folder"),
