@@ -97,7 +97,8 @@ class EvalScenes:
     def metrics(self, policy: Any) -> dict[str, float]:
         """Return the mean return on each scene as `eval/<scene>`, with the environment steps and seconds used.
 
-        `eval_low/<scene>` and `eval_high/<scene>` are the ends of the 95% interval, nan below five episodes.
+        `eval_low/<scene>` and `eval_high/<scene>` are the ends of its 95% interval, nan below five episodes,
+        `eval_success/<scene>` is the share of successful episodes.
 
         The steps are reported as `eval_env_steps` and do not count as `env_steps`.
         """
@@ -108,6 +109,7 @@ class EvalScenes:
         metrics = {f"eval/{label}": mean.estimate for label, mean in means.items()}
         metrics |= {f"eval_low/{label}": mean.low for label, mean in means.items()}
         metrics |= {f"eval_high/{label}": mean.high for label, mean in means.items()}
+        metrics |= {f"eval_success/{label}": float(result.success.mean()) for label, result in evaluations.items()}
         metrics["eval_env_steps"] = float(sum(result.env_steps for result in evaluations.values()))
         return {**metrics, "time/eval": time.perf_counter() - began}
 

@@ -415,6 +415,7 @@ def test_every_metric_is_explained_in_the_docs():
         "eval/SCENE",
         "eval_low/SCENE",
         "eval_high/SCENE",
+        "eval_success/SCENE",
         "eval_env_steps",
         "time/eval",
         "time/elapsed",
