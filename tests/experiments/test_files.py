@@ -41,7 +41,9 @@ def general(columns):
     """Return columns of a run with its students, columns of θ and scenes by their placeholders, once each, in order."""
     names = [re.sub(rf"(^|/)({'|'.join(STUDENTS)})(/|$)", r"\1NAME\3", column) for column in columns]
     names = [re.sub(r"^theta/.+", "theta/COLUMN", name) for name in names]
-    return list(dict.fromkeys(re.sub(r"^(eval|eval_low|eval_high|eval_success)/.+", r"\1/SCENE", name) for name in names))
+    return list(
+        dict.fromkeys(re.sub(r"^(eval|eval_low|eval_high|eval_success)/.+", r"\1/SCENE", name) for name in names)
+    )
 
 
 @pytest.fixture(scope="module")

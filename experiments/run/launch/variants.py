@@ -57,8 +57,6 @@ def _read(text: str, base: Any) -> Variant:
     name, colon, flags = (part.strip() for part in text.partition(":"))
     if not colon or not re.fullmatch(ROW_NAME, name):
         raise UsageError(f"--variants {text!r} is not {FORM}; names have letters, digits, and . _ + -")
-    if name in METHODS:
-        raise UsageError(f"--variants {text!r}: {name} is the name of a method; choose another one")
     try:
         typed = arguments.typed_settings(Flags(train=base), shlex.split(flags), "compare", "")
         config = arguments.replace_paths(Flags(train=base), typed).train
@@ -66,6 +64,8 @@ def _read(text: str, base: Any) -> Variant:
         build.find_device(config.device)
     except (UsageError, ValueError) as error:  # shlex refuses an open quotation
         raise UsageError(f"--variants {text!r}: {error}") from error
+    if name in METHODS and name != config.method:
+        raise UsageError(f"--variants {text!r}: {name} is the name of a method; choose another one, or --method {name}")
     if getattr(config, "env", None) != getattr(base, "env", None):
         raise UsageError(f"--variants {text!r}: variants of one comparison share the environment and its settings")
     return Variant(name, config)

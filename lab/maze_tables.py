@@ -1,0 +1,235 @@
+"""The tables and the picture of the maze benchmark, from the rows that `lab.mazes` stored.
+
+    python -m lab.maze_tables               # print them
+    python -m lab.maze_tables --publish     # write them into docs/benchmarks/maze.md, with the picture
+
+Intervals are 95% bootstrap intervals over whole runs. Published rates are DCD's (`lab/results/maze_published.csv`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lab.mazes import PARTS, ROWS
+from regista.experiments.pictures import plots
+from regista.experiments.run import results as estimate
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.results import LevelResult, Result, select, unique
+from regista.experiments.run.table import read_rows
+from ued.core.task import TRAINING_SCENE
+from ued.statistics import Interval, bootstrap
+
+PAGE, PICTURE = Path("docs/benchmarks/maze.md"), Path("docs/pictures/maze_curves.png")
+PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
+EQUAL = 10_000_000  # student steps at which methods are compared
+
+Table = list[list[str]]
+
+
+class Study:
+    """The rows of one part: test mazes, random mazes, curves, and the published rates of the same walls."""
+
+    def __init__(self, part: str) -> None:
+        self.part = part
+        self.tests = [result(row) for row in rows("tests", part) if row["maze"] != TRAINING_SCENE]
+        self.levels = [level_result(row) for row in rows("levels", part)]
+        self.curves = rows("curves", part)
+        self.published = {
+            (row["method"], row["maze"]): float(row["solved"])
+            for row in read_rows(ROWS / "maze_published.csv")
+            if row["walls"] == PARTS[part].walls
+        }
+
+    @property
+    def methods(self) -> list[str]:
+        """The trained rows, the reference first."""
+        return [name for name in PARTS[self.part].rows if any(row.method == name for row in self.tests)]
+
+    @property
+    def mazes(self) -> list[str]:
+        return unique([row.scene for row in self.tests])
+
+    def theirs(self, method: str, maze: str) -> float | None:
+        """Return the published rate of a method on a maze."""
+        return self.published.get((PUBLISHED.get(method, method), maze))
+
+
+def rows(kind: str, part: str) -> list[dict[str, str]]:
+    """Return the stored rows of a part."""
+    return [row for row in read_rows(ROWS / f"maze_{kind}.csv") if row["part"] == part]
+
+
+def result(row: Mapping[str, str]) -> Result:
+    """Make a result of a stored row; what the tables do not need is 0."""
+    counts = (int(row[name]) for name in ("seed", "episodes", "goals", "env_steps"))
+    seed, episodes, goals, env_steps = counts
+    return Result(row["method"], seed, row["maze"], episodes, float(row["mean_return"]), 0.0, goals, 0.0, env_steps, 0)
+
+
+def level_result(row: Mapping[str, str]) -> LevelResult:
+    """Make the result on random mazes of a stored row."""
+    counts = (int(row[name]) for name in ("seed", "levels", "episodes"))
+    return LevelResult(row["method"], *counts, *(float(row[name]) for name in ("goal_rate", "cvar10", "cvar10_error")))
+
+
+# ---------------------------------------------------------------- tables
+
+
+def summary(study: Study) -> Table:
+    """Return a row for each method: test mazes, random mazes and their worst tenth, and the published mean."""
+    common = [name for name in study.mazes if study.theirs("dr", name) is not None]
+    heads = ["all test mazes", "IQM", "minus DR", f"{len(common)} mazes", "published", "random mazes", "worst tenth"]
+    table = [["method", *heads, "minus DR"]]
+    for name in study.methods:
+        mine, few = scores(study, name, study.mazes), scores(study, name, common)
+        theirs = [study.theirs(name, maze) for maze in common]
+        levels, base = ([row for row in study.levels if row.method == one] for one in (name, "dr"))
+        table.append(
+            [
+                plots.title(name),
+                percent(estimate.mean_score(mine)),
+                percent(estimate.iqm_score(mine)),
+                "" if name == "dr" else points(estimate.score_advantage(mine, scores(study, "dr", study.mazes))),
+                percent(estimate.mean_score(few)),
+                "" if None in theirs else f"{np.mean(theirs):.0%}",  # type: ignore[arg-type]
+                percent(estimate.level_rate(levels)),
+                percent(estimate.level_cvar(levels)),
+                "" if name == "dr" else points(difference(*([row.cvar10 for row in some] for some in (levels, base)))),
+            ]
+        )
+    return table
+
+
+def by_maze(study: Study) -> Table:
+    """Return a row for each maze, a column for each method: ours with its interval, then the published rate."""
+    table = [["maze", *map(plots.title, study.methods)]]
+    for maze in study.mazes:
+        cells = []
+        for name in study.methods:
+            theirs = study.theirs(name, maze)
+            ours = percent(estimate.goal_rate(select(study.tests, name, maze)))
+            cells.append(ours if theirs is None else f"{ours} ({theirs:.0%})")
+        table.append([maze, *cells])
+    return table
+
+
+def equal_steps(study: Study, steps: int = EQUAL) -> Table:
+    """Return the solved test mazes of each method when its student has learned from this number of steps."""
+    table = [["method", "student steps", "simulated steps", "test mazes", "minus DR"]]
+    found = {name: at_steps(study, name, steps) for name in study.methods}
+    for name, runs in found.items():
+        solved = [float(row["solved"]) for row in runs]
+        trained, simulated = (np.mean([int(row[key]) for row in runs]) for key in ("trained_steps", "env_steps"))
+        base = [float(row["solved"]) for row in found["dr"]]
+        gain = "" if name == "dr" else points(difference(solved, base))
+        told = percent(bootstrap(np.array(solved), np.random.default_rng(0)).interval())
+        table.append([plots.title(name), f"{trained / 1e6:.1f}M", f"{simulated / 1e6:.1f}M", told, gain])
+    return table
+
+
+def at_steps(study: Study, method: str, steps: int) -> list[dict[str, str]]:
+    """Return the evaluation of each run of a method whose student steps are nearest to `steps`."""
+    mine = [row for row in study.curves if row["method"] == method]
+    seeds = unique([row["seed"] for row in mine])
+    each = ([row for row in mine if row["seed"] == seed] for seed in seeds)
+    return [min(run, key=lambda row: abs(int(row["trained_steps"]) - steps)) for run in each]
+
+
+def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
+    """Return a method's rates on some mazes."""
+    chosen = set(mazes)
+    return estimate.scores([row for row in study.tests if row.scene in chosen], method)
+
+
+def difference(mine: Sequence[float], base: Sequence[float]) -> Interval:
+    """Estimate the difference of two methods' means, resampling whole runs of both."""
+    rng = np.random.default_rng(0)
+    one, other = (bootstrap(np.array(values), rng) for values in (mine, base))
+    return (one - other).interval()
+
+
+def percent(found: Interval) -> str:
+    """Return a rate with its interval."""
+    return f"{found.estimate:.0%}" + (f" [{100 * found.low:.0f}, {100 * found.high:.0f}]" if found.known else "")
+
+
+def points(found: Interval) -> str:
+    """Return a difference of rates with its interval, bold where that does not contain 0."""
+    text = f"{100 * found.estimate:+.0f}" + (
+        f" [{100 * found.low:+.0f}, {100 * found.high:+.0f}]" if found.known else ""
+    )
+    return f"**{text}**" if found.known and found.low * found.high > 0 else text
+
+
+# ---------------------------------------------------------------- picture
+
+
+def draw(study: Study, path: Path) -> None:
+    """Draw the solved test mazes over the simulated steps and over the student's: means, and final intervals."""
+    plots.distinguish([name for name in study.methods if name not in plots.METHOD_COLOURS])
+    with plots.style():
+        import matplotlib.pyplot as plt
+
+        figure, panels = plt.subplots(1, 2, figsize=(9.0, 3.9), layout="constrained", sharey=True)
+        labels = ("simulated steps, all students", "steps that the student learned from")
+        for axes, key, label in zip(panels, ("env_steps", "trained_steps"), labels, strict=True):
+            for name in study.methods:
+                draw_method(axes, [row for row in study.curves if row["method"] == name], key, name)
+            axes.set_xlabel(label)
+            axes.set_ylim(0, 1)
+            plots.shorten_steps(axes)
+        panels[0].set_ylabel("share of test mazes solved")
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=5, fontsize=8)
+        plots.save(figure, path)
+
+
+def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str) -> None:
+    """Draw the mean over a method's runs, and the 95% interval of its last value."""
+    seeds = unique([row["seed"] for row in curve])
+    runs = [[row for row in curve if row["seed"] == seed] for seed in seeds]
+    count = min(map(len, runs))
+    steps, solved = (np.array([[float(row[k]) for row in run[:count]] for run in runs]) for k in (key, "solved"))
+    color = plots.colour(name)
+    axes.plot(steps.mean(0), solved.mean(0), color=color, label=plots.title(name))
+    end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
+    if end.known:
+        axes.vlines(steps[:, -1].mean(), end.low, end.high, color=color, alpha=0.6)
+
+
+# ---------------------------------------------------------------- page
+
+
+def sections() -> dict[str, str]:
+    """Return the text of each generated section of the page, of the parts that have rows."""
+    found = {}
+    for part in PARTS:
+        study = Study(part)
+        if study.methods:
+            runs = len({row.seed for row in study.tests if row.method == study.methods[0]})
+            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{runs} runs of each method."
+            found[f"{part} mazes"] = as_markdown(by_maze(study))
+            found[f"{part} student steps"] = as_markdown(equal_steps(study))
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--publish", action="store_true", help="write the tables into the page, and the picture")
+    typed = parser.parse_args()
+    page = PAGE.read_text() if typed.publish else ""
+    for name, text in sections().items():
+        if not typed.publish:
+            print(f"## {name}\n\n{text}\n")
+        page = re.sub(rf"(<!-- {name} -->\n).*?(<!-- end -->)", rf"\g<1>{text}\n\g<2>", page, flags=re.DOTALL)
+    if typed.publish:
+        write_text(PAGE, page)
+        draw(Study("main"), PICTURE)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,79 @@
+"""The maze study: a small one is trained, stored and made into tables."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from lab import maze_tables, mazes
+from ued.statistics import Interval
+
+SMALL = """
+from functools import partial
+from regista.envs.maze.config import MazeConfig
+from regista.envs.maze.task import make_mazes
+from ued.core.task import Task
+
+make = partial(make_mazes, config=MazeConfig(side=4, num_walls=3, max_steps=16))
+small = Task(make, tests={"Maze": make, "FourRooms": make}, held_out={"Labyrinth": make}, success_word="solved")
+"""
+BRIEF = "--num-envs 4 --num-steps 64 --eval-every 1024 --eval-episodes 1 --hidden-size 8"
+
+
+@pytest.fixture
+def stored(tmp_path, trained_here, monkeypatch):
+    """Two runs of two methods, trained and stored."""
+    (tmp_path / "small_mazes.py").write_text(SMALL)
+    rows = {"dr": f"--method dr {BRIEF}", "mine": f"--method plr {BRIEF}"}
+    part = mazes.Part(f"{tmp_path}/small_mazes.py:small", "25 blocks", 2, 2048, rows)
+    for name, value in (("EPISODES", 1), ("LEVELS", 10), ("ROWS", tmp_path)):
+        monkeypatch.setattr(mazes, name, value)
+    monkeypatch.setattr(maze_tables, "ROWS", tmp_path)
+    monkeypatch.setitem(mazes.PARTS, "tiny", part)
+    assert mazes.main(["train", "tiny", "--out", str(tmp_path), "--processes", "1"]) == 0
+    assert mazes.main(["rows", "tiny", "--out", str(tmp_path)]) == 0
+    assert mazes.main(["rows", "tiny", "--out", str(tmp_path)]) == 0  # replaces its own rows
+    (tmp_path / "maze_published.csv").write_text(
+        "walls,env_steps,runs,method,maze,solved\n25 blocks,1,10,dr,Maze,0.5\n25 blocks,1,10,dr,Labyrinth,0.2\n"
+    )
+    return tmp_path
+
+
+def read(path):
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.drawn
+def test_a_small_study_is_trained_stored_and_tabulated(stored):
+    tests, levels, curves = (read(stored / f"maze_{kind}.csv") for kind in ("tests", "levels", "curves"))
+    trained = [row for row in tests if row["method"] in ("dr", "mine")]
+    assert len({(row["method"], row["seed"], row["maze"]) for row in trained}) == len(trained)
+    assert {row["maze"] for row in trained} >= {"Maze", "FourRooms", "Labyrinth"}
+    runs = {("dr", "0"), ("dr", "1"), ("mine", "0"), ("mine", "1")}
+    assert {(row["method"], row["seed"]) for row in levels} > runs  # and baselines
+    mine = [row for row in curves if (row["method"], row["seed"]) == ("dr", "1")]
+    assert mine[-1]["env_steps"] == mine[-1]["trained_steps"] == "2048"
+    replayed = [row for row in curves if row["method"] == "mine"][-1]
+    assert int(replayed["trained_steps"]) <= int(replayed["env_steps"])
+    study = maze_tables.Study("tiny")
+    assert study.methods == ["dr", "mine"]
+    head, dr, mine = maze_tables.summary(study)
+    assert dr[head.index("published")] == "35%" and mine[head.index("published")] == ""
+    cells = {row[0]: row for row in maze_tables.by_maze(study)[1:]}
+    assert cells["Maze"][1].endswith("(50%)") and "(" not in cells["FourRooms"][1]
+    table = maze_tables.equal_steps(study, 1024)
+    assert [row[1] for row in table[1:]] == ["0.0M", "0.0M"]
+    maze_tables.draw(study, stored / "curves.png")
+    assert (stored / "curves.png").stat().st_size > 10_000
+
+
+def test_a_difference_is_bold_where_its_interval_does_not_contain_zero():
+    assert maze_tables.points(Interval(0.1, 0.02, 0.2)) == "**+10 [+2, +20]**"
+    assert maze_tables.points(Interval(0.1, -0.02, 0.2)) == "+10 [-2, +20]"
+    assert maze_tables.points(Interval(0.1, np.nan, np.nan)) == "+10"
+
+
+def test_seeds_of_the_study_are_not_those_of_tuning():
+    tuned = {int(row["seed"]) for row in read(mazes.ROWS / "maze_tuning.csv")}
+    assert tuned and not tuned & {seed for part in mazes.PARTS.values() for seed in range(part.seeds)}
