@@ -14,7 +14,7 @@ from ued.core.seeding import torch_generator
 from ued.learning.memory import GRU, Past
 from ued.learning.minibatches import Batch
 from ued.learning.networks import Team
-from ued.learning.recurrence import segments
+from ued.learning.recurrence import segments, steps_to_learn
 from ued.learning.student import Student
 from ued.methods.dr import DR
 
@@ -24,6 +24,9 @@ EXACT = {torch.float32: 1e-5, torch.float64: 1e-10}
 
 def loop(gru: GRU, features: Tensor, memory: Tensor, past: Past, bptt_steps: int = 0) -> tuple[Tensor, Tensor]:
     """Compute what `GRU.forward` returns one cell after another; gradients stop every `bptt_steps` steps."""
+    if past.kept is not None:  # here the others are computed, too
+        features, given = features.new_zeros(past.kept.numel(), *features.shape[1:]), features
+        features[past.kept.flatten()] = given
     state = memory.view(len(memory), *features.shape[1:])
     size, states = state.shape[-1], []
     for t, seen in enumerate(features.unflatten(0, (-1, len(memory)))):
@@ -36,6 +39,7 @@ def loop(gru: GRU, features: Tensor, memory: Tensor, past: Past, bptt_steps: int
         state = (1 - keep) * torch.tanh(read[2] + reset * recalled[2]) + keep * state
         states.append(state)
     remembered = torch.cat(states)
+    remembered = remembered if past.kept is None else remembered[past.kept.flatten()]
     return remembered if past.mask is None else remembered[past.mask], state.flatten(1)
 
 
@@ -60,6 +64,31 @@ def test_states_and_gradients_are_those_of_a_loop_of_cells(team, kind, starts):
         into += [states, after, *torch.autograd.grad(loss, [features, memory, *gru.parameters()])]
     for ours, theirs in zip(found, wanted, strict=True):
         torch.testing.assert_close(ours, theirs, atol=EXACT[kind], rtol=EXACT[kind])
+
+
+@pytest.mark.parametrize("team", TEAMS)
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.3])
+def test_steps_that_nothing_is_learned_from_are_left_out(team, share):
+    steps, envs, size, draw = 13, 5, 6, torch_generator(5)
+    gru = GRU(size, torch_generator(0), team)
+    shape = (steps * envs, size) if team.agents == 1 else (steps * envs, team.agents, size)
+    features, memory = torch.randn(shape, generator=draw), torch.randn(envs, gru.width, generator=draw)
+    begins, train = (torch.rand(steps, envs, generator=draw) < rate for rate in (0.2, share))
+    train[6, 3] = True
+    kept = steps_to_learn(train, begins)
+    wanted = torch.zeros_like(kept)
+    for t, env in train.nonzero().tolist():
+        while True:
+            wanted[t, env] = True
+            if t == 0 or begins[t, env]:
+                break
+            t -= 1
+    assert kept.equal(wanted) and not kept.all()
+    every = gru(features, memory, Past(memory, begins, train.flatten()))[0]
+    rows = kept.flatten()
+    some, after = gru(features[rows], memory, Past(memory, begins, train.flatten()[rows], kept))
+    torch.testing.assert_close(some, every)
+    assert after is memory
 
 
 def test_segments_hold_each_step_once_and_the_longest_come_first():

@@ -23,12 +23,15 @@ class Past(NamedTuple):
     Attributes:
         memory: `[B, W]` the state before the first of these steps.
         episode_starts: bool `[L, B]`, steps that start an episode, at which the state is reset; None: none, and L is 1.
-        mask: bool `[L * B]`, rows whose outputs are returned; None: all.
+        mask: bool, rows whose outputs are returned; None: all.
+        kept: bool `[L, B]`, steps that have a row in the batch, the first ones of each episode; None: all. Steps after
+            the last one of an episode that is learned from need none.
     """
 
     memory: Tensor
     episode_starts: Tensor | None = None
     mask: Tensor | None = None
+    kept: Tensor | None = None
 
 
 class NoMemory(nn.Module):
@@ -64,14 +67,17 @@ class GRU(nn.Module):
         self.recall = linear(size, 3 * size, 1.0, generator, team.policies)
 
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
-        """Return features `[mask, (A,) size]` for `[L * B, (A,) inputs]`, and the state after them, `[B, W]`."""
+        """Return features `[mask, (A,) size]` for `[L * B, (A,) inputs]`, and the state after them, `[B, W]`.
+
+        Where steps are left out (`past.kept`) the state is returned as it was.
+        """
         state = memory.view(len(memory), *features.shape[1:-1], self.size)  # [B, (A,) size]
         begins = past.episode_starts
-        if len(features) == len(state):
+        if len(features) == len(state) and past.kept is None:
             states = self._step(features, state if begins is None else _masked(state, begins[0], 0))
         else:
-            states = self._steps(features, state, begins)
-        after = states[-len(state) :].flatten(1)
+            states = self._steps(features, state, begins, past.kept)
+        after = states[-len(state) :].flatten(1) if past.kept is None else memory
         return states if past.mask is None else states[past.mask], after
 
     def _step(self, features: Tensor, state: Tensor) -> Tensor:
@@ -82,8 +88,8 @@ class GRU(nn.Module):
         reset, keep = torch.sigmoid(gates + recalled_gates).chunk(2, -1)
         return torch.lerp(torch.tanh(torch.addcmul(candidate, reset, recalled)), state, keep)
 
-    def _steps(self, features: Tensor, state: Tensor, begins: Tensor | None) -> Tensor:
-        """Return the states `[L * B, (A,) size]` after each of L steps; see `learning.recurrence`."""
+    def _steps(self, features: Tensor, state: Tensor, begins: Tensor | None, kept: Tensor | None) -> Tensor:
+        """Return the states `[L * B, (A,) size]` after each of L steps, or those kept; see `learning.recurrence`."""
         envs, agents = len(state), state.shape[1:-1].numel()
         begins = state.new_zeros(len(features) // envs, envs, dtype=torch.bool) if begins is None else begins
         if self.policies > 1:  # a leading policy axis
@@ -91,7 +97,8 @@ class GRU(nn.Module):
         else:  # agents of a policy are like environments
             by_row, state = features.flatten(0, -2), state.flatten(0, -2)
             begins, envs = begins.repeat_interleave(agents, 1), envs * agents
-        packed = segments(begins)
+            kept = None if kept is None else kept.repeat_interleave(agents, 1)
+        packed = segments(begins, kept)
         env = packed.first % envs
         start = _masked(state.index_select(-2, env), (packed.first >= envs) | begins[0, env], -2)
         weights = (part for layer in (self.read, self.recall) for part in self._by_policy(layer))

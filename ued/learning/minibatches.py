@@ -14,6 +14,7 @@ from torch import Tensor
 
 from ued.learning.fast_adam import Adam, clip_norm
 from ued.learning.memory import Past
+from ued.learning.recurrence import steps_to_learn
 from ued.learning.rollout import Rollout
 from ued.learning.student import Student
 
@@ -22,8 +23,8 @@ from ued.learning.student import Student
 class Batch:
     """The steps of a rollout, one row each; `[B, A, ...]` for A agents.
 
-    A minibatch of sequences holds the observations of all their steps, and the other columns of the steps to learn
-    from.
+    A minibatch of sequences holds the observations of the steps to learn from and of those before them in their
+    episodes, and the other columns of the steps to learn from.
     """
 
     past: Past  # which rows follow each other; before they are in minibatches, its memory is [pieces, N, W]
@@ -87,7 +88,7 @@ class Batch:
         3), and pieces can be shuffled and computed side by side. To recompute it for each minibatch would take such a
         pass each time.
         """
-        memory, begins, _ = self.past  # [1, N, W], [T * N]
+        memory, begins = self.past.memory, self.past.episode_starts  # [1, N, W], [T * N]
         assert begins is not None
         rows = torch.arange(len(begins), device=begins.device).view(-1, memory.shape[1])  # [T, N]
         if not memory.shape[-1] or length in (0, len(rows)):
@@ -113,8 +114,7 @@ class Batch:
         `norm_adv` normalizes the advantages of each minibatch.
         """
         parts = [part.T for part in sequences.split(size)]  # [L, B] each
-        rows = [part.flatten() for part in parts]  # [L * B] each
-        pasts, learned = zip(*map(self._past, parts, rows), strict=True)
+        pasts, rows, learned = zip(*map(self._past, parts), strict=True)
         sizes, every = [len(some) for some in learned], torch.cat(learned)
         # once for all minibatches: many small gathers of single numbers take longer than one large one
         actions, numbers = self.action.index_select(0, every), self.numbers.index_select(1, every)
@@ -125,16 +125,21 @@ class Batch:
             seen = None if self.seen is None else self.seen.index_select(0, row)
             yield Batch(past, self.rollout, row, seen, action, number)
 
-    def _past(self, part: Tensor, rows: Tensor) -> tuple[Past, Tensor]:
-        """Return how the steps `[L, B]` follow each other, and the rows to learn from."""
-        memory, begins, train = self.past
+    def _past(self, part: Tensor) -> tuple[Past, Tensor, Tensor]:
+        """Return how the steps `[L, B]` follow each other, the rows that are computed, and those to learn from."""
+        memory, begins, train = self.past.memory, self.past.episode_starts, self.past.mask
         assert begins is not None and train is not None
+        rows = part.flatten()
         if not memory.shape[-1]:  # single steps, all of them to learn from
-            return Past(memory.new_empty(len(rows), 0)), rows
+            return Past(memory.new_empty(len(rows), 0)), rows, rows
         envs = memory.shape[1]  # row r is step r // envs of environment r % envs
         start = memory[part[0] // (len(part) * envs), part[0] % envs]
         past, mask = Past(start, begins[rows].view(part.shape)), train[rows]
-        return (past, rows) if mask.all() else (past._replace(mask=mask), rows[mask])
+        if mask.all():
+            return past, rows, rows
+        kept = steps_to_learn(mask.view(part.shape), begins[rows].view(part.shape))
+        needed = kept.flatten()
+        return past._replace(mask=mask[needed], kept=kept), rows[needed], rows[mask]
 
 
 def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:

@@ -32,7 +32,7 @@ class Segments(NamedTuple):
     Attributes:
         rows: `[R]` the row in the batch of each packed row.
         places: `[R]` the packed row of each row in the batch.
-        first: `[S]` the row of the first step of each segment.
+        first: `[S]` the row of the first step of each segment, if no row were left out.
         counts: the number of segments with a step k, for each k.
     """
 
@@ -42,23 +42,39 @@ class Segments(NamedTuple):
     counts: list[int]
 
 
-def segments(episode_starts: Tensor) -> Segments:
-    """Return the segments of sequences in which episodes start at these steps, bool `[L, B]`; row t * B + b."""
+def segments(episode_starts: Tensor, kept: Tensor | None = None) -> Segments:
+    """Return the segments of sequences in which episodes start at these steps, bool `[L, B]`; row t * B + b.
+
+    Only the steps `kept` `[L, B]` have rows, the first ones of each segment; None: all steps.
+    """
     length, envs = episode_starts.shape
     begins = episode_starts.T.cpu().clone()  # [B, L], since the steps of a segment are consecutive there
     begins[:, 0] = True
-    begin = begins.flatten().nonzero()[:, 0]  # [S]
-    lengths = torch.diff(begin, append=begin.new_tensor([length * envs]))
+    steps = torch.arange(length * envs) if kept is None else kept.T.cpu().flatten().nonzero()[:, 0]  # [R]
+    begin = begins.flatten()[steps].nonzero()[:, 0]  # [S]
+    lengths = torch.diff(begin, append=begin.new_tensor([len(steps)]))
     lengths, order = lengths.sort(descending=True, stable=True)
     begin = begin[order]
     counts = len(lengths) - torch.bincount(lengths).cumsum(0)[:-1]  # [longest]
     step = torch.arange(len(counts)).repeat_interleave(counts)  # [R]
-    segment = torch.arange(length * envs) - (counts.cumsum(0) - counts).repeat_interleave(counts)  # [R]
-    rows, first = (at % length * envs + at // length for at in (begin[segment] + step, begin))
+    segment = torch.arange(len(steps)) - (counts.cumsum(0) - counts).repeat_interleave(counts)  # [R]
+    rows, first = (at % length * envs + at // length for at in (steps[begin[segment] + step], steps[begin]))
+    if kept is not None:
+        rows = (kept.cpu().flatten().cumsum(0) - 1)[rows]
     places = torch.empty_like(rows)
     places[rows] = torch.arange(len(rows))
     device = episode_starts.device
     return Segments(rows.to(device), places.to(device), first.to(device), counts.tolist())
+
+
+def steps_to_learn(train: Tensor, episode_starts: Tensor) -> Tensor:
+    """Return the steps that steps of the mask `train` depend on, themselves included: bool `[L, B]`, as both masks."""
+    length, envs = train.shape
+    segment = episode_starts.cumsum(0) + (length + 1) * torch.arange(envs, device=train.device)  # [L, B]
+    time = torch.arange(length, device=train.device)[:, None].expand_as(segment)
+    last = torch.full(((length + 1) * envs,), -1, device=train.device)
+    last.scatter_reduce_(0, segment[train], time[train], "amax")
+    return time <= last[segment]
 
 
 class Recurrence(torch.autograd.Function):
@@ -81,7 +97,7 @@ class Recurrence(torch.autograd.Function):
         size, counts = start.shape[-1], packed.counts
         features = features.index_select(-2, packed.rows)
         read = _product(features)(read_bias, features, read_weight.mT)  # [R, 3 H]
-        candidates = read[..., 2 * size :].contiguous()
+        candidates = read[..., 2 * size :].clone(memory_format=torch.contiguous_format)  # below, read is overwritten
         states = torch.empty_like(candidates)
         # below, W h is added: the gates become r + r' and z + z', the last third n'
         gates, recalled = read.split((2 * size, size), -1)
