@@ -108,7 +108,8 @@ class Checked:
     """
 
     def __post_init__(self) -> None:
-        for name, about, optional, allowed in _checks_of(type(self)):
+        kind: Any = type(self)
+        for name, about, optional, allowed in _checks_of(kind):
             value = self.__dict__[name]
             if value is None and optional:
                 continue
