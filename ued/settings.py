@@ -27,6 +27,7 @@ RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 LARGEST_SEED = 2**32 - 1
+Check = tuple[str, Mapping[str, Any], bool, tuple[Any, ...] | None]
 Bound = float | Callable[[], float]  # a number, or what computes it on this machine
 
 
@@ -87,13 +88,13 @@ def hints_of(kind: Any) -> dict[str, Any]:
 
 
 @functools.cache
-def _checks_of(kind: Any) -> list[tuple[str, Mapping[str, Any], bool, tuple[Any, ...] | None]]:
+def _checks_of(kind: Any) -> list[Check]:
     """Return name, metadata, whether None is allowed, and the values of a `Literal` of each field of a class.
 
     Cached: a command makes hundreds of settings to state the defaults of games and presets in its help.
     """
     hints = hints_of(kind)
-    checks = []
+    checks: list[Check] = []
     for entry in dataclasses.fields(kind):
         hint = hints[entry.name]
         allowed = typing.get_args(hint) if typing.get_origin(hint) is Literal else None
