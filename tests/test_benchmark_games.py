@@ -283,6 +283,7 @@ def test_names_are_found_and_slips_are_told(capsys):
     assert "D = 8" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_list_shows_games_with_what_is_published(capsys):
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()

@@ -243,9 +243,9 @@ def faster(x):
     ("file", "old", "new", "printed"),
     [
         ("helpers.py", "2 * x", "5 * x", "16 0"),
-        ("helpers.py", "LIMIT = 100", "LIMIT = 4", "4 0"),
-        ("rules.py", "1", "2", "8 0"),
-        ("program.py", "return 0.5", "return 1.5", "8 0"),
+        pytest.param("helpers.py", "LIMIT = 100", "LIMIT = 4", "4 0", marks=pytest.mark.slow),
+        pytest.param("rules.py", "1", "2", "8 0", marks=pytest.mark.slow),
+        pytest.param("program.py", "return 0.5", "return 1.5", "8 0", marks=pytest.mark.slow),
     ],
 )
 def test_a_kernel_of_another_project_follows_all_files_that_it_sees(folder, file, old, new, printed):

@@ -257,6 +257,7 @@ def test_compiled_functions_of_others_can_call_kernels() -> None:
     assert thrice(5) == 15
 
 
+@pytest.mark.slow
 def test_a_numba_that_is_not_known_inside_compiles_in_the_usual_way(monkeypatch: pytest.MonkeyPatch) -> None:
     if not hasattr(twice, "signatures"):
         pytest.skip("kernels run uncompiled")

@@ -27,6 +27,7 @@ RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 LARGEST_SEED = 2**32 - 1
+Check = tuple[str, Mapping[str, Any], bool, tuple[Any, ...] | None]
 Bound = float | Callable[[], float]  # a number, or what computes it on this machine
 
 
@@ -86,6 +87,21 @@ def hints_of(kind: Any) -> dict[str, Any]:
     return typing.get_type_hints(kind)
 
 
+@functools.cache
+def _checks_of(kind: Any) -> list[Check]:
+    """Return name, metadata, whether None is allowed, and the values of a `Literal` of each field of a class.
+
+    Cached: a command makes hundreds of settings to state the defaults of games and presets in its help.
+    """
+    hints = hints_of(kind)
+    checks: list[Check] = []
+    for entry in dataclasses.fields(kind):
+        hint = hints[entry.name]
+        allowed = typing.get_args(hint) if typing.get_origin(hint) is Literal else None
+        checks.append((entry.name, entry.metadata, NoneType in typing.get_args(hint), allowed))
+    return checks
+
+
 class Checked:
     """Settings that obey the rules and bounds of their fields, and are values that a `Literal` annotation allows.
 
@@ -94,15 +110,13 @@ class Checked:
 
     def __post_init__(self) -> None:
         kind: Any = type(self)
-        hints = hints_of(kind)
-        for entry in dataclasses.fields(self):  # type: ignore[arg-type]  # subclasses are dataclasses
-            value = self.__dict__[entry.name]
-            if value is None and NoneType in typing.get_args(hints[entry.name]):
+        for name, about, optional, allowed in _checks_of(kind):
+            value = self.__dict__[name]
+            if value is None and optional:
                 continue
-            if typing.get_origin(hints[entry.name]) is Literal:
-                allowed = typing.get_args(hints[entry.name])
+            if allowed is not None:
                 wrong = None if value in allowed else f"must be {' or '.join(map(str, allowed))}, got {value!r}"
             else:
-                wrong = complaint(entry.metadata, value)
+                wrong = complaint(about, value)
             if wrong:
-                raise ValueError(f"{entry.name} {wrong}")
+                raise ValueError(f"{name} {wrong}")

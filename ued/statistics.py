@@ -91,12 +91,19 @@ def bootstrap(
     if count < LEAST:
         return Bootstrap(estimate, np.full(samples, np.nan))
     chosen = rng.integers(0, count, (samples, count))
-    drawn = np.array([statistic(runs[rows]) for rows in chosen])
+    drawn = _of_each(statistic, runs[chosen])
     draws = estimate + np.sqrt(count / rng.chisquare(count - 1, samples)) * (drawn - estimate)
     if errors is not None:
         luck = errors[chosen] * rng.normal(size=(samples, *runs.shape))
-        draws += [statistic(runs[rows] + extra) for rows, extra in zip(chosen, luck, strict=True)] - drawn
+        draws += _of_each(statistic, runs[chosen] + luck) - drawn
     return Bootstrap(estimate, draws)
+
+
+def _of_each(statistic: Callable[[np.ndarray], float], samples: np.ndarray) -> np.ndarray:
+    """Return a statistic of each of the samples `[N, R, ...]`, as `[N]`; the mean, the usual one, of all at once."""
+    if statistic is mean:
+        return samples.reshape(len(samples), -1).mean(1)
+    return np.array([statistic(sample) for sample in samples])
 
 
 def wilson(successes: int, trials: int, z: float = Z) -> Interval:

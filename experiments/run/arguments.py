@@ -19,7 +19,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, NoReturn, TypeVar
 
 from regista.experiments.run.errors import UsageError, nearest
-from ued.config import complaint
+from ued.config import complaint, hints_of
 
 Config = TypeVar("Config")
 
@@ -127,7 +127,8 @@ class _Place(NamedTuple):
 
 def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: list[str]) -> None:
     """Add a flag for every field of `config` to `container` and `flags`, a group for every nested configuration."""
-    hints = typing.get_type_hints(type(config))
+    kind: Any = type(config)
+    hints = hints_of(kind)
     for item in fields(config):
         value, about = getattr(config, item.name), item.metadata
         path, help_text = place.path + item.name, about.get("help", "")

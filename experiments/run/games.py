@@ -246,7 +246,8 @@ def _single(name: str) -> FootballGame:
 
 
 def all_starts(preset: str = "fast") -> list[Any]:
-    """Return the settings of a preset for each minigame."""
+    """Return the different settings that the minigames have with a preset, each once."""
     from regista.minigames.suites import NAMED
 
-    return [FootballGame(game, name).start(preset) for name, game in NAMED.items()]
+    different = {tuple(game.defaults.items()): FootballGame(game, name) for name, game in NAMED.items()}
+    return [game.start(preset) for game in different.values()]

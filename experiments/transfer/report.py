@@ -99,7 +99,8 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
 
 
 def _ratio(rates: np.ndarray) -> float:
-    return float(rates[:, 0].mean() / max(rates[:, 1].mean(), 1e-3))
+    count = len(rates)  # sums are quicker than means, of which there are thousands
+    return float(rates[:, 0].sum() / count / max(rates[:, 1].sum() / count, 1e-3))
 
 
 # ---------------------------------------------------------------- tables

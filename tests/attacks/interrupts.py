@@ -30,6 +30,11 @@ COMMANDS: dict[str, list[str]] = {
     "replay": ["play", "--replay", "{record}", "--video", "{out}.gif"],
 }
 
+PREPARED = [  # what `evaluate` and `replay` need, in a folder `{run}`
+    ["train", "1v1Restricted", "--method", "dr", *TINY, "2_000", "--no-record", "--out", "{run}"],
+    ["play", "3v2FourBehaviors", "--record", "{run}/match.npz"],
+]
+
 
 def started(words: list[str], **settings: object) -> subprocess.Popen:
     """Start a command in a session of its own, as a terminal does."""
@@ -97,9 +102,8 @@ def attack(count: int, seed: int, folder: Path) -> dict[str, int]:
     rng, counts = random.Random(seed), {"ended": 0, "outside of us": 0, "too late": 0}
     run = folder / "run"
     if not (run / "match.npz").exists():
-        train = ["train", "1v1Restricted", "--method", "dr", *TINY, "2_000", "--no-record", "--out", str(run)]
-        for words in (train, ["play", "3v2FourBehaviors", "--record", str(run / "match.npz")]):
-            process = started(words)
+        for words in PREPARED:
+            process = started([word.format(run=run) for word in words])
             said = process.communicate()[0].decode()
             assert process.returncode == 0, said
     for k in range(count):

@@ -1,6 +1,7 @@
 """A task whose environments may be told to block in a call of C that no signal interrupts.
 
-In the folder `REGISTA_TEST_STUCK`, a file `make` or `step` says where; whoever blocks leaves a file `stuck`.
+In the folder `REGISTA_TEST_STUCK`, a file `make` or `step` says where; whoever blocks leaves a file `stuck`. A process
+writes there into `played` how many steps it has made.
 """
 
 from __future__ import annotations
@@ -27,9 +28,15 @@ def block(place: str) -> None:
 class SlowFrontier(Frontier):
     """The probe, which may block in a step."""
 
+    played = 0  # steps of all environments of this process
+
     def advance(self, actions: Any) -> Any:
         block("step")
-        return super().advance(actions)
+        outcome = super().advance(actions)
+        SlowFrontier.played += 1
+        if "REGISTA_TEST_STUCK" in os.environ:
+            (Path(os.environ["REGISTA_TEST_STUCK"]) / "played").write_text(str(SlowFrontier.played))
+        return outcome
 
 
 def make(num_envs: int) -> SlowFrontier:

@@ -51,6 +51,7 @@ def test_its_settings_are_the_published_ones_that_a_flag_overrides(run):
     assert (config.ppo.memory, config.accel.buffer.capacity, config.ppo.num_steps) == ("gru", 4000, 32)
 
 
+@pytest.mark.slow
 def test_a_run_is_resumed_and_evaluated_without_trust(run, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)

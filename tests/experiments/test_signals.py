@@ -13,9 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from regista.experiments.__main__ import main
 from regista.experiments.run.errors import run_command
 from regista.experiments.run.launch.signals import StopRequest
-from tests.attacks.interrupts import ROOT, attack, started
+from tests.attacks.interrupts import PREPARED, ROOT, attack, started
 
 
 def ask(number: int = signal.SIGINT) -> None:
@@ -99,7 +100,10 @@ def test_an_error_of_the_disk_is_not_taken_for_one_of_the_terminal(capsys):
 
 @pytest.mark.slow
 def test_commands_are_interrupted(tmp_path: Path):
-    assert attack(4, 0, tmp_path)["ended"] > 1  # `make torture` goes on
+    for words in PREPARED:
+        assert main([word.format(run=tmp_path / "run") for word in words]) == 0
+    found = attack(4, 7414, tmp_path)  # after 1 to 3 s, by three signals; `make torture` goes on
+    assert found["ended"] > 1
 
 
 @pytest.mark.slow

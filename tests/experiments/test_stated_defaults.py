@@ -12,6 +12,8 @@ from regista.experiments.__main__ import main
 from regista.experiments.commands import clone, compare, train
 from regista.experiments.run import build, starting, trust
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import all_starts
+from regista.minigames.suites import NAMED
 
 TASK = f"{Path(__file__).parents[2] / 'examples' / 'own_levels.py'}:make"
 CASES = [
@@ -79,6 +81,14 @@ def test_other_cases_are_what_they_are_called(argv, effective):
     if not games:
         assert {str(effective([name, "--preset", preset])) for name in ("1v1Free", "offense/11_vs_gk")} <= found
     assert not cases
+
+
+@pytest.mark.parametrize("preset", ["fast", "thesis"])
+def test_the_settings_of_all_minigames_are_there(preset):
+    found = [flat(config) for config in all_starts(preset)]
+    for name in NAMED:
+        assert flat(build.find_game(name).start(preset)) in found
+    assert len(found) < len(NAMED) / 5  # a command line makes each once
 
 
 def stated(capsys, *words):

@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 
+from regista.experiments.__main__ import main
 from regista.experiments.run.launch.signals import Watchdog
 from regista.experiments.run.table import read_rows
 from tests.attacks.interrupts import children, started
 
 pytestmark = pytest.mark.slow
 
+BUSY = 3.0  # s of processor time of one process, of which imports take 1 to 1.5: it is at work
 TASK = f"{Path(__file__).parent / 'slow_task.py'}:walk"
 LIMIT = 10.0  # s from the signal to the end of all processes
 TRAIN = ["--method", "plr", "--num-envs", "4", "--num-steps", "16", "--total-env-steps", "2_000", "--no-record"]
@@ -39,6 +41,21 @@ class Command:
             assert self.process.poll() is None and time.monotonic() < until, self.process.communicate()[0]
             time.sleep(0.02)
 
+    def wait_for_steps(self, steps: int, seconds: float = 120.0) -> None:
+        """Wait until a process has made so many steps of its environments."""
+        self.wait_for(self.folder / "played", seconds)
+        until = time.monotonic() + seconds
+        while int((self.folder / "played").read_text() or 0) < steps:
+            assert self.process.poll() is None and time.monotonic() < until, self.process.communicate()[0]
+            time.sleep(0.02)
+
+    def wait_for_work(self, seconds: float = 120.0) -> None:
+        """Wait until one of the processes has had `BUSY` seconds of processor time, or the command has ended."""
+        until = time.monotonic() + seconds
+        while self.process.poll() is None and max(map(spent, children(self.tag)), default=0.0) < BUSY:
+            assert time.monotonic() < until, "it does not work"
+            time.sleep(0.1)
+
     def stop(self, number: int = signal.SIGTERM) -> str:
         """Send a signal to the command alone; return what it said. All of its processes must end in time."""
         began = time.monotonic()
@@ -56,6 +73,15 @@ class Command:
         return said
 
 
+def spent(pid: int) -> float:
+    """Return the processor seconds of a process, 0 if it has ended."""
+    try:
+        told = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(told[11]) + int(told[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def rows_of(run: Path) -> list[dict[str, str]]:
     """Return the rows of a run's table but for wall-clock time."""
     rows = read_rows(run / "metrics.csv")
@@ -66,17 +92,11 @@ def train(out: Path) -> list[str]:
     return ["train", TASK, *TRAIN, "--out", str(out)]
 
 
-def finish(words: list[str]) -> None:
-    process = started(words)
-    said = process.communicate(timeout=120)[0].decode()
-    assert process.returncode == 0, said
-
-
 @pytest.fixture(name="alone", scope="module")
 def _alone(tmp_path_factory):
     """Return a run that nobody stopped."""
     run = tmp_path_factory.mktemp("alone") / "run"
-    finish(train(run))
+    assert main(train(run)) == 0
     return run
 
 
@@ -90,22 +110,23 @@ def test_a_run_that_blocks_ends_and_is_resumed_to_the_same_numbers(tmp_path, alo
     word = {signal.SIGTERM: "terminated", signal.SIGINT: "interrupted"}[number]
     assert f"regista: {word}" in command.stop(number)
     assert 0 < len(rows_of(run)) < len(rows_of(alone))
-    finish(["train", "--resume", str(run)])
+    assert main(["train", "--resume", str(run)]) == 0
     assert rows_of(run) == rows_of(alone)
 
 
 def test_learning_with_very_many_minibatches_ends_and_is_resumed_to_the_same_numbers(tmp_path):
-    long = ["train", TASK, "--method", "dr", "--num-envs", "16", "--num-steps", "64", "--total-env-steps", "1"]
-    long += ["--num-minibatches", "1024", "--no-record", "--eval-every", "0"]
+    words = ["train", TASK, "--method", "dr", "--num-envs", "16", "--num-steps", "64", "--total-env-steps", "1"]
+    words += ["--no-record", "--eval-every", "0"]
     run = tmp_path / "run"
-    command = Command(tmp_path / "told", [*long, "--update-epochs", "1000", "--out", str(run)])
-    command.wait_for(run / "owner.json")
-    time.sleep(6.0)  # it has played 64 steps, and learns for minutes
+    long = ["--num-minibatches", "1024", "--update-epochs", "1000", "--out", str(run)]
+    command = Command(tmp_path / "told", [*words, *long])
+    command.wait_for_steps(64)
+    time.sleep(2.0)  # it has finished the rollout, and learns for minutes
     command.stop()
     assert not (run / "metrics.csv").exists() and (run / "config.json").exists()
     alone = tmp_path / "alone"
-    finish([*long, "--update-epochs", "1", "--out", str(alone)])
-    finish([*long, "--update-epochs", "1", "--out", str(run)])  # nothing was finished: the name is free
+    words += ["--num-minibatches", "128", "--update-epochs", "1"]
+    assert main([*words, "--out", str(alone)]) == main([*words, "--out", str(run)]) == 0  # the name is free
     assert rows_of(run) == rows_of(alone)
 
 
@@ -121,8 +142,7 @@ def test_an_evaluation_within_training_ends(tmp_path):
     run = tmp_path / "run"
     words = ["train", TASK, *TRAIN, "--eval-every", "100", "--eval-episodes", "1000000", "--out", str(run)]
     command = Command(tmp_path / "told", words)
-    command.wait_for(run / "owner.json")
-    time.sleep(6.0)
+    command.wait_for_steps(1_000)  # training makes 500
     command.stop()
 
 
@@ -158,7 +178,7 @@ def test_long_work_ends(tmp_path, words):
     scene.write_text("x = Range(0, 1)\nego = Object at x @ 0\nrequire x < 0.000001\n")
     words = [word.format(scene=scene, out=tmp_path / "out") for word in words]
     command = Command(tmp_path / "told", words)
-    time.sleep(6.0)
+    command.wait_for_work()
     if command.process.poll() is None:  # a program that cannot be drawn may be refused by then
         command.stop()
 
@@ -166,7 +186,8 @@ def test_long_work_ends(tmp_path, words):
 def test_the_compilation_of_kernels_ends(tmp_path):
     told = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path), "HOME": str(tmp_path)}
     process = started(["play", "1v1Free"], env=told)
-    time.sleep(6.0)
+    while process.poll() is None and spent(process.pid) < BUSY:
+        time.sleep(0.1)
     began = time.monotonic()
     process.send_signal(signal.SIGTERM)
     said = process.communicate(timeout=60)[0].decode()

@@ -49,6 +49,7 @@ def settings_of(name, builder):
 # ---------------------------------------------------------------- a known answer
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family, best", [(DeclaredWords, 4.0), (TypedWords, 3.5)])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_the_best_levels_are_found_within_3200_proposals(family, best, seed):

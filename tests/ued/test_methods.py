@@ -194,6 +194,7 @@ def test_plr_writes_new_scores_of_replayed_levels():
             assert buffer.slots["score"][row] == last[int(level)]
 
 
+@pytest.mark.slow
 def test_accel_edits_what_was_replayed_and_only_looks_at_the_children():
     method = METHODS["accel"](frontier())
     seen = observed(method)

@@ -38,6 +38,7 @@ def test_a_name_that_is_not_there():
         _ = ued.PLR2
 
 
+@pytest.mark.slow
 def test_nothing_heavy_comes_along():
     """With all that is offered: what a single name needs is among it."""
     code = f"import sys\nfrom ued import *\nsys.exit(', '.join(set({HEAVY}) & sys.modules.keys()) or 0)"

@@ -35,6 +35,7 @@ def probability(student, *observation):
     return float(policy.log_probs.exp()[0, 1])
 
 
+@pytest.mark.slow
 def test_a_constant_reward_is_the_value():
     student, metrics = train(Constant())
     assert value(student, 0.0) == pytest.approx(1.0, abs=0.02)

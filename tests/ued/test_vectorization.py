@@ -82,6 +82,7 @@ def test_a_level_reaches_its_own_environment_in_another_process(both):
     assert apart.vector.get_attr("length") == pytest.approx((0.2, 2.0, 2.0))
 
 
+@pytest.mark.slow
 def test_processes_give_no_state_and_training_resumes_without_it(both, tmp_path):
     with pytest.raises(NotImplementedError, match='give no state; use vectorization="sync"'):
         both[1].get_state()

@@ -95,11 +95,8 @@ def test_generated_scenarios_give_the_same_commands(seed):
     assert found == [], text
 
 
-HUGE = {1072, 1110}  # as much work as all others together: 60,000 rows of code
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [seed for seed in range(1000, 1120) if seed not in HUGE])
+@pytest.mark.parametrize("seed", range(1000, 1040))
 def test_more_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
