@@ -148,7 +148,10 @@ class Report:
     def _of_all_scenes(self) -> Iterable[Entry]:
         scores = self._scores
         for name, score in scores.items():
-            found = {"mean": estimate.mean_score(score), "IQM": estimate.iqm_score(score)}
+            found: dict[str, Interval | Difference] = {
+                "mean": estimate.mean_score(score),
+                "IQM": estimate.iqm_score(score),
+            }
             found["IQM, stratified"] = estimate.iqm_stratified(score)
             if name in self.others():
                 found["mean minus first"] = estimate.score_advantage(score, scores[self.first])
@@ -176,7 +179,7 @@ class Report:
 
     def by_method(self) -> list[list[str]]:
         """Return methods x aggregates over all scenes and over random levels."""
-        columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
+        columns: dict[str, Write] = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
         if self.others():
             columns |= {"mean minus first": _points, "P(better)": two_digits}
         if self.levels:

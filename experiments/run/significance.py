@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 LEVEL = 0.05
 SURVIVES, SINGLE = "*", "†"
 LEGEND = (
-    f"{SURVIVES} survives Holm's correction at 5% over the {{tests}} of this table; {SINGLE} does not, though its "
-    "interval excludes 0; p-values: same bootstrap over whole runs, at least {least:.4f}"
+    f"marks: {SURVIVES} survives Holm's correction at 5% over the {{tests}} of this table; {SINGLE} does not, though "
+    "its interval excludes 0; p-values: same bootstrap over whole runs, at least {least:.4f}"
 )
-HOW = "power 80%, level 5% for one difference, from the pooled standard deviation of the runs by Student's t"
+HOW = "power below 80% at level 5% for one difference, from the pooled standard deviation of the runs by Student's t"
 
 
 def mark(difference: Any, adjusted: float) -> str:
@@ -48,6 +48,11 @@ def legend(p_values: Sequence[float]) -> str:
     return f"{text}; so many that none can survive" if tests * least > LEVEL else text
 
 
+def sentences(*lines: str) -> str:
+    """Return the lines that are not empty as sentences."""
+    return " ".join(f"{line[0].upper()}{line[1:]}." for line in lines if line)
+
+
 def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
     """Return the line about differences that are too small to be seen; "" where nothing is known.
 
@@ -62,4 +67,4 @@ def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
     low, high = (unit.format(size) for size in (min(known), max(known)))
     runs = f"{min(counts)}" if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)}"
     ends = low if low == high else f"{low} to {high}, depending on the scene,"
-    return f"{runs} runs each: differences under {ends} cannot be seen ({HOW})"
+    return f"{runs} runs each: differences under {ends} cannot be seen reliably ({HOW})"

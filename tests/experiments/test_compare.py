@@ -287,7 +287,7 @@ def test_marks_tell_differences_that_survive_holm_from_others():
     first, second = report.text().split("\n\n")
     assert "survives Holm's correction at 5% over the 4 differences of this table" in first and "] †" in first
     assert "over the 2 differences of this table" in second
-    assert "5 runs each: differences under 0.1" in first and "points cannot be seen (power 80%" in second
+    assert "5 runs each: differences under 0.1" in first and "points cannot be seen reliably (power below 80%" in second
     assert report.markdown().count("Holm") == 2
     assert all(np.isnan(one.p) and not one.mark for one in report.entries if one.measure not in DIFFERENCES)
 
