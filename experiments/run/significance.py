@@ -1,6 +1,6 @@
 """Which differences of a table may be claimed: marks after Holm's correction, and which are too small to be seen.
 
-All differences that one table shows are one family. Read next: `holm` and `detectable` of `ued.statistics`.
+All differences that one table shows are one family. Read next: `ued.statistics`, where p-values come from.
 """
 
 from __future__ import annotations
