@@ -201,7 +201,7 @@ class Report:
         steps, updates = ([getattr(row, name) for row in rows] for name in ("env_steps", "updates"))
         return [str(len(rows)), *(f"{round(np.mean(counts)):_}" if any(counts) else "–" for counts in (steps, updates))]
 
-    def _notes_by_scene(self) -> list[str]:
+    def notes_by_scene(self) -> list[str]:
         """Return the notes below the first table."""
         sizes = [
             estimate.detectable_return([select(self.results, m, scene) for m in self.several]) for scene in self.scenes
@@ -231,12 +231,12 @@ class Report:
 
     def text(self) -> str:
         """Return both tables for a terminal."""
-        first, second = (";\n ".join(notes) for notes in (self._notes_by_scene(), self._notes()))
+        first, second = (";\n ".join(notes) for notes in (self.notes_by_scene(), self._notes()))
         return f"{align(self.by_scene())}\n[{first}]\n\n{align(self.by_method())}\n[{second}]"
 
     def markdown(self) -> str:
         """Return both tables in Markdown."""
-        first, second = ("; ".join(notes) for notes in (self._notes_by_scene(), self._notes()))
+        first, second = ("; ".join(notes) for notes in (self.notes_by_scene(), self._notes()))
         return f"{as_markdown(self.by_scene())}\n\n{first}.\n\n{as_markdown(self.by_method())}\n\n{second}."
 
     def save(self, folder: Path) -> None:
