@@ -13,19 +13,19 @@ import numpy as np
 
 from lab.studies.rows import TRAIN, Row
 from lab.thesis.curves import CURVES, Value
-from lab.thesis.plan import FIGURES, METHODS
+from lab.thesis.plan import FIGURES, METHODS, in_order
 from regista.experiments.pictures import plots
 from regista.experiments.run import results as estimate
 from regista.experiments.run.results import unique
 
-AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return (regret)"}
+AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
 STRATEGIES = "#8a9199"
 WIDTH = 0.8  # of a group of bars
 
 
 def scene_names(rows: Sequence[Row]) -> dict[str, str]:
-    """Return the scenes of a game, training first, with the names that figures show."""
-    scenes = sorted(unique([row.scene for row in rows]), key=lambda scene: scene != TRAIN)
+    """Return the scenes of a game with the names that figures show."""
+    scenes = unique([row.scene for row in in_order(rows)])
     tests = [scene for scene in scenes if scene != TRAIN]
     names = {scene: f"test {k}\n{scene}" for k, scene in enumerate(tests)}
     return {scene: names.get(scene, "training\ndistribution") for scene in scenes}
@@ -59,6 +59,7 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
         figure, axes = plt.subplots(figsize=(5.2, 3.2), layout="constrained")
         bar(axes, np.arange(len(scenes)), [estimate.select(results, "built-in", s) for s in scenes], 0.6, STRATEGIES)
         finish(axes, [scene.replace(": ", "\n") for scene in scenes], "Figure 4.4: built-in AI against the strategies")
+        axes.set_ylabel("goal difference of the built-in AI")
         plots.save(figure, path)
 
 
@@ -103,6 +104,9 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
             plots.label_steps(grid[-1, column])
         for row, curve in enumerate(CURVES):
             grid[row, 0].set_ylabel(AXES[curve])
+        figure.suptitle(
+            "Figure 4.9: training returns; the environment's is the regret of its levels", x=0.01, ha="left"
+        )
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
         plots.save(figure, path)

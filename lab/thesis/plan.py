@@ -11,8 +11,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from lab.studies.curricula import LONG, Settings
+from lab.studies.rows import TRAIN, Row
 from lab.studies.runs import training
 from regista.experiments.run.config import TrainConfig, presets
+from regista.experiments.run.games import find_minigame
 from regista.minigames.published import published
 
 SEEDS = range(10)  # of final tables; nothing is tuned on them
@@ -97,6 +99,17 @@ def paired_arms(games: Sequence[str], methods: Sequence[str], budget: Budget) ->
             for agent in methods:
                 chosen = METHODS[agent]
                 yield Arm(game, agent, seed, budget.settings(chosen.settings | {"method": chosen.method}))
+
+
+def in_order(rows: Sequence[Row]) -> list[Row]:
+    """Return rows by method and scene in the order of figures: the training distribution, then the game's tests."""
+    agents = [*METHODS]
+
+    def place(row: Row) -> tuple[int, int]:
+        scenes = [TRAIN, *(label for label, _ in find_minigame(row.game).tests)]
+        return agents.index(row.agent) if row.agent in agents else len(agents), scenes.index(row.scene)
+
+    return sorted(rows, key=place)
 
 
 def table_games() -> list[str]:

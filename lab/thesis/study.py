@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
@@ -86,7 +87,7 @@ def measure(task: tuple[Path, str, int]) -> tuple[list[Row], list[Value]]:
 def measure_strategies(episodes: int) -> list[Row]:
     """Let the built-in AI attack each of the four strategies of the 3v2 game for so many episodes (Figure 4.4)."""
     found = build.find_game(DUEL)
-    config = found.start("fast")
+    config = replace(found.start("fast"), minigame=found.name)
     scenes = EvalScenes(config, found, episodes)
     played = scenes.play(ScriptedPolicy(), [label for label, _ in found.minigame.tests])
     return rows_of(config, played, {"agent": "built-in", "seed": 0, "env_steps": 0, "seconds": 0.0})

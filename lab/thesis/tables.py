@@ -12,7 +12,7 @@ from pathlib import Path
 from lab.studies.rows import TRAIN, Row, played_on
 from lab.studies.runs import ROOT
 from lab.studies.tables import spell
-from lab.thesis.plan import FIGURES
+from lab.thesis.plan import FIGURES, in_order
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
 from regista.experiments.run.progress import count
@@ -28,7 +28,7 @@ def paired_tables(rows: Sequence[Row]) -> str:
     """Return a table for each game: mean returns of each method on each scene, and differences to DR with marks."""
     parts = []
     for game, figure in FIGURES.items():
-        mine = [row for row in rows if row.game == game]
+        mine = in_order([row for row in rows if row.game == game])
         if not mine:
             continue
         report = Report([row.result() for row in mine])
