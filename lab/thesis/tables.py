@@ -11,7 +11,7 @@ from pathlib import Path
 
 from lab.studies.rows import TRAIN, Row, played_on
 from lab.studies.runs import ROOT
-from lab.studies.tables import spell
+from lab.studies.tables import NOTE, spell
 from lab.thesis.plan import FIGURES, in_order
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
@@ -60,9 +60,7 @@ def randomization_table(rows: Sequence[Row]) -> str:
         cells = ["" if one is None else f"{one.goal_difference:+.2f}" for one in known]
         steps = " to ".join(unique([count(row.env_steps) for row in mine]))
         table.append([game, spell(estimate.mean_return(mine), "{:+.2f}"), *cells, steps, str(len(mine))])
-    about = (
-        f"Mean returns per episode on the training distribution; {per_run(rows)}. 95% intervals: bootstrap over runs."
-    )
+    about = f"Mean returns per episode on the training distribution; {per_run(rows)}. {NOTE}."
     return f"{as_markdown(table)}\n\n{about} {made(rows, 'randomization')}"
 
 
