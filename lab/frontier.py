@@ -1,11 +1,12 @@
 """Which methods learn where nearly all random levels are too hard? The table and the picture of the frontier.
 
 Reads a comparison on `ued.probes:frontier` (40 core-minutes), prints its table, or writes it into RESULTS.md with the
-picture `experiments/gallery/frontier.png`:
+picture `experiments/gallery/frontier.png`, and the rows of all runs into lab/results/frontier.csv:
 
     regista compare ued.probes:frontier --methods dr minimax paired_literal paired self_regret repaired plr robust_plr \
         accel --seeds 20 --levels 0 --no-record --out runs/frontier
     python -m lab.frontier runs/frontier --publish
+    python -m lab.frontier                           # the table of the rows in lab/results/frontier.csv
 """
 
 from __future__ import annotations
@@ -18,37 +19,54 @@ from pathlib import Path
 import numpy as np
 
 from regista.experiments.pictures import plots
+from regista.experiments.run import significance
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.table import read_columns, read_rows
 from ued.probes import LONGEST
-from ued.statistics import Interval, bootstrap, iqm, probability_of_improvement
+from ued.statistics import Bootstrap, Difference, Interval, bootstrap, detectable, iqm, probability_of_improvement
 
 SCENE = "every length"  # one level of each length: its success rate is the share of the turns that a student knows
 PAGE, PICTURE = Path("RESULTS.md"), Path("experiments/gallery/frontier.png")
+ROWS = Path("lab/results/frontier.csv")
 NOTE = "95% CI: bootstrap over runs; of P(better), Newcombe's."
 
 
 def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[list[str]]:
     """Return a row for each method from the success rates `[R]` of its runs; the first method is the reference."""
-    first, rng = next(iter(rates)), np.random.default_rng(0)
-    base = bootstrap(rates[first], rng)
+    first, found, gains = next(iter(rates)), *estimates(rates)
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     rows = [["method", "turns known", "success", "IQM", f"minus {first}", f"P(better than {first})", "env steps"]]
     for name, mine in rates.items():
-        found = bootstrap(mine, rng)
-        row = [name, f"{LONGEST * found.estimate:.1f} of {LONGEST}", percent(found.interval()), f"{iqm(mine):.0%}"]
-        better = ["", ""]
-        if name != first:
+        known = f"{LONGEST * found[name].estimate:.1f} of {LONGEST}"
+        row = [name, known, percent(found[name].interval()), f"{iqm(mine):.0%}", "", ""]
+        if name in gains:
             chance = probability_of_improvement(mine, rates[first])
-            better = [
-                percent((found - base).interval(), "+"),
-                f"{chance.estimate:.2f} [{chance.low:.2f}, {chance.high:.2f}]",
-            ]
-        rows.append([*row, *better, steps[name]])
+            row[4] = f"{percent(gains[name], '+')} {marks[name]}".rstrip()
+            row[5] = f"{chance.estimate:.2f} [{chance.low:.2f}, {chance.high:.2f}]"
+        rows.append([*row, steps[name]])
     return rows
 
 
-def percent(interval: Interval, sign: str = "") -> str:
+def estimates(rates: Mapping[str, np.ndarray]) -> tuple[dict[str, Bootstrap], dict[str, Difference]]:
+    """Return the mean of each method, and the difference of each but the first to the first."""
+    first, *others = rates
+    rng = np.random.default_rng(0)
+    base = bootstrap(rates[first], rng)
+    found = {name: bootstrap(mine, rng) for name, mine in rates.items()}
+    return found, {name: (found[name] - base).difference() for name in others}
+
+
+def note(rates: Mapping[str, np.ndarray]) -> str:
+    """Return what stands below the table."""
+    counts = [len(mine) for mine in rates.values()]
+    legend = significance.legend([gain.p for gain in estimates(rates)[1].values()])
+    size = 100 * detectable(list(rates.values()))
+    said = significance.sentences(legend, significance.visible([size], counts, "{:.0f} points"))
+    return f"{NOTE} {counts[0]} runs of each method. {said}"
+
+
+def percent(interval: Interval | Difference, sign: str = "") -> str:
     """Return a share, or with a sign a difference of shares, with its interval, in percent."""
     ends = np.clip((interval.estimate, interval.low, interval.high), -1.0 if sign else 0.0, 1.0)
     middle, low, high = (f"{100 * value:{sign}.0f}" for value in ends)
@@ -81,22 +99,26 @@ def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md, and the picture")
+    parser.add_argument("folder", type=Path, nargs="?", help="of the comparison; without: the stored rows")
+    parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md, picture and rows")
     typed = parser.parse_args()
-    rows = [row for row in read_rows(typed.folder / "results.csv") if row["scene"] == SCENE and row["updates"] != "0"]
+    if typed.publish and typed.folder is None:
+        parser.error("--publish needs the folder of the comparison")
+    stored = ROWS if typed.folder is None else typed.folder / "results.csv"
+    rows = [row for row in read_rows(stored) if row["scene"] == SCENE and row["updates"] != "0"]
     methods = list(dict.fromkeys(row["method"] for row in rows))
     rates = {
         name: np.array([int(row["goals"]) / int(row["episodes"]) for row in rows if row["method"] == name])
         for name in methods
     }
     steps = {row["method"]: f"{int(row['env_steps']):_}" for row in rows}
-    text = f"{as_markdown(table(rates, steps))}\n\n{NOTE} {len(rates[methods[0]])} runs of each method."
+    text = f"{as_markdown(table(rates, steps))}\n\n{note(rates)}"
     if not typed.publish:
         print(text)
         return
     page = re.sub("(<!-- frontier -->\n).*?(<!-- end -->)", rf"\g<1>{text}\n\g<2>", PAGE.read_text(), flags=re.DOTALL)
     write_text(PAGE, page)
+    write_text(ROWS, stored.read_text())
     folders = [RunFolder.open(path.parent) for path in sorted(typed.folder.glob("*/config.json"))]
     draw({name: [run.path for run in folders if run.config.method == name] for name in methods}, PICTURE)
 

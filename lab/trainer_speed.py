@@ -37,6 +37,7 @@ from pathlib import Path
 from typing import Any
 
 from lab.trainers import missing
+from regista.envs.football.version import SIMULATOR_VERSION
 
 ROOT = Path(__file__).parents[1]
 TORSOS = {
@@ -46,7 +47,7 @@ TORSOS = {
     "pufferlib": ("shared", "separate"),
 }
 MEASURED = "steps_per_second", "gradient_steps", "weights", "load", "versions"
-COLUMNS = "round", "trainer", "torso", "num_envs", "num_steps", *MEASURED
+COLUMNS = "round", "trainer", "torso", "num_envs", "num_steps", *MEASURED, "simulator"
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -82,7 +83,11 @@ def measure(options: argparse.Namespace, trainer: str, torso: str, shape: str) -
     num_envs, num_steps = map(int, shape.split("x"))
     row = {"trainer": trainer, "torso": torso, "num_envs": num_envs, "num_steps": num_steps}
     found = run(row | {"game": options.game, "warm": options.warm, "seconds": options.seconds})
-    row |= {"steps_per_second": round(found.pop("speed")), "load": " ".join(f"{load:.2f}" for load in os.getloadavg())}
+    row |= {
+        "simulator": SIMULATOR_VERSION,
+        "steps_per_second": round(found.pop("speed")),
+        "load": " ".join(f"{load:.2f}" for load in os.getloadavg()),
+    }
     return row | found | {"gradient_steps": round(found["gradient_steps"], 3)}
 
 

@@ -24,7 +24,18 @@ from typing import Any
 
 ROOT = Path(__file__).parents[1]
 SHARES = ("sim", "forward", "levels", "learn", "curriculum")
-COLUMNS = ("round", "code", "game", "method", "num_envs", "num_steps", "steps_per_second", *SHARES, "limit")
+COLUMNS = (
+    "round",
+    "code",
+    "game",
+    "method",
+    "num_envs",
+    "num_steps",
+    "steps_per_second",
+    *SHARES,
+    "limit",
+    "simulator",
+)
 BACKWARD = 2  # the gradient of a product takes two products
 
 # What one process measures; it must run with the code of older checkouts, too.
@@ -34,6 +45,7 @@ from dataclasses import replace
 
 import torch
 
+from regista.envs.football.version import SIMULATOR_VERSION
 from regista.experiments.run import build
 
 game, method, num_envs, num_steps, seconds, warm = json.loads(sys.argv[1])
@@ -53,6 +65,7 @@ while time.process_time() - began < seconds:
 steps, took = made.env_steps - steps, time.process_time() - began
 products = sum(weight.numel() for weight in made.student.parameters() if weight.ndim == 2)
 print(json.dumps({"steps_per_second": steps / took, "products": products, "epochs": ppo.update_epochs}
+      | {"simulator": SIMULATOR_VERSION}
       | {name: value / steps * 1e6 for name, value in spent.items()}))
 """
 PEAK = """
@@ -105,7 +118,7 @@ def measure(folder: Path, options: argparse.Namespace, method: str, shape: str, 
     found = json.loads(run_python(MEASURED, folder, what))
     flops = 2 * found["products"] * (1 + found["epochs"] * (1 + BACKWARD))
     row = {"game": options.game, "method": method, "num_envs": num_envs, "num_steps": num_steps}
-    row |= {name: f"{found[name]:.2f}" for name in SHARES}
+    row |= {name: f"{found[name]:.2f}" for name in SHARES} | {"simulator": found["simulator"]}
     return row | {"steps_per_second": round(found["steps_per_second"]), "limit": f"{flops / peak * 1e6:.2f}"}
 
 

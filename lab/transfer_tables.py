@@ -17,6 +17,7 @@ import numpy as np
 
 from lab.grf.experts import experts
 from regista.envs.football.version import SIMULATOR_VERSION
+from regista.experiments.run import significance
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import Counted, goal_rate
@@ -25,7 +26,7 @@ from regista.experiments.transfer.goals import FAR, OUT, shares
 from regista.experiments.transfer.replaying import Result
 from regista.experiments.transfer.report import LEAST, WANTED, counts, rate_ratio
 from regista.minigames.published import find_published
-from ued.statistics import Interval, bootstrap, spearman, wilson
+from ued.statistics import Difference, Interval, bootstrap, spearman, wilson
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "lab" / "results"
@@ -52,7 +53,7 @@ def percent(interval: Interval) -> str:
     return f"{100 * interval.estimate:.0f}%{ends}"
 
 
-def number(interval: Interval, sign: str = "") -> str:
+def number(interval: Interval | Difference, sign: str = "") -> str:
     """Return a number with its interval, if it has one."""
     if interval.estimate != interval.estimate:
         return "no goal, ours"
@@ -198,10 +199,10 @@ def exploits(rows: Rows) -> str:
 # ---------------------------------------------------------------- the other parts
 
 
-def gaps(rows: Rows) -> Interval:
+def gaps(rows: Rows) -> Difference:
     """Return the mean of GRF's goal difference less ours over runs."""
     ours, grf = (np.array([float(row["mean_return"]) for row in chosen(rows, engine=engine)]) for engine in ENGINES)
-    return bootstrap(grf - ours, np.random.default_rng(0)).interval()
+    return bootstrap(grf - ours, np.random.default_rng(0)).difference()
 
 
 def defense(rows: Rows) -> str:
@@ -217,7 +218,9 @@ def defense(rows: Rows) -> str:
             "GRF",
         ]
     ]
-    for game in unique(rows, "game"):
+    found = {game: gaps(chosen(rows, game=game)) for game in unique(rows, "game")}
+    marks = significance.marks(list(found.values()))
+    for (game, gap), mark in zip(found.items(), marks, strict=True):
         mine = chosen(rows, game=game)
         sides = [chosen(mine, engine=engine) for engine in ENGINES]
         scores = [", ".join(f"{float(row['mean_return']):+.2f}" for row in side) for side in sides]
@@ -225,13 +228,14 @@ def defense(rows: Rows) -> str:
             " / ".join(f"{100 * np.mean([float(row[f'ended/{w}']) for row in side]):.0f}" for w in words)
             for side in sides
         ]
-        table.append([game, *scores, number(gaps(mine), "+"), *ends])
+        table.append([game, *scores, f"{number(gap, '+')} {mark}".rstrip(), *ends])
     about = (
         f"Policies trained with DR in our simulator for {steps(rows)} env steps, `features`, rewarded for goals; "
         f"{seeds(rows)}, {per_run(rows)}, actions sampled. How episodes end is in percent. Nothing was searched. Over "
         f"all {len(rows) // 2} runs, GRF − ours is {number(gaps(rows), '+')} (95% CI: bootstrap over runs)."
     )
-    return f"{as_markdown(table)}\n\n{about}"
+    legend = significance.sentences(significance.legend([gap.p for gap in found.values()]))
+    return f"{as_markdown(table)}\n\n{about} {legend}".rstrip()
 
 
 def over_scenes(rows: Rows, name: str, statistic: Callable[[np.ndarray], float]) -> Interval:

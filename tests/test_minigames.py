@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import METRES_PER_X, METRES_PER_Y
 from regista.envs.football.scenic.domain import FOOTBALL
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.minigames import BENCHMARK, MINIGAMES
 from scenic_lite import load
+from ued.core.baselines import Untrained
+from ued.evaluation import evaluate
 
 OBJECTS = {
     "1v1Restricted": ["LeftCM", "RightGK", "LeftGK", "Ball"],
@@ -140,6 +143,30 @@ def test_every_strategy_comes_up_in_training():
     assert (counts > 5).all()
 
 
+class Idle(Untrained):
+    def play(self, observation, generator, greedy=False, memory=None):
+        return np.zeros(len(observation), np.int64)
+
+
+def test_the_built_in_ai_is_a_baseline_that_leaves_the_environments_alone():
+    """It scores where idle players do not, plays the same again, and what is played next is not played by it."""
+    task = MINIGAMES["1v1Restricted"].task()
+    upomdp = task.scenes()["easy"](16)
+    built_in = task.make_baselines(upomdp)["built-in"]
+    first, again = (evaluate(built_in, upomdp, 48, 0) for _ in range(2))
+    assert first.success.tolist() == again.success.tolist() and first.success.mean() > 0.3
+    assert not upomdp.scripted
+    assert evaluate(Idle(), upomdp, 48, 0).success.sum() == 0
+    by_hand = evaluate(Idle(), upomdp.with_scripted_policy(), 48, 0)
+    assert by_hand.returns.tolist() == first.returns.tolist() and by_hand.lengths.tolist() == first.lengths.tolist()
+
+
+def test_grf_has_no_built_in_baseline():
+    config = FootballConfig(engine="grf")
+    task = MINIGAMES["1v1Restricted"].task(config, make=lambda *_, **__: None)
+    assert set(task.baselines) == {"shoot", "random"}
+
+
 @pytest.mark.parametrize("name", BENCHMARK)
 def test_defences_say_that_they_are(name):
     game = BENCHMARK[name]
@@ -156,5 +183,5 @@ def test_a_minigame_is_a_task():
         upomdp = task.make_scene(scene)(2)
         seen, _ = upomdp.reset(seed=0)
         assert seen.shape[0] == 2 and task.painter(upomdp).positions(upomdp.levels["theta"]).shape == (2, 4, 2)
-    assert list(task.make_baselines(upomdp)) == ["shoot", "random"]
+    assert list(task.make_baselines(upomdp)) == ["shoot", "random", "built-in"]
     assert BENCHMARK["defense/2vs2"].task().success_word == "success"

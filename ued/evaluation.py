@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ued.core.baselines import within
+from ued.core.baselines import stage_of, within
 from ued.core.level_space import SEEDS
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.upomdp import PREFETCH, UPOMDP, successes
@@ -86,9 +86,12 @@ class Schedule:
 
     def play(self, student: Student, greedy: bool = False, on_end: OnEnd | None = None) -> Evaluation:
         """Play all episodes; `on_end` is called with the number of those that have just ended."""
-        player = Player(within(student, self.upomdp), torch_generator(self.action_seed), greedy)
+        stage = stage_of(student, self.upomdp)
+        player = Player(within(student, stage), torch_generator(self.action_seed), greedy)
         playlist = self.levels[self.index]
-        returns, success, lengths = _play(player, self.upomdp, playlist, self.visits, on_end)
+        returns, success, lengths = _play(player, stage, playlist, self.visits, on_end)
+        if stage is not self.upomdp:
+            stage.close()
         return Evaluation(returns, success, lengths, self.index, self.levels.copy(), int(lengths.sum()))
 
 

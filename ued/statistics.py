@@ -17,7 +17,9 @@ from typing import NamedTuple
 import numpy as np
 
 LEAST = 5  # values that an interval needs: runs, or episodes of a single run
+SAMPLES = 4000  # draws of a bootstrap
 Z = 1.959964  # normal quantile of a 95% interval
+POWER_Z = 0.841621  # normal quantile of a power of 80%
 
 
 class Interval(NamedTuple):
@@ -31,6 +33,25 @@ class Interval(NamedTuple):
     def known(self) -> bool:
         """Whether there is an interval, not an estimate alone."""
         return self.low == self.low and self.high == self.high
+
+
+class Difference(NamedTuple):
+    """A difference with its confidence interval and two-sided p-value of no difference; nan where there is none."""
+
+    estimate: float
+    low: float
+    high: float
+    p: float
+
+    @property
+    def known(self) -> bool:
+        """Whether there is an interval, not an estimate alone."""
+        return self.low == self.low and self.high == self.high
+
+    @property
+    def excludes_zero(self) -> bool:
+        """Whether there is an interval, and 0 lies outside."""
+        return self.low > 0 or self.high < 0
 
 
 def iqm(values: np.ndarray) -> float:
@@ -67,13 +88,28 @@ class Bootstrap:
         low, high = np.quantile(self.draws, [(1 - confidence) / 2, (1 + confidence) / 2])
         return Interval(self.estimate, float(low), float(high))
 
+    def difference(self) -> Difference:
+        """Return the estimate, its 95% interval and the two-sided p-value of 0, for the difference of two.
+
+        The p-value inverts the interval: it is the smallest level at which the percentile interval excludes 0 (Efron
+        and Tibshirani 1993, section 15.4). One draw is added to the count, so that it is never 0 (Davison and Hinkley
+        1997, equation 4.11). Of 4,000 draws the smallest is 0.0005, for any number of runs from `LEAST` on. A
+        permutation test of whole runs, 2 / C(2n, n) at least for n runs of each method, cannot go below 0.0079 with
+        five runs, where nothing would survive `holm` over seven differences, and below 1.1e-5 with ten. Its null
+        hypothesis is also another one: equal distributions, not equal means. The price of the bootstrap: p-values near
+        its smallest rest on the tails of Student's t (see `bootstrap`), not on what five runs can show by themselves.
+        """
+        less = min(float((self.draws <= 0).sum()), float((self.draws >= 0).sum()))
+        p = min(1.0, 2 * (less + 1) / (len(self.draws) + 1)) if np.isfinite(self.draws).all() else np.nan
+        return Difference(*self.interval(), p)
+
 
 def bootstrap(
     per_run: np.ndarray,
     rng: np.random.Generator,
     statistic: Callable[[np.ndarray], float] = mean,
     errors: np.ndarray | None = None,
-    samples: int = 4000,
+    samples: int = SAMPLES,
 ) -> Bootstrap:
     """Resample whole runs: give a statistic of R runs `[R, ...]` and what it might have been.
 
@@ -106,6 +142,49 @@ def _of_each(statistic: Callable[[np.ndarray], float], samples: np.ndarray) -> n
     return np.array([statistic(sample) for sample in samples])
 
 
+def holm(p_values: Sequence[float]) -> list[float]:
+    """Return adjusted p-values of a family of tests (Holm 1979): one that is at most 5% is significant.
+
+    The chance that any true null hypothesis is rejected is then at most 5%, however the tests depend on each other:
+    they share the runs of a reference. nan is no test, stays, and does not count.
+    """
+    p = np.asarray(p_values, float)
+    adjusted, most = np.full(len(p), np.nan), 0.0
+    tests = np.flatnonzero(np.isfinite(p))
+    for rank, k in enumerate(tests[np.argsort(p[tests], kind="stable")]):
+        most = max(most, min(1.0, (len(tests) - rank) * p[k]))
+        adjusted[k] = most
+    return adjusted.tolist()
+
+
+def detectable(groups: Sequence[np.ndarray], errors: Sequence[np.ndarray] | None = None) -> float:
+    """Return the smallest true difference of two methods that so many runs detect: power 80%, level 5%.
+
+    It is the sum of two quantiles of Student's t times the standard error of a difference of two means (Bloom 1995).
+    The first, 97.5%, has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
+    of each method by itself; the second, 80%, those of the variance, which is pooled over all groups. The two smallest
+    groups are compared. So it is the power of the intervals here: normal runs that differ by this size had an interval
+    without 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with a pooled variance
+    would detect slightly smaller differences. A correction for several differences takes larger ones.
+
+    Args:
+        groups: values `[R]` of each method's runs; those of fewer than three runs do not count.
+        errors: their standard errors `[R]`; runs that agree by chance vary at least so much.
+
+    Returns nan for fewer than two groups of at least three runs.
+    """
+    kept = [k for k, values in enumerate(groups) if len(values) > 2]
+    if len(kept) < 2:
+        return float("nan")
+    counts = sorted(len(groups[k]) for k in kept)
+    degrees = sum(counts) - len(kept)
+    variance = sum(float(((groups[k] - groups[k].mean()) ** 2).sum()) for k in kept) / degrees
+    if errors is not None:
+        variance = max(variance, float(np.mean(np.concatenate([errors[k] for k in kept]) ** 2)))
+    reach = t_quantile(Z, counts[0] - 1) + t_quantile(POWER_Z, degrees)
+    return reach * float(np.sqrt(variance * (1 / counts[0] + 1 / counts[1])))
+
+
 def wilson(successes: int, trials: int, z: float = Z) -> Interval:
     """Return a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95%.
 
@@ -126,17 +205,24 @@ def wilson(successes: int, trials: int, z: float = Z) -> Interval:
 def student_t(estimate: float, error: float, count: int) -> Interval:
     """Return a mean of `count` values with Student's 95% interval; `error` is its standard error.
 
-    The quantile is the normal one, expanded in the degrees of freedom (Abramowitz and Stegun 1964, 26.7.5): right to
-    0.001 from five values on. Fewer have no interval.
+    Fewer than `LEAST` values have no interval.
     """
     if count < LEAST:
         return Interval(estimate, np.nan, np.nan)
-    z, degrees = Z, count - 1
-    reach = z + (z**3 + z) / (4 * degrees)
-    reach += (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
-    reach += (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * degrees**3)
-    reach += (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / (92160 * degrees**4)
+    reach = t_quantile(Z, count - 1)
     return Interval(estimate, estimate - reach * error, estimate + reach * error)
+
+
+def t_quantile(z: float, degrees: int) -> float:
+    """Return the quantile of Student's t at the probability of the normal quantile `z`.
+
+    It is expanded in the degrees of freedom (Abramowitz and Stegun 1964, 26.7.5): right to 0.001 from four degrees on,
+    to 1% from two on, for probabilities up to 97.5%.
+    """
+    value = z + (z**3 + z) / (4 * degrees)
+    value += (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
+    value += (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * degrees**3)
+    return value + (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / (92160 * degrees**4)
 
 
 def of_episodes(returns: np.ndarray) -> Interval:

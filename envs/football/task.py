@@ -18,7 +18,7 @@ from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.envs.football.view.render import FootballPainter
 from scenic_lite import Program
-from ued.core.baselines import UniformPolicy, Untrained
+from ued.core.baselines import ScriptedPolicy, UniformPolicy, Untrained
 from ued.core.task import Task
 
 Programs = Mapping[str, Program | str | Path]
@@ -43,6 +43,7 @@ def football_task(
     Raises `NotAMatchError` for a program that describes no match.
     """
     lineup = Lineup(program, str(config.control), str(config.right_control), config.engine_spread)
+    ours = config.engine == "regista"  # a copy of GRF's matches for every scene would start its processes again
 
     def environments(programs: Programs | None) -> dict[str, Any]:
         return {name: partial(make, test, config=config) for name, test in (programs or {}).items()}
@@ -52,7 +53,7 @@ def football_task(
         environments(tests),
         painter=lambda upomdp: FootballPainter(upomdp.lineup),  # type: ignore[attr-defined]
         held_out=environments(held_out),
-        baselines={"shoot": _shoot, "random": _random},
+        baselines={"shoot": _shoot, "random": _random} | ({"built-in": _built_in} if ours else {}),
         success_word="success" if lineup.config.defending else "goals",
     )
 
@@ -75,6 +76,11 @@ def _agents(upomdp: Any) -> tuple[int, ...]:
 
 def _shoot(upomdp: Any) -> ShootPolicy:
     return ShootPolicy(_agents(upomdp))
+
+
+def _built_in(upomdp: Any) -> ScriptedPolicy:
+    """Make the built-in AI, or what the program's behaviors do, a policy of the agents' players."""
+    return ScriptedPolicy(_agents(upomdp))
 
 
 def _random(upomdp: Any) -> UniformPolicy:

@@ -33,7 +33,7 @@ from ued.core.task import TRAINING_SCENE
 from ued.methods import METHODS
 
 DESCRIPTION = (
-    "Train methods on one minigame over several seeds, evaluate every run and two baselines on its test scenes, and "
+    "Train methods on one minigame over several seeds, evaluate every run and the baselines on its test scenes, and "
     "write tables and pictures. You can stop it at any time; the same command continues."
 )
 CHOSEN = ("minigame", "method", "seed")  # settings that the comparison sets for each run

@@ -61,7 +61,7 @@ class EvaluateConfig(Checked):
     )
     level_episodes: int = setting(10, "episodes on each, an even number", most=10_000, least=2)
     held_out: bool = setting(False, "evaluate on the held-out scenes, for final results only")
-    baselines: bool = setting(True, "also evaluate the baselines 'shoot' and 'random'")
+    baselines: bool = setting(True, "also evaluate the baselines 'shoot', 'random' and, in our simulator, 'built-in'")
     threads: int = setting(1, "threads for the simulator and for the networks", ">=1", most=most_threads)
     csv: Path | None = setting(None, "also write the results to this CSV file")
     markdown: Path | None = setting(None, "also write the tables to this Markdown file")

@@ -26,9 +26,16 @@ if TYPE_CHECKING:
 
 INK = "#22262b"
 FAINT = "#8a9199"
-METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {"shoot": "#9aa3ab", "random": "#cfd5da"}
+BASELINES = {
+    "shoot": ("shoot at once", "#9aa3ab"),
+    "random": ("random", "#cfd5da"),
+    "built-in": ("built-in AI", "#6f7a84"),
+}
+METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
+    k: colour for k, (_, colour) in BASELINES.items()
+}
 OTHER_COLOUR = "#5f6670"
-METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {"shoot": "shoot at once", "random": "random"}
+METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 VARIANT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito 2008
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 WINDOW = 0.04  # window of the running mean, relative to the curve's length

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
@@ -18,15 +19,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run import results as estimate
-from regista.experiments.run import versions
+from regista.experiments.run import significance, versions
 from regista.experiments.run.results import LevelResult, Result, align, select, unique
 from regista.experiments.run.table import cannot_write, spell
 from ued.core.files import write_whole
 
 if TYPE_CHECKING:
-    from ued.statistics import Interval
+    from ued.statistics import Difference, Interval
 
-    Write = Callable[[Interval | None], str]  # formats a cell
+    Write = Callable[["Entry | None"], str]  # formats a cell
 
 INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; for a single run or a baseline, over its episodes only, "
@@ -41,6 +42,7 @@ class Entry(NamedTuple):
     """One number of a table: `measure` of a method on a scene, "" for all scenes.
 
     `interval` names the estimator of the interval. Without an interval, it is empty and `low` and `high` are nan.
+    `p` of a difference is its p-value, `p_holm` the one after Holm's correction over the table; nan for other numbers.
     """
 
     method: str
@@ -50,16 +52,41 @@ class Entry(NamedTuple):
     low: float
     high: float
     interval: str
+    p: float = math.nan
+    p_holm: float = math.nan
+
+    @property
+    def known(self) -> bool:
+        """Whether there is an interval."""
+        return bool(self.interval)
+
+    @property
+    def mark(self) -> str:
+        """The mark of a difference whose interval excludes 0; empty for other numbers."""
+        return significance.mark(self, self.p_holm) if self.measure in DIFFERENCES else ""
 
 
+DIFFERENCES = ("return minus first", "mean minus first")  # measures of the first table, and of the second
 OF_RUNS = {"IQM, stratified": "bootstrap over runs and scenes", "P(better)": "Newcombe"}
 OF_ONE_RUN = {"return": "t", "CVaR10": "t"}  # rates: Wilson's
 
 
-def entry(method: str, measure: str, scene: str, found: Interval, runs: int) -> Entry:
+def entry(method: str, measure: str, scene: str, found: Interval | Difference, runs: int) -> Entry:
     """Return one number of a table, estimated from this number of runs."""
     kind = OF_RUNS.get(measure, "bootstrap over runs") if runs > 1 else OF_ONE_RUN.get(measure, "Wilson")
-    return Entry(method, measure, scene, *found, kind if found.known else "")
+    p = getattr(found, "p", math.nan)
+    return Entry(method, measure, scene, *found[:3], kind if found.known else "", p)
+
+
+def corrected(entries: Sequence[Entry]) -> list[Entry]:
+    """Return the numbers of both tables with p-values after Holm's correction over the differences of each table."""
+    from ued.statistics import holm
+
+    adjusted: dict[int, float] = {}
+    for measure in DIFFERENCES:
+        family = [k for k, one in enumerate(entries) if one.measure == measure]
+        adjusted |= zip(family, holm([entries[k].p for k in family]), strict=True)
+    return [one._replace(p_holm=adjusted.get(k, math.nan)) for k, one in enumerate(entries)]
 
 
 @dataclass(frozen=True)
@@ -102,7 +129,11 @@ class Report:
     @cached_property
     def entries(self) -> list[Entry]:
         """All numbers of both tables."""
-        return [*self._of_scenes(), *self._of_all_scenes(), *self._of_levels()]
+        return corrected([*self._of_scenes(), *self._of_all_scenes(), *self._of_levels()])
+
+    @cached_property
+    def _scores(self) -> dict[str, estimate.Scores]:
+        return {name: estimate.scores(self.results, name) for name in self.methods}
 
     def _of_scenes(self) -> Iterable[Entry]:
         for scene in self.scenes:
@@ -115,9 +146,12 @@ class Report:
                     yield entry(name, "return minus first", scene, gain, len(rows))
 
     def _of_all_scenes(self) -> Iterable[Entry]:
-        scores = {name: estimate.scores(self.results, name) for name in self.methods}
+        scores = self._scores
         for name, score in scores.items():
-            found = {"mean": estimate.mean_score(score), "IQM": estimate.iqm_score(score)}
+            found: dict[str, Interval | Difference] = {
+                "mean": estimate.mean_score(score),
+                "IQM": estimate.iqm_score(score),
+            }
             found["IQM, stratified"] = estimate.iqm_stratified(score)
             if name in self.others():
                 found["mean minus first"] = estimate.score_advantage(score, scores[self.first])
@@ -145,7 +179,7 @@ class Report:
 
     def by_method(self) -> list[list[str]]:
         """Return methods x aggregates over all scenes and over random levels."""
-        columns = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
+        columns: dict[str, Write] = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
         if self.others():
             columns |= {"mean minus first": _points, "P(better)": two_digits}
         if self.levels:
@@ -159,24 +193,34 @@ class Report:
     def _cells(self, method: str, measure: str, write: Write) -> list[str]:
         return [write(self._at(method, measure, scene)) for scene in self.scenes]
 
-    def _at(self, method: str, measure: str, scene: str = "") -> Interval | None:
-        from ued.statistics import Interval
-
-        for entry in self.entries:
-            if entry[:3] == (method, measure, scene):
-                return Interval(*entry[3:6])
-        return None
+    def _at(self, method: str, measure: str, scene: str = "") -> Entry | None:
+        return next((entry for entry in self.entries if entry[:3] == (method, measure, scene)), None)
 
     def _training(self, method: str) -> list[str]:
         rows = select(self.results, method, self.scenes[0])
         steps, updates = ([getattr(row, name) for row in rows] for name in ("env_steps", "updates"))
         return [str(len(rows)), *(f"{round(np.mean(counts)):_}" if any(counts) else "–" for counts in (steps, updates))]
 
+    def notes_by_scene(self) -> list[str]:
+        """Return the notes below the first table."""
+        sizes = [
+            estimate.detectable_return([select(self.results, m, scene) for m in self.several]) for scene in self.scenes
+        ]
+        return [INTERVALS, *self._on_differences(DIFFERENCES[0], sizes, "{:.2f}")]
+
+    def _on_differences(self, measure: str, sizes: Sequence[float], unit: str) -> list[str]:
+        """Return the legend of a table's marks, and which differences its runs can detect."""
+        legend = significance.legend([entry.p for entry in self.entries if entry.measure == measure])
+        counts = [len(self._scores[name].rates) for name in self.several]
+        return [text for text in (legend, significance.visible(sizes, counts, unit)) if text]
+
     def _notes(self) -> list[str]:
         """Return the notes below the second table."""
         notes = [f"{self.word}; {OF_SCENES}"]
         if self.others():
             notes.append(OF_PAIRS.format(first=self.first))
+            size = 100 * estimate.detectable_score([self._scores[name] for name in self.several])
+            notes += self._on_differences(DIFFERENCES[1], [size], "{:.0f} points")
         if self.levels:
             notes.append(OF_LEVELS.format(levels=self.levels[0].levels))
         if self.simulator is not None:
@@ -187,13 +231,13 @@ class Report:
 
     def text(self) -> str:
         """Return both tables for a terminal."""
-        notes = ";\n ".join(self._notes())
-        return f"{align(self.by_scene())}\n[{INTERVALS}]\n\n{align(self.by_method())}\n[{notes}]"
+        first, second = (";\n ".join(notes) for notes in (self.notes_by_scene(), self._notes()))
+        return f"{align(self.by_scene())}\n[{first}]\n\n{align(self.by_method())}\n[{second}]"
 
     def markdown(self) -> str:
         """Return both tables in Markdown."""
-        notes = "; ".join(self._notes())
-        return f"{as_markdown(self.by_scene())}\n\n{INTERVALS}.\n\n{as_markdown(self.by_method())}\n\n{notes}."
+        first, second = ("; ".join(notes) for notes in (self.notes_by_scene(), self._notes()))
+        return f"{as_markdown(self.by_scene())}\n\n{first}.\n\n{as_markdown(self.by_method())}\n\n{second}."
 
     def save(self, folder: Path) -> None:
         """Write table.txt, table.md, table.csv (all numbers of the tables), results.csv and levels.csv (by run)."""
@@ -221,24 +265,28 @@ def as_markdown(rows: list[list[str]]) -> str:
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 
-def _signed(interval: Interval | None) -> str:
-    return _spelled(interval, lambda value: f"{value:+.2f}")
+def _signed(entry: Entry | None) -> str:
+    return _spelled(entry, lambda value: f"{value:+.2f}") + _mark(entry)
 
 
-def _percent(interval: Interval | None) -> str:
-    return _spelled(interval, lambda value: f"{value:.0%}")
+def _percent(entry: Entry | None) -> str:
+    return _spelled(entry, lambda value: f"{value:.0%}")
 
 
-def _points(interval: Interval | None) -> str:
-    return _spelled(interval, lambda value: f"{100 * value:+.0f}%")
+def _points(entry: Entry | None) -> str:
+    return _spelled(entry, lambda value: f"{100 * value:+.0f}%") + _mark(entry)
 
 
-def two_digits(interval: Interval | None) -> str:
+def _mark(entry: Entry | None) -> str:
+    return "" if entry is None or not entry.mark else f" {entry.mark}"
+
+
+def two_digits(interval: Interval | Entry | None) -> str:
     """Return a number with its interval, if it has one."""
     return _spelled(interval, lambda value: f"{value:.2f}")
 
 
-def _spelled(interval: Interval | None, write: Callable[[float], str]) -> str:
+def _spelled(interval: Interval | Entry | None, write: Callable[[float], str]) -> str:
     if interval is None:
         return ""
     ends = f" [{write(interval.low)}, {write(interval.high)}]" if interval.known else ""

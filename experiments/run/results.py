@@ -17,7 +17,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from ued.evaluation import Evaluation
-    from ued.statistics import Interval
+    from ued.statistics import Difference, Interval
 
 BOOTSTRAP_SEED = 0  # fixed, so equal results give equal tables
 WORST = 0.1  # share of the random levels in CVaR10
@@ -137,9 +137,17 @@ def mean_return(rows: Sequence[Result]) -> Interval:
     return bootstrap(values, _rng(), errors=errors).interval()
 
 
-def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Interval:
+def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Difference:
     """Estimate the difference of two methods' mean returns on a scene, resampling whole runs of both."""
     return _difference(_returns(rows), _returns(reference))
+
+
+def detectable_return(methods: Sequence[Sequence[Result]]) -> float:
+    """Return the smallest difference of mean returns on a scene that the runs of these methods can detect."""
+    from ued.statistics import detectable
+
+    found = list(map(_returns, methods))
+    return detectable([values for values, _ in found], [errors for _, errors in found])
 
 
 # ---------------------------------------------------------------- one method on all scenes
@@ -180,9 +188,17 @@ def iqm_stratified(mine: Scores) -> Interval:
     return stratified(mine.rates, _rng())
 
 
-def score_advantage(mine: Scores, reference: Scores) -> Interval:
+def score_advantage(mine: Scores, reference: Scores) -> Difference:
     """Estimate the difference of two methods' means over the scenes, resampling whole runs of both."""
     return _difference(mine, reference)
+
+
+def detectable_score(methods: Sequence[Scores]) -> float:
+    """Return the smallest difference of means over the scenes that the runs of these methods can detect."""
+    from ued.statistics import detectable
+
+    errors = [np.sqrt((mine.errors**2).sum(1)) / mine.errors.shape[1] for mine in methods]  # [R] of a run's mean
+    return detectable([mine.rates.mean(1) for mine in methods], errors)
 
 
 def chance_of_better(mine: Scores, reference: Scores) -> Interval:
@@ -235,13 +251,13 @@ def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
     return values, np.array([row.return_std / np.sqrt(max(row.episodes - 1, 1)) for row in rows])
 
 
-def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Interval:
+def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Difference:
     """Estimate the difference of the means of two sets of runs, each (values, standard errors)."""
     from ued.statistics import bootstrap
 
     rng = _rng()
     mine, theirs = (bootstrap(values, rng, errors=errors) for values, errors in (one, other))
-    return (mine - theirs).interval()
+    return (mine - theirs).difference()
 
 
 def _as_share(interval: Interval) -> Interval:

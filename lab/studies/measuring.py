@@ -46,7 +46,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     student, (env_steps, _) = load_student(run, game)
     evaluations = EvalScenes(run.config, game, episodes).play(student)
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds()}
-    return _rows(run.config, evaluations, about | {"agent": agent_of(run)})
+    return rows_of(run.config, evaluations, about | {"agent": agent_of(run)})
 
 
 def agent_of(run: RunFolder) -> str:
@@ -79,7 +79,7 @@ def measure_variant(
     else:
         evaluations |= thirds(tests.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED))
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
-    return _rows(run.config, evaluations, about), learning_curve(run, agent)
+    return rows_of(run.config, evaluations, about), learning_curve(run, agent)
 
 
 def _held_out_scenes(run: RunFolder, student: Any, episodes: int) -> dict[str, Evaluation]:
@@ -120,7 +120,7 @@ def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
     """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])["random"]
-    return _rows(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
+    return rows_of(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
 
 
 def measure_experts(game: Minigame, episodes: int) -> list[Row]:
@@ -137,7 +137,8 @@ def measure_experts(game: Minigame, episodes: int) -> list[Row]:
     return rows
 
 
-def _rows(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
+def rows_of(config: TrainConfig, evaluations: Mapping[str, Evaluation], about: dict[str, Any]) -> list[Row]:
+    """Return a row for each scene of a run that was played, with what `about` says of the policy."""
     rows = []
     for label, evaluation in evaluations.items():
         scene = TRAIN if label == TRAINING_SCENE else label

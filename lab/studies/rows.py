@@ -19,7 +19,7 @@ from regista.experiments.run.table import read_rows
 
 RESULTS = Path(__file__).parent / "results"  # of studies that are kept in the repository
 MOST = 10**15  # of any number in a row
-SIGNED = ("goal_difference", "mean_return")  # numbers that may be negative
+SIGNED = ("goal_difference", "mean_return", "value")  # numbers that may be negative
 TRAIN = "train"  # the scene of the training distribution
 
 

@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from lab.studies.curricula import COMPARISONS
 from lab.studies.measuring import HELD_OUT, TEAM, THIRDS
 from lab.studies.rows import RESULTS, TRAIN, Row, check_present, load, played_on
-from regista.experiments.run import arguments
+from regista.experiments.run import arguments, significance
 from regista.experiments.run import results as estimate
 from regista.experiments.run.arguments import positional
 from regista.experiments.run.errors import CommandError, UsageError, run_command
@@ -30,7 +30,7 @@ from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import select, unique
 from regista.minigames.published import find_published
 from ued.config import setting
-from ued.statistics import Interval
+from ued.statistics import Difference, Interval
 
 NOTE = (
     "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
@@ -79,7 +79,7 @@ def tables(rows: Sequence[Row], name: str) -> str:
     """Return the tables, and below them what was played and the command."""
     if name in COMPARISONS:
         games = [[row for row in rows if row.game == game] for game in unique([row.game for row in rows])]
-        made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}" for game in games]
+        made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}{below(game, name)}" for game in games]
     else:
         made = [as_markdown(goals_table(rows))]
     unit = "Success rates" if name in COMPARISONS else "Goal differences per episode"
@@ -91,18 +91,39 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method."""
     found = unique([row.scene for row in rows])
     scenes = [*(third for third in THIRDS if third in found), *(scene for scene in found if scene not in THIRDS)]
-    held_out = [scene for scene in scenes if scene.startswith(HELD_OUT)]
-    known = [row.result() for row in rows]
-    methods = [method for method in COMPARISONS[name].variants if any(row.method == method for row in known)]
-    scores = {m: estimate.scores([r for r in known if r.method == m and r.scene in held_out], m) for m in methods}
-    table = [["method", *scenes, "held-out mean", f"minus {methods[0]}", "runs", "env steps"]]
-    for method in methods:
+    known, scores = [row.result() for row in rows], held_out_scores(rows, name)
+    first, *others = scores
+    gains = gains_of(scores)
+    marks = dict(zip(others, significance.marks(list(gains.values())), strict=True))
+    table = [["method", *scenes, "held-out mean", f"minus {first}", "runs", "env steps"]]
+    for method, mine in scores.items():
         cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]
-        gain = (
-            percent(estimate.score_advantage(scores[method], scores[methods[0]]), "+") if method != methods[0] else ""
-        )
-        table.append([method, *cells, percent(estimate.mean_score(scores[method])), gain, *_runs(rows, method)])
+        gain = f"{percent(gains[method], '+')} {marks[method]}".rstrip() if method in gains else ""
+        table.append([method, *cells, percent(estimate.mean_score(mine)), gain, *_runs(rows, method)])
     return table
+
+
+def held_out_scores(rows: Sequence[Row], name: str) -> dict[str, estimate.Scores]:
+    """Return the success rates on held-out levels of each method of a study that has rows, in the study's order."""
+    held_out = [row.result() for row in rows if row.scene.startswith(HELD_OUT)]
+    mine = {method: [row for row in held_out if row.method == method] for method in COMPARISONS[name].variants}
+    return {method: estimate.scores(results, method) for method, results in mine.items() if results}
+
+
+def gains_of(scores: Mapping[str, estimate.Scores]) -> dict[str, Difference]:
+    """Return the difference of each method but the first to the first."""
+    first, *others = scores
+    return {method: estimate.score_advantage(scores[method], scores[first]) for method in others}
+
+
+def below(rows: Sequence[Row], name: str) -> str:
+    """Return the lines below the table of a game: the legend of its marks, and which differences cannot be seen."""
+    scores = held_out_scores(rows, name)
+    size = 100 * estimate.detectable_score(list(scores.values()))
+    counts = [len(mine.rates) for mine in scores.values()]
+    legend = significance.legend([gain.p for gain in gains_of(scores).values()])
+    said = significance.sentences(legend, significance.visible([size], counts, "{:.0f} points"))
+    return f"\n\n{said}" if said else ""
 
 
 def goals_table(rows: Sequence[Row]) -> list[list[str]]:
@@ -127,9 +148,9 @@ def _runs(rows: Sequence[Row], agent: str) -> list[str]:
     return [str(len({seed for _, seed in mine})), " to ".join(steps)]
 
 
-def percent(interval: Interval, sign: str = "") -> str:
-    """Return a share with its interval, in percent."""
-    return spell(Interval(*(100 * value for value in interval)), f"{{:{sign}.0f}}", "%")
+def percent(interval: Interval | Difference, sign: str = "") -> str:
+    """Return a share, or a difference of shares, with its interval, in percent."""
+    return spell(Interval(*(100 * value for value in interval[:3])), f"{{:{sign}.0f}}", "%")
 
 
 def spell(interval: Interval, form: str, unit: str = "") -> str:

@@ -115,12 +115,14 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
     head, dr, plr = tables.success_table(measured, "curricula")
     assert head == ["method", THIRDS[0], THIRDS[2], "train", "held-out mean", "minus dr", "runs", "env steps"]
     assert dr[1].startswith("22% [") and dr[4].startswith("27% [") and dr[5:] == ["", "5", "9"]
-    assert plr[4].startswith("67% [") and plr[5].startswith("+40% [+3")
+    assert plr[4].startswith("67% [") and plr[5].startswith("+40% [+3") and plr[5].endswith("] *")
     text = tables.tables(measured, "curricula")
     assert (
         text.startswith("**g**\n\n| method |")
         and "simulator version 1; `python -m lab.studies.tables curricula`" in text
     )
+    assert "\n\nMarks: * survives Holm's correction at 5% over the one difference of this table" in text
+    assert " 5 runs each: differences under 7 points cannot be seen" in text
 
 
 def test_what_is_published_goes_into_the_repository():

@@ -22,7 +22,7 @@ from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import football_game
 from regista.experiments.run.launch.signals import StopRequest
-from regista.experiments.run.report import Report
+from regista.experiments.run.report import DIFFERENCES, Report
 from regista.experiments.run.results import (
     LevelResult,
     Result,
@@ -262,6 +262,41 @@ def two_methods():
         for scene in ("easy", "hard")
     ]
     return results + [row("shoot", 0, goals, scene, trained=(0, 0)) for goals, scene in ((10, "easy"), (0, "hard"))]
+
+
+def test_marks_tell_differences_that_survive_holm_from_others():
+    """Of two other methods on two scenes: a clear difference, one that the others make doubtful, and none twice."""
+
+    def runs(method, scene, goals):
+        return [row(method, seed, goals + 4 * (seed - 2), scene) for seed in range(5)]
+
+    places = {"dr": (40, 40), "paired": (80, 53), "plr": (40, 41)}
+    results = [
+        one for name, pair in places.items() for k, scene in enumerate(("a", "b")) for one in runs(name, scene, pair[k])
+    ]
+    report = Report(results)
+    found = {(one.method, one.scene): one for one in report.entries if one.measure == "return minus first"}
+    assert [found[key].mark for key in (("paired", "a"), ("paired", "b"), ("plr", "a"), ("plr", "b"))] == [
+        "*",
+        "†",
+        "",
+        "",
+    ]
+    doubtful = found["paired", "b"]
+    assert doubtful.low > 0 and doubtful.p < 0.05 < doubtful.p_holm == pytest.approx(3 * doubtful.p)
+    first, second = report.text().split("\n\n")
+    assert "survives Holm's correction at 5% over the 4 differences of this table" in first and "] †" in first
+    assert "over the 2 differences of this table" in second
+    assert "5 runs each: differences under 0.1" in first and "points cannot be seen reliably (power below 80%" in second
+    assert report.markdown().count("Holm") == 2
+    assert all(np.isnan(one.p) and not one.mark for one in report.entries if one.measure not in DIFFERENCES)
+
+
+def test_too_few_runs_have_no_marks_but_a_smallest_visible_difference():
+    text = Report(
+        [row(name, seed, 10 * seed + 20 * (name == "plr")) for name in ("dr", "plr") for seed in range(3)]
+    ).text()
+    assert "correction" not in text and "3 runs each: differences under 43 points cannot be seen" in text
 
 
 def test_the_table_has_methods_and_scenes():

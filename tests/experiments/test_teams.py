@@ -37,7 +37,7 @@ def test_a_team_is_trained_gone_on_with_tested_and_carried_over(tmp_path, capsys
     few = ["--episodes", "4", "--levels", "0"]
     assert main(["evaluate", str(whole), *few, "--csv", str(tmp_path / "results.csv")]) == 0
     with open(tmp_path / "results.csv") as file:
-        assert {row["method"] for row in csv.DictReader(file)} == {"dr", "shoot", "random"}
+        assert {row["method"] for row in csv.DictReader(file)} == {"dr", "shoot", "random", "built-in"}
     asked = ["--engine", "regista", "--episodes", "2", "--grf-episodes", "2", "--policies", "greedy"]
     traces = ["--traces", str(tmp_path / "traces.rrd"), "--trace-episodes", "1"]
     assert main(["transfer", str(whole), *asked, *traces]) == 0

@@ -88,9 +88,9 @@ def test_evaluate_plays_whole_rounds_with_all_policies_alike(run, capsys):
     assert main(["evaluate", str(run), "--minutes", "0.01", "--levels", "0", "--json"]) == 0
     told = capsys.readouterr()
     episodes = {row["episodes"] for row in json.loads(told.out)["results"]}
-    assert len(episodes) == 1  # dr, shoot and random, on each scene
+    assert len(episodes) == 1  # dr, shoot, random and built-in, on each scene
     assert not episodes.pop() % 8
-    assert "rounds of 8 episodes on each of 4 scenes by each of 3 policies for at most 0.01 minutes" in told.err
+    assert "rounds of 8 episodes on each of 4 scenes by each of 4 policies for at most 0.01 minutes" in told.err
 
 
 @pytest.mark.slow

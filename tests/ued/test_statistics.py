@@ -8,12 +8,15 @@ import pytest
 from ued.statistics import (
     bootstrap,
     cvar,
+    detectable,
+    holm,
     iqm,
     of_episodes,
     probability_of_improvement,
     spearman,
     stratified,
     student_t,
+    t_quantile,
     wilson,
 )
 
@@ -185,3 +188,76 @@ def test_rank_correlation_is_that_of_the_ranks():
     assert np.isnan(spearman([1, 1], [1, 2]))
     with pytest.raises(ValueError, match="needs pairs"):
         spearman([1], [1, 2])
+
+
+# ---------------------------------------------------------------- several differences, and small ones
+
+
+def test_holm_as_in_its_paper_and_on_ties():
+    """0.01, 0.013 and 0.014 of four tests: 4 x 0.01, 3 x 0.013, 2 x 0.014, each at least as large as the one before."""
+    assert holm([0.014, 0.5, 0.01, 0.013]) == pytest.approx([0.04, 0.5, 0.04, 0.04])
+    assert holm([0.02, 0.02]) == pytest.approx([0.04, 0.04])
+    assert holm([0.9, 0.8]) == [1.0, 1.0]
+    assert holm([]) == []
+    found = holm([0.03, np.nan, 0.01])
+    assert found[::2] == pytest.approx([0.03, 0.02]) and np.isnan(found[1])
+
+
+def differ(one, other, rng, samples=4000):
+    return (bootstrap(one, rng, samples=samples) - bootstrap(other, rng, samples=samples)).difference()
+
+
+def test_a_p_value_below_5_percent_is_an_interval_without_0():
+    rng = np.random.default_rng(5)
+    found = [differ(rng.normal(gap, size=6), rng.normal(size=6), rng, 400) for gap in np.linspace(0, 2.5, 60)]
+    assert all(one.excludes_zero == (one.p < 0.05) for one in found if abs(one.p - 0.05) > 0.006)
+    assert {one.excludes_zero for one in found} == {True, False}
+
+
+def test_p_values_of_clear_differences_of_none_and_of_few_runs():
+    rng = np.random.default_rng(6)
+    assert differ(np.full(5, 1.0), np.zeros(5), rng).p == pytest.approx(2 / 4001)
+    assert differ(np.zeros(5), np.zeros(5), rng).p == 1.0
+    few = differ(np.zeros(4), np.ones(5), rng)
+    assert np.isnan(few.p) and not few.known and not few.excludes_zero
+
+
+@pytest.mark.parametrize("runs", [5, 10])
+def test_holm_claims_a_false_difference_in_few_tables(runs):
+    """Of tables with six differences to one reference, none of them real: at most 5% have a mark, up to chance."""
+    rng, wrong = np.random.default_rng(7), 0
+    for _ in range(120):
+        base, *others = (bootstrap(rng.normal(size=runs), rng, samples=400) for _ in range(7))
+        wrong += min(holm([(one - base).difference().p for one in others])) <= 0.05
+    assert wrong / 120 < 0.05 + 2.5 * (0.05 * 0.95 / 120) ** 0.5
+
+
+@pytest.mark.parametrize(("runs", "size"), [(3, 4.303 + 0.941), (5, 2.776 + 0.889), (10, 2.262 + 0.862)])
+def test_detectable_differences_by_the_table_of_student(runs, size):
+    """Of n runs with deviation 1: the quantiles for 97.5% and n - 1 degrees and for 80% and 2n - 2."""
+    values = np.arange(runs) - (runs - 1) / 2
+    values /= values.std(ddof=1)
+    assert detectable([values, values + 9]) == pytest.approx(size * (2 / runs) ** 0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("runs", [5, 10])
+def test_four_of_five_detectable_differences_are_detected(runs):
+    rng, values = np.random.default_rng(8), np.arange(runs) - (runs - 1) / 2
+    size = detectable([values / values.std(ddof=1)] * 2)
+    found = [differ(rng.normal(size, size=runs), rng.normal(size=runs), rng, 400).excludes_zero for _ in range(150)]
+    assert np.mean(found) == pytest.approx(0.8, abs=0.1)
+
+
+def test_what_can_be_detected_depends_on_the_smallest_groups_and_on_luck_within_runs():
+    spread = np.array([-1.0, 0.0, 1.0])
+    three, many = detectable([spread, spread]), detectable([np.tile(spread, 9), np.tile(spread, 9)])
+    assert many < three and detectable([spread, np.tile(spread, 9)]) < three
+    assert detectable([spread, spread, np.tile(spread, 9)]) < three  # more degrees of freedom, the same two groups
+    assert np.isnan(detectable([spread, spread[:2]])) and np.isnan(detectable([]))
+    same, errors = [np.zeros(5)] * 2, [np.full(5, 0.1)] * 2
+    assert detectable(same) == 0.0 and detectable(same, errors) == pytest.approx(2.318 * 0.1, rel=0.01)
+
+
+@pytest.mark.parametrize(("degrees", "expected"), [(2, 4.303), (4, 2.776), (8, 2.306), (30, 2.042)])
+def test_quantiles_of_student(degrees, expected):
+    assert t_quantile(1.959964, degrees) == pytest.approx(expected, rel=0.01 if degrees < 4 else 4e-4)

@@ -29,6 +29,11 @@ def within(policy: Any, upomdp: Any) -> Any:
     return policy.within(upomdp) if hasattr(policy, "within") else policy
 
 
+def stage_of(policy: Any, upomdp: Any) -> Any:
+    """Return the environments that a policy plays in: these, or for a `ScriptedPolicy` a copy that plays by itself."""
+    return upomdp.with_scripted_policy() if isinstance(policy, ScriptedPolicy) else upomdp
+
+
 class Untrained:
     """A policy without memory."""
 
@@ -37,6 +42,21 @@ class Untrained:
         import torch
 
         return torch.zeros(num_envs, 0)
+
+
+class ScriptedPolicy(Untrained):
+    """What the environment does by itself in the agents' place, see `UPOMDP.with_scripted_policy`; `evaluate` plays it.
+
+    Args:
+        agents: () for one agent, (A,) for a team.
+    """
+
+    def __init__(self, agents: tuple[int, ...] = ()) -> None:
+        self.agents = agents
+
+    def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
+        """Return zeros, one for each row of `observation` `[N, ...]`, of a team `[N, A]`: `stage_of` ignores them."""
+        return np.zeros((len(observation), *self.agents), np.int64)
 
 
 class SampledPolicy(Untrained):

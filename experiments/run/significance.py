@@ -1,0 +1,70 @@
+"""Which differences of a table may be claimed: marks after Holm's correction, and which are too small to be seen.
+
+All differences that one table shows are one family. Read next: `ued.statistics`, where p-values come from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ued.statistics import Difference
+
+LEVEL = 0.05
+SURVIVES, SINGLE = "*", "†"
+LEGEND = (
+    f"marks: {SURVIVES} survives Holm's correction at 5% over the {{tests}} of this table; {SINGLE} does not, though "
+    "its interval excludes 0; p-values: same bootstrap over whole runs, at least {least:.4f}"
+)
+HOW = "power below 80% at level 5% for one difference, from the pooled standard deviation of the runs by Student's t"
+
+
+def mark(difference: Any, adjusted: float) -> str:
+    """Return the mark of a difference with `low` and `high`, given its p-value after Holm's correction."""
+    if not (difference.low > 0 or difference.high < 0):
+        return ""
+    return SURVIVES if adjusted <= LEVEL else SINGLE
+
+
+def marks(differences: Sequence[Difference]) -> list[str]:
+    """Return the marks of all differences of a table."""
+    from ued.statistics import holm
+
+    adjusted = holm([difference.p for difference in differences])
+    return [mark(difference, p) for difference, p in zip(differences, adjusted, strict=True)]
+
+
+def legend(p_values: Sequence[float]) -> str:
+    """Return the legend of the marks of a table with these p-values, nan for differences without one; "" for none."""
+    from ued.statistics import SAMPLES
+
+    tests, least = int(np.isfinite(np.asarray(p_values, float)).sum()), 2 / (SAMPLES + 1)
+    if not tests:
+        return ""
+    text = LEGEND.format(tests="one difference" if tests == 1 else f"{tests} differences", least=least)
+    return f"{text}; so many that none can survive" if tests * least > LEVEL else text
+
+
+def sentences(*lines: str) -> str:
+    """Return the lines that are not empty as sentences."""
+    return " ".join(f"{line[0].upper()}{line[1:]}." for line in lines if line)
+
+
+def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
+    """Return the line about differences that are too small to be seen; "" where nothing is known.
+
+    Args:
+        sizes: the smallest detectable difference in each column of a table, as `ued.statistics.detectable` has it.
+        counts: runs of each method.
+        unit: format of a size, such as "{:.0f} points".
+    """
+    known = [size for size in sizes if size == size]
+    if not known:
+        return ""
+    low, high = (unit.format(size) for size in (min(known), max(known)))
+    runs = f"{min(counts)}" if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)}"
+    ends = low if low == high else f"{low} to {high}, depending on the scene,"
+    return f"{runs} runs each: differences under {ends} cannot be seen reliably ({HOW})"
