@@ -18,11 +18,12 @@ import numpy as np
 from lab.mazes import PARTS, ROWS
 from regista.experiments.pictures import plots
 from regista.experiments.run import results as estimate
+from regista.experiments.run import significance
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import LevelResult, Result, select, unique
 from regista.experiments.run.table import read_rows
 from ued.core.task import TRAINING_SCENE
-from ued.statistics import Interval, bootstrap
+from ued.statistics import Difference, Interval, bootstrap, detectable
 
 PAGE, PICTURE = Path("docs/benchmarks/maze.md"), Path("docs/pictures/maze_curves.png")
 PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
@@ -48,11 +49,16 @@ class Study:
     @property
     def methods(self) -> list[str]:
         """The trained rows, the reference first."""
-        return [name for name in PARTS[self.part].rows if any(row.method == name for row in self.tests)]
+        known = dict.fromkeys(["dr", *PARTS[self.part].rows])
+        return [name for name in known if any(row.method == name for row in self.tests)]
 
     @property
     def mazes(self) -> list[str]:
         return unique([row.scene for row in self.tests])
+
+    def random(self, method: str) -> list[LevelResult]:
+        """Return the rows of a method's runs on random mazes."""
+        return [row for row in self.levels if row.method == method]
 
     def theirs(self, method: str, maze: str) -> float | None:
         """Return the published rate of a method on a maze."""
@@ -60,8 +66,13 @@ class Study:
 
 
 def rows(kind: str, part: str) -> list[dict[str, str]]:
-    """Return the stored rows of a part."""
-    return [row for row in read_rows(ROWS / f"maze_{kind}.csv") if row["part"] == part]
+    """Return the stored rows of a part, and those of its reference."""
+    beside = PARTS[part].beside
+    return [
+        row
+        for row in read_rows(ROWS / f"maze_{kind}.csv")
+        if row["part"] == part or (row["part"] == beside and row["method"] == "dr")
+    ]
 
 
 def result(row: Mapping[str, str]) -> Result:
@@ -85,24 +96,52 @@ def summary(study: Study) -> Table:
     common = [name for name in study.mazes if study.theirs("dr", name) is not None]
     heads = ["all test mazes", "IQM", "minus DR", f"{len(common)} mazes", "published", "random mazes", "worst tenth"]
     table = [["method", *heads, "minus DR"]]
+    on_tests, on_worst = test_gains(study), worst_gains(study)
+    marks = iter(significance.marks([*on_tests.values(), *on_worst.values()]))
+    marked = [{name: points(gain, next(marks)) for name, gain in gains.items()} for gains in (on_tests, on_worst)]
     for name in study.methods:
         mine, few = scores(study, name, study.mazes), scores(study, name, common)
         theirs = [study.theirs(name, maze) for maze in common]
-        levels, base = ([row for row in study.levels if row.method == one] for one in (name, "dr"))
         table.append(
             [
                 plots.title(name),
                 percent(estimate.mean_score(mine)),
                 percent(estimate.iqm_score(mine)),
-                "" if name == "dr" else points(estimate.score_advantage(mine, scores(study, "dr", study.mazes))),
+                marked[0].get(name, ""),
                 percent(estimate.mean_score(few)),
                 "" if None in theirs else f"{np.mean(theirs):.0%}",  # type: ignore[arg-type]
-                percent(estimate.level_rate(levels)),
-                percent(estimate.level_cvar(levels)),
-                "" if name == "dr" else points(difference(*([row.cvar10 for row in some] for some in (levels, base)))),
+                percent(estimate.level_rate(study.random(name))),
+                percent(estimate.level_cvar(study.random(name))),
+                marked[1].get(name, ""),
             ]
         )
     return table
+
+
+def test_gains(study: Study) -> dict[str, Difference]:
+    """Return the difference of each method to DR on the test mazes."""
+    base = scores(study, "dr", study.mazes)
+    return {
+        name: estimate.score_advantage(scores(study, name, study.mazes), base) for name in study.methods if name != "dr"
+    }
+
+
+def worst_gains(study: Study) -> dict[str, Difference]:
+    """Return the difference of each method to DR on the worst tenth of random mazes."""
+    rates = {name: [row.cvar10 for row in study.random(name)] for name in study.methods}
+    return {name: difference(mine, rates["dr"]) for name, mine in rates.items() if name != "dr"}
+
+
+def note(study: Study) -> str:
+    """Return what stands below the summary."""
+    gains = [*test_gains(study).values(), *worst_gains(study).values()]
+    counts = [len(study.random(name)) for name in study.methods]
+    sizes = [
+        estimate.detectable_score([scores(study, name, study.mazes) for name in study.methods]),
+        detectable([np.array([row.cvar10 for row in study.random(name)]) for name in study.methods]),
+    ]
+    seen = significance.visible([100 * size for size in sizes], counts, "{:.0f} points")
+    return significance.sentences(significance.legend([gain.p for gain in gains]), seen)
 
 
 def by_maze(study: Study) -> Table:
@@ -122,12 +161,13 @@ def equal_steps(study: Study, steps: int = EQUAL) -> Table:
     """Return the solved test mazes of each method when its student has learned from this number of steps."""
     table = [["method", "student steps", "simulated steps", "test mazes", "minus DR"]]
     found = {name: at_steps(study, name, steps) for name in study.methods}
+    solved = {name: [float(row["solved"]) for row in runs] for name, runs in found.items()}
+    gains = {name: difference(mine, solved["dr"]) for name, mine in solved.items() if name != "dr"}
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     for name, runs in found.items():
-        solved = [float(row["solved"]) for row in runs]
         trained, simulated = (np.mean([int(row[key]) for row in runs]) for key in ("trained_steps", "env_steps"))
-        base = [float(row["solved"]) for row in found["dr"]]
-        gain = "" if name == "dr" else points(difference(solved, base))
-        told = percent(bootstrap(np.array(solved), np.random.default_rng(0)).interval())
+        gain = points(gains[name], marks[name]) if name in gains else ""
+        told = percent(bootstrap(np.array(solved[name]), np.random.default_rng(0)).interval())
         table.append([plots.title(name), f"{trained / 1e6:.1f}M", f"{simulated / 1e6:.1f}M", told, gain])
     return table
 
@@ -146,11 +186,11 @@ def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
     return estimate.scores([row for row in study.tests if row.scene in chosen], method)
 
 
-def difference(mine: Sequence[float], base: Sequence[float]) -> Interval:
+def difference(mine: Sequence[float], base: Sequence[float]) -> Difference:
     """Estimate the difference of two methods' means, resampling whole runs of both."""
     rng = np.random.default_rng(0)
     one, other = (bootstrap(np.array(values), rng) for values in (mine, base))
-    return (one - other).interval()
+    return (one - other).difference()
 
 
 def percent(found: Interval) -> str:
@@ -158,12 +198,10 @@ def percent(found: Interval) -> str:
     return f"{found.estimate:.0%}" + (f" [{100 * found.low:.0f}, {100 * found.high:.0f}]" if found.known else "")
 
 
-def points(found: Interval) -> str:
-    """Return a difference of rates with its interval, bold where that does not contain 0."""
-    text = f"{100 * found.estimate:+.0f}" + (
-        f" [{100 * found.low:+.0f}, {100 * found.high:+.0f}]" if found.known else ""
-    )
-    return f"**{text}**" if found.known and found.low * found.high > 0 else text
+def points(found: Difference, mark: str) -> str:
+    """Return a difference of rates with its interval and its mark; see `significance.legend`."""
+    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
+    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
 
 
 # ---------------------------------------------------------------- picture
@@ -211,7 +249,7 @@ def sections() -> dict[str, str]:
         study = Study(part)
         if study.methods:
             runs = len({row.seed for row in study.tests if row.method == study.methods[0]})
-            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{runs} runs of each method."
+            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{runs} runs of each method. {note(study)}"
             found[f"{part} mazes"] = as_markdown(by_maze(study))
             found[f"{part} student steps"] = as_markdown(equal_steps(study))
     return found

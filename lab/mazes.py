@@ -33,7 +33,7 @@ EPISODES, LEVELS = 100, 1000  # episodes on each test maze; random mazes, each p
 class Part(NamedTuple):
     """One comparison: its task, the number of runs of each row, their budget, and the rows as `compare --variants`.
 
-    `walls` names the published rows beside it.
+    `walls` names the published rows beside it, `beside` the part whose row of DR is the reference, if not this one.
     """
 
     task: str
@@ -41,9 +41,61 @@ class Part(NamedTuple):
     seeds: int
     env_steps: int
     rows: dict[str, str]
+    beside: str = ""
 
 
-PARTS: dict[str, Part] = {}
+BUDGET = 25_000_000
+PARTS = {
+    "main": Part(
+        "maze",
+        "25 blocks",
+        SEEDS,
+        BUDGET,
+        {
+            "dr": "--method dr",
+            "plr": "--method plr",
+            "robust_plr": "--method robust_plr",
+            "accel": "--method accel",
+            "accel_empty": "--method accel --accel.new-levels simplest",
+            "paired_steps": "--method paired --ent-coef 0",
+            "paired_direct": "--method paired --ent-coef 0 --paired.adversary.builder direct --paired.dr-fraction 0.25 "
+            "--paired.adversary.ent-coef 0.1",
+            "sfl": "--method sfl",
+        },
+    ),
+    "recent": Part(
+        "maze",
+        "25 blocks",
+        SEEDS,
+        BUDGET,
+        {
+            "mna": "--method robust_plr --plr.score mna",
+            "cenie": "--method cenie",
+            "ncc": "--method ncc",
+            "general_sfl": "--method sfl --sfl.score generalized_learnability",
+            "published_plr": "--method robust_plr --plr.buffer.temperature 0.1",
+        },
+        beside="main",
+    ),
+    "sixty": Part(
+        "maze60",
+        "60 blocks uniform",
+        SEEDS,
+        BUDGET,
+        {
+            "dr": "--method dr",
+            "robust_plr": "--method robust_plr",
+            "accel_empty": "--method accel --accel.new-levels simplest",
+        },
+    ),
+    "long": Part(
+        "maze",
+        "25 blocks",
+        1,
+        250_000_000,
+        {"dr": "--method dr", "robust_plr": "--method robust_plr", "accel": "--method accel"},
+    ),
+}
 
 
 # ---------------------------------------------------------------- training

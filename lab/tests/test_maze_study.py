@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lab import maze_tables, mazes
-from ued.statistics import Interval
+from ued.statistics import Difference
 
 SMALL = """
 from functools import partial
@@ -68,10 +68,9 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
     assert (stored / "curves.png").stat().st_size > 10_000
 
 
-def test_a_difference_is_bold_where_its_interval_does_not_contain_zero():
-    assert maze_tables.points(Interval(0.1, 0.02, 0.2)) == "**+10 [+2, +20]**"
-    assert maze_tables.points(Interval(0.1, -0.02, 0.2)) == "+10 [-2, +20]"
-    assert maze_tables.points(Interval(0.1, np.nan, np.nan)) == "+10"
+def test_a_difference_has_its_mark():
+    assert maze_tables.points(Difference(0.1, 0.02, 0.2, 0.001), "*") == "+10 [+2, +20] *"
+    assert maze_tables.points(Difference(0.1, np.nan, np.nan, np.nan), "") == "+10"
 
 
 def test_seeds_of_the_study_are_not_those_of_tuning():
