@@ -21,8 +21,8 @@ BYTE = 255  # largest coordinate that is stored in one byte
 class SparseImage(Box):
     """The space of binary images `[height, width, channels]`, each as the coordinates of its pixels that are not 0.
 
-    An observation is `[most, 3]`: row, column and channel of each pixel, in the order of the image in memory. Unused
-    rows are (height, 0, 0), a pixel below the image. The value of a pixel is the upper bound of the image's space.
+    An observation is `[most, 3]`: row, column and channel of each pixel, once, in the order of the image in memory.
+    Unused rows are (height, 0, 0), a pixel below the image. A pixel has the upper bound of the image's space as value.
 
     Args:
         image: the space of the images, a Box with the bounds 0 and a finite number.

@@ -7,9 +7,9 @@ With few pixels, most cells of the first feature map see none of them and are eq
                     of the others add the difference of that one times the weights at its place in the window
 
 These are the sums of the dense convolutions in another order, without the terms that are 0 or common to all cells.
-So outputs and gradients, which autograd derives, are equal but for rounding. On GRF's stacked planes, both passes of the
-two layers take a tenth of the time of dense ones with three players, and a third with 22.
-Read next: `networks.SparseTorso`, which uses them; `core.sparse_image`, the coordinates.
+So outputs and gradients, which autograd derives, are equal but for rounding. On GRF's stacked planes, both passes of
+the two layers take a tenth of the time of dense ones with three players, and a third with 22.
+Read next: `learning.networks`, whose `SparseTorso` uses them; `core.sparse_image`, the coordinates.
 """
 
 from __future__ import annotations
@@ -77,9 +77,8 @@ def next_cells(cells: Cells, grid: Grid, layer: nn.Conv2d) -> Cells:
     order = phase.argsort(stable=True)
     counts = torch.bincount(phase, minlength=layer.stride[0] * layer.stride[1]).tolist()
     parts = zip(cells.features.index_select(0, order).split(counts), by_phase(layer), strict=True)
-    met = torch.cat([features @ weights for features, weights in parts]).view(
-        -1, layer.out_channels
-    )  # [M * windows, C]
+    met = torch.cat([features @ weights for features, weights in parts])  # [M, windows * C]
+    met = met.view(-1, layer.out_channels)
     windows = Windows.of(row[order], column[order], layer, grid.after(layer))
     rows = windows.exists.flatten().nonzero()[:, 0].int()
     number, rows, starts = grouped(windows.cell(image[order]), rows)
