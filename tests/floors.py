@@ -100,6 +100,7 @@ FLOORS = {
         "core.seeding",
         "core.resumable",  # states by a list of names
         "core.parts",  # observations of several parts
+        "core.sparse_image",  # binary images as coordinates
         "core.room",  # how much memory there is
         "core.files",
         "core.renamed",  # names in older files

@@ -95,7 +95,7 @@ class FootballVectorEnv(UPOMDP):
         config, num_envs, self.theta_map = self.config, check_count(num_envs), self.program
         self.num_players = self.lineup.num_players
         self.num_agents = sum(self.lineup.num_agents)
-        self._observer = Observer(config.representation, self.lineup)
+        self._observer = Observer(config.representation, self.lineup, config.pixels == "sparse")
         self._engine = make_engine(config, self.lineup, self.behaviors, num_envs)
         several = MultiDiscrete([NUM_ACTIONS] * self.num_agents)
         actions = Discrete(NUM_ACTIONS) if self.num_agents == 1 else several

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -107,7 +107,7 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
         raise UsageError(f"{typed.minigame} and --run exclude each other: a run acts in its own minigame")
     run = RunFolder.open(typed.run)
     played = single_game(run.config.minigame)
-    env = run.config.scored().env
+    env = replace(run.config.scored().env, pixels="dense")  # a student reads images, too
     part = SIDE_BY_SIDE.get(env.representation, 256)
     program = played.program(run.config)
     config = DemonstrationsConfig(

@@ -247,7 +247,7 @@ ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "p
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv", "accel.new_levels": "random"}
 ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc")} | {"sfl.score": "learnability"}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
-ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
+ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT} | {"env.pixels": "dense"}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
@@ -444,7 +444,7 @@ def presets() -> dict[str, TrainConfig]:
         total_env_steps=5_000_000,
         num_envs=16,
         ppo=PPOConfig.thesis(),
-        env=FootballConfig(representation="smm_stacked", rewards="scoring"),
+        env=FootballConfig(representation="smm_stacked", rewards="scoring", pixels="sparse"),
         paired=PairedConfig.thesis(),
     )
     return {"fast": fast, "thesis": thesis}

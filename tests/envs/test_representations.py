@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -17,6 +18,7 @@ from regista.envs.football.scenic.domain import FOOTBALL
 from regista.envs.football.vector_env import FootballVectorEnv
 from scenic_lite import load
 from scenic_lite.scene.program import Program
+from ued.core.sparse_image import SparseImage
 
 MORE_CONTROLS = ("closest3", "active", "2", "all", "allNonGK")
 CONTROLS = ("closest1", *(pytest.param(name, marks=pytest.mark.slow) for name in MORE_CONTROLS))
@@ -176,6 +178,36 @@ def test_smm_is_made_of_raw_as_in_the_original():
     for raw, seen, _ in side_by_side("smm"):
         assert seen.dtype == np.uint8
         np.testing.assert_array_equal(seen, planes(raw))
+
+
+@pytest.mark.parametrize("representation", ["smm", "smm_stacked"])
+@pytest.mark.parametrize(("control", "right_control"), [("closest1", "none"), ("closest3", "closest2")])
+def test_sparse_smm_is_the_same_planes_as_coordinates(representation, control, right_control):
+    """Also where marks share a pixel, and in episodes that begin anew."""
+    settings = FootballConfig(representation, control=control, right_control=right_control)
+    dense, sparse = (
+        FootballVectorEnv(program(), 3, config=replace(settings, pixels=pixels)) for pixels in ("dense", "sparse")
+    )
+    space = sparse.agent_observation_space
+    assert isinstance(space, SparseImage) and space.image == dense.agent_observation_space
+    (seen, _), (other, _) = dense.reset(seed=4), sparse.reset(seed=4)
+    rng, most = np.random.default_rng(0), 0
+    for _ in range(80):
+        assert sparse.observation_space.contains(other)
+        np.testing.assert_array_equal(space.dense(other), seen)
+        np.testing.assert_array_equal(space.sparse(seen), other)
+        most = max(most, int((seen > 0).reshape(-1, seen[0].size).sum(1).max()))
+        actions = rng.integers(0, 19, dense.action_space.shape)
+        (seen, *_), (other, *_) = dense.step(actions), sparse.step(actions)
+    assert most > 6
+    np.testing.assert_array_equal(sparse.copy().observe(), other)
+
+
+def test_sparse_pixels_change_nothing_but_planes():
+    env = FootballVectorEnv(program(), 2, config=FootballConfig("features", pixels="sparse"))
+    assert env.observation_space == make("features", count=2).observation_space and env.plays_rollouts
+    with pytest.raises(ValueError, match="pixels must be one of 'dense', 'sparse', not 'few'"):
+        FootballConfig(pixels="few")
 
 
 def test_stacked_smm_has_the_last_four_frames_oldest_first():

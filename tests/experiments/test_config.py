@@ -89,7 +89,7 @@ def test_what_is_refused_and_how(data, sentence):
 
 def test_what_older_runs_know_nothing_of_is_what_they_did():
     data = configs.to_dict(TrainConfig())
-    del data["ppo"]["team"], data["ppo"]["critic"], data["ppo"]["bptt_steps"]
+    del data["ppo"]["team"], data["ppo"]["critic"], data["ppo"]["bptt_steps"], data["env"]["pixels"]
     for method in ("minimax", "paired", "paired_literal", "repaired", "self_regret"):
         del data[method]["adversary"]["builder"], data[method]["adversary"]["steps"]
     assert configs.from_dict(TrainConfig, data, "c.json") == TrainConfig()

@@ -17,6 +17,7 @@ from ued.core import checkpoint
 from ued.core.checkpoint import CheckpointError
 from ued.core.parts import Parts
 from ued.core.seeding import torch_generator
+from ued.core.sparse_image import dense_space
 from ued.core.upomdp import UPOMDP
 from ued.learning.student import Player, Student
 
@@ -99,8 +100,8 @@ def load_policy(path: str | Path, observation_space: Space | None = None, seed: 
 
 
 def spaces_of(upomdp: UPOMDP) -> dict[str, Any]:
-    """Return the observation and action spaces in the form of checkpoints."""
-    seen, done = upomdp.agent_observation_space, upomdp.agent_action_space
+    """Return the observation and action spaces in the form of checkpoints: a policy sees images, not coordinates."""
+    seen, done = dense_space(upomdp.agent_observation_space), upomdp.agent_action_space
     return {"observation": space_data(seen), "action": space_data(done), "agents": upomdp.num_agents}
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from stable_baselines3.common.vec_env import VecEnv
 
+from ued.core.sparse_image import as_dense, dense_space
 from ued.core.upomdp import UPOMDP
 
 
@@ -25,7 +26,7 @@ class SB3VecEnv(VecEnv):
         self._seed: int | None = None
         if upomdp.level_sampler is None:
             upomdp.level_sampler = upomdp.sample_levels
-        super().__init__(upomdp.num_envs, upomdp.single_observation_space, upomdp.single_action_space)
+        super().__init__(upomdp.num_envs, dense_space(upomdp.single_observation_space), upomdp.single_action_space)
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
         """Seed the stream of levels at the next reset."""
@@ -36,7 +37,7 @@ class SB3VecEnv(VecEnv):
         """Start an episode in all environments."""
         observations, _ = self.upomdp.reset(seed=self._seed)
         self._seed, self.returns, self.lengths = None, np.zeros(self.num_envs), np.zeros(self.num_envs, int)
-        return observations
+        return as_dense(self.upomdp.single_observation_space, observations)
 
     def step_async(self, actions: np.ndarray) -> None:
         self._actions = actions
@@ -45,19 +46,20 @@ class SB3VecEnv(VecEnv):
         """Step all environments; the info of an ended episode has its last observation, return and level."""
         levels = self.upomdp.levels.copy()
         observations, rewards, terminated, truncated, info = self.upomdp.step(self._actions)
+        space = self.upomdp.single_observation_space
         self.returns += rewards
         self.lengths += 1
         dones, infos = terminated | truncated, [dict[str, Any]() for _ in range(self.num_envs)]
         for index in np.flatnonzero(dones).tolist():
             infos[index] = {
-                "terminal_observation": info["final_obs"][index],
+                "terminal_observation": as_dense(space, info["final_obs"][index]),
                 "TimeLimit.truncated": bool(truncated[index] and not terminated[index]),
                 "episode": {"r": float(self.returns[index]), "l": int(self.lengths[index]), "t": 0.0},
                 "theta": levels["theta"][index],
                 "level_seed": int(levels["seed"][index]),
             }
         self.returns[dones], self.lengths[dones] = 0.0, 0
-        return observations, rewards.astype(np.float32), dones, infos
+        return as_dense(space, observations), rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:
         self.upomdp.close()

@@ -17,6 +17,7 @@ from torch import Tensor
 from torchrl.data import Binary, Bounded, Categorical, Composite, MultiCategorical, TensorSpec, Unbounded
 from torchrl.envs import EnvBase
 
+from ued.core.sparse_image import as_dense, dense_space
 from ued.core.upomdp import UPOMDP
 
 
@@ -37,7 +38,8 @@ class TorchRLEnv(EnvBase):
             upomdp.level_sampler = upomdp.sample_levels
         self.upomdp, count = upomdp, upomdp.num_envs
         self.first = getattr(upomdp.single_action_space, "start", 0)
-        seen, theta = spec_of(upomdp.single_observation_space, count), spec_of(upomdp.theta_space, count)
+        self.space = upomdp.single_observation_space
+        seen, theta = spec_of(dense_space(self.space), count), spec_of(upomdp.theta_space, count)
         self.observation_spec = Composite(observation=seen, theta=theta, shape=[count])
         self.action_spec = spec_of(upomdp.single_action_space, count)
         self.reward_spec = Unbounded([count, 1])
@@ -62,7 +64,10 @@ class TorchRLEnv(EnvBase):
         return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
 
     def _observe(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
-        return {"observation": torch.as_tensor(np.array(seen)), "theta": torch.as_tensor(theta.copy())}
+        return {
+            "observation": torch.as_tensor(np.array(as_dense(self.space, seen))),
+            "theta": torch.as_tensor(theta.copy()),
+        }
 
     def _set_seed(self, seed: int | None) -> None:
         """Seed the stream of levels; episodes begin with the next reset."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ued.core.parts import Parts
+from ued.core.sparse_image import dense_space
 
 if TYPE_CHECKING:
     from gymnasium.spaces import Space
@@ -74,7 +75,7 @@ def check_learners(config: PPOConfig, space: Space, num_envs: int, agents: int, 
 
 def weights(config: PPOConfig, space: Space, agents: int) -> int:
     """Return a lower bound on the weights in a student's hidden layers."""
-    shape, hidden = space.shape or (), config.hidden_size
+    shape, hidden = dense_space(space).shape or (), config.hidden_size
     image = len(shape) == 3 and config.network != "mlp"
     inputs, layers = (FEATURES, 1) if image else (math.prod(shape), config.hidden_layers)
     if isinstance(space, Parts) and config.network != "mlp":

@@ -26,6 +26,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from ued.core.compiled import CompiledRollout
 from ued.core.level_space import SEEDS, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Parameter
+from ued.core.sparse_image import SparseImage
 
 OPTIONS = ("theta", "reset_mask")  # of `UPOMDP.reset`
 PREFETCH = 128  # levels that a trainer announces at a time, at most
@@ -42,6 +43,8 @@ def of_one_agent(space: Space, agents: int) -> Space:
         return space
     if isinstance(space, MultiDiscrete) and space.shape == (agents,):
         return Discrete(int(space.nvec[0]), start=int(space.start[0]))
+    if isinstance(space, SparseImage) and space.agents == agents:
+        return space.of_one_agent()
     if isinstance(space, Box) and space.shape[:1] == (agents,):
         return Box(space.low[0], space.high[0], dtype=space.dtype.type)
     raise ValueError(f"{agents} agents need a Box or a MultiDiscrete with an axis for them, got {space}")

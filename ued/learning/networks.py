@@ -18,6 +18,8 @@ from torch import Tensor, nn
 
 from ued.config import PPOConfig
 from ued.core.parts import LEAST, Network, Part, Parts, channels_first, image_shape
+from ued.core.sparse_image import SparseImage
+from ued.learning.sparse_convolutions import Grid, convolve, images_of
 
 LOG_2_PI = math.log(2 * math.pi)
 IMPOSSIBLE = -1e9  # logit of invalid choices: finite, since 0 times infinity is nan
@@ -244,6 +246,30 @@ def cnn(space: Box, hidden_size: int, generator: torch.Generator, team: Team = O
     )
 
 
+class SparseTorso(Torso):
+    """The torso of `cnn` for images of a `SparseImage`: the same layers, the first two computed from coordinates.
+
+    It takes coordinates `[B, K, 3]` or images `[B, height, width, channels]`. On a GPU, coordinates become images.
+    """
+
+    def __init__(self, space: SparseImage, hidden_size: int, generator: torch.Generator) -> None:
+        layers = cnn(space.image, hidden_size, generator)
+        super().__init__([*layers], layers.size)
+        self.shape = space.image.shape
+
+    def forward(self, seen: Tensor) -> Tensor:
+        if seen.ndim == len(self.shape) + 1:
+            return super().forward(seen)
+        if seen.device.type != "cpu":
+            return super().forward(images_of(seen, self.shape))
+        _, first, _, second, _, *others = self  # channels first, two convolutions, their ReLUs
+        assert isinstance(first, nn.Conv2d) and isinstance(second, nn.Conv2d)
+        features = convolve(seen, Grid(*self.shape[:2]), first, second)
+        for layer in others:
+            features = layer(features)
+        return features
+
+
 class PartReader(nn.Module):
     """Convolutions for the images in vectors of several parts: `[B, F]` or `[B, A, F]` -> `[B, size]`, `[B, A, size]`.
 
@@ -279,11 +305,15 @@ def is_image(space: Space) -> bool:
     return len(space.shape or ()) == 3 and image_shape(space) is not None
 
 
-def seen_as(space: Space, network: Network) -> Space:
+def seen_as(space: Space, network: Network, agents: int = 1) -> Space:
     """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions.
 
+    A `SparseImage` has coordinates only for the convolutions of one agent; other networks see its images.
     Raises `ValueError` for `network` "cnn" if there is no image.
     """
+    if isinstance(space, SparseImage):
+        seen = seen_as(space.image, network)
+        return space if agents == 1 and is_image(seen) and network != "mlp" else seen
     images = space.images if isinstance(space, Parts) else is_image(space)
     if network == "cnn" and not images:
         raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, observations are {space}")
@@ -298,6 +328,8 @@ def torso(space: Space, config: PPOConfig, generator: torch.Generator, team: Tea
     `space` is that of `seen_as`. Raises `ValueError` for other observations.
     """
     sizes = config.hidden_size, config.hidden_layers, generator
+    if isinstance(space, SparseImage):
+        return SparseTorso(space, config.hidden_size, generator)
     if isinstance(space, Parts):
         reader = PartReader(space, generator, team)
         hidden = mlp(reader.size, *sizes, team.policies)

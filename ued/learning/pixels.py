@@ -16,7 +16,9 @@ from gymnasium.spaces import Box
 from torch import Tensor, nn
 
 from ued.core.parts import Parts
+from ued.core.sparse_image import SparseImage
 from ued.learning.networks import image_of
+from ued.learning.sparse_convolutions import images_of
 
 DARK = 0.1  # share of the bound; images that stay below are scaled by the observed maximum
 LEVELS = 255  # a scale is at least 1 / LEVELS of the bound, to avoid amplifying noise around 0
@@ -76,6 +78,34 @@ class Pixels(nn.Module):
         state_dict.setdefault(f"{prefix}scale", torch.full_like(self.scale, self.reach))
         super()._load_from_state_dict(state_dict, prefix, *others)
         self.divisor = float(self.scale)
+
+
+class SparsePixels(Pixels):
+    """Scale images of a `SparseImage` as `Pixels` do: a pixel is 1. It takes coordinates, and images too.
+
+    Args:
+        space: of one agent's observations.
+        keep: whether the network reads coordinates `[B, K, 3]`; otherwise they become images.
+        agents: number of agents.
+    """
+
+    def __init__(self, space: SparseImage, keep: bool, agents: int = 1) -> None:
+        super().__init__(space.image)
+        self.shape, self.keep, self.value = space.image.shape, keep, float(space.image.high.flat[0])
+        self.axes = len(self.shape) + 1 + (agents > 1)  # of images
+
+    def forward(self, observation: Tensor) -> Tensor:
+        """Return coordinates as they are, or images `[B, ...]` or `[B, A, ...]` in [0, 1]."""
+        if observation.ndim == self.axes:
+            return super().forward(observation)
+        return observation if self.keep else images_of(observation, self.shape)
+
+    def track(self, observation: Tensor) -> None:
+        """Update the scale with a batch of coordinates or images."""
+        if observation.ndim == self.axes:
+            super().track(observation)
+        elif (observation[..., 0] < self.shape[0]).any():
+            super().track(torch.tensor(self.value))
 
 
 class PartScales(nn.Module):

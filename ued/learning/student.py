@@ -27,9 +27,10 @@ from torch import Tensor, nn
 
 from ued.config import PPOConfig
 from ued.core.parts import Parts, repeated
+from ued.core.sparse_image import SparseImage
 from ued.learning.memory import Past, make_memory
 from ued.learning.networks import Policy, PolicyHead, Team, linear, mlp, seen_as, torso
-from ued.learning.pixels import PartScales, Pixels
+from ued.learning.pixels import PartScales, Pixels, SparsePixels
 
 CLIP = 10.0  # standard deviations
 
@@ -102,7 +103,8 @@ class Student(nn.Module):
     """An actor and a critic on top of one or two torsos.
 
     Args:
-        observation_space, action_space: of one environment; flat Box, image or `Parts`, and see `networks.PolicyHead`.
+        observation_space, action_space: of one agent; flat Box, image, `Parts` or `SparseImage`, and see
+            `networks.PolicyHead`.
         config: size of the torsos, and whether actor and critic share one, as in the thesis (Fig. 4.10).
         generator: random stream of the initial weights.
         unit: of each entry of an observation `[size]`; see `UPOMDP.observation_scale`.
@@ -127,14 +129,18 @@ class Student(nn.Module):
         self.numbered, self.central = agents > self.policies, agents > 1 and config.critic == "central"
         self.shared = config.shared_torso and not self.central
         team = players = Team(agents, self.policies)
-        observation_space = seen_as(observation_space, config.network)
+        given, observation_space = observation_space, seen_as(observation_space, config.network, agents)
         seen = widened(observation_space, 1, agents) if self.numbered else observation_space
         self.actor_torso = torso(seen, config, generator, team)
         if self.central:
             seen, team = widened(observation_space, agents, 0), Team()
         self.critic_torso = self.actor_torso if self.shared else torso(seen, config, generator, team)
         assert isinstance(observation_space, Box)  # `torso` has refused the others
-        self.normaliser = normaliser_of(observation_space, config.obs_std_floor, unit, self.policies)
+        self.normaliser: Normaliser | Pixels | PartScales
+        if isinstance(given, SparseImage):
+            self.normaliser = SparsePixels(given, isinstance(observation_space, SparseImage), agents)
+        else:
+            self.normaliser = normaliser_of(observation_space, config.obs_std_floor, unit, self.policies)
         remembers, size = (config.memory, config.hidden_size, generator), config.hidden_size
         inputs = [one.size if config.memory == "none" else size for one in (self.actor_torso, self.critic_torso)]
         heads = config.head_size, int(config.head_size > 0), generator

@@ -14,6 +14,7 @@ from ued.config import TeacherConfig
 from ued.core.level_space import LevelSpace, as_void_view, level_dtype
 from ued.core.resumable import Resumable
 from ued.core.seeding import SeedStream, torch_generator
+from ued.core.sparse_image import as_dense, dense_space
 from ued.core.upomdp import UPOMDP
 from ued.levels.budget import Budget
 from ued.levels.diagnostics import choice_metrics
@@ -48,7 +49,7 @@ class Teacher(Resumable):
         self.space, self.config, self.budget = space, config, budget or Budget.of(space)
         seeds = SeedStream(seed)
         self.view = self._view()
-        size = None if self.view is None else int(np.prod(self.view.single_observation_space.shape or ()))
+        size = None if self.view is None else int(np.prod(dense_space(self.view.single_observation_space).shape or ()))
         self.adversary: Proposer = make_adversary(space, config.adversary, torch_generator(seeds.next()), size)
         self.mix = np.random.default_rng(seeds.next())
         own = self.adversary.record_fields
@@ -87,7 +88,8 @@ class Teacher(Resumable):
         batches: list[np.ndarray] = []
         while sum(map(len, batches)) < count:  # no step is simulated
             levels = self.space.sample_levels(self.view.num_envs)
-            batches.append(self.view.reset_to_levels(levels)[0].reshape(len(levels), -1))
+            seen, _ = self.view.reset_to_levels(levels)
+            batches.append(as_dense(self.view.single_observation_space, seen).reshape(len(levels), -1))
         return np.concatenate(batches)[:count]
 
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:

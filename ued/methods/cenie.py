@@ -21,6 +21,7 @@ import numpy as np
 from ued.config import CENIEConfig
 from ued.core.curriculum import LevelSpace
 from ued.core.level_space import level_dtype
+from ued.core.sparse_image import dense_space
 from ued.core.upomdp import UPOMDP
 from ued.learning.networks import choices_of
 from ued.levels import scores
@@ -119,7 +120,7 @@ class CENIECurriculum(ACCELCurriculum):
 
 def pair_columns(upomdp: UPOMDP) -> int:
     """Return the number of columns of a state-action pair of one agent. Raises `ValueError` for images."""
-    shape = upomdp.agent_observation_space.shape or ()
+    shape = dense_space(upomdp.agent_observation_space).shape or ()
     size, actions = math.prod(shape), upomdp.agent_action_space
     if size > MOST_ENTRIES:
         raise ValueError(

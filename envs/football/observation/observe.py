@@ -13,7 +13,7 @@ from regista.envs.football.config import REPRESENTATIONS
 from regista.envs.football.control.agents import num_agents
 from regista.envs.football.observation.features import write_features
 from regista.envs.football.observation.simple115 import write_simple115
-from regista.envs.football.observation.smm import remember, write_planes
+from regista.envs.football.observation.smm import remember, write_pixels, write_planes
 from regista.kernels.jit import kernel
 
 FEATURES, SIMPLE115, SMM, SMM_STACKED, RAW = range(len(REPRESENTATIONS))
@@ -24,6 +24,7 @@ class View(NamedTuple):
 
     vectors: np.ndarray  # [N, A, F] float32
     planes: np.ndarray  # [N, A, 72, 96, C] uint8
+    pixels: np.ndarray  # [N, A, K, 3] uint8, those of the planes that are set, see `SparseImage`
 
 
 @kernel(inline=True)
@@ -37,7 +38,10 @@ def observe(batch, index, view, kind):
             write_simple115(match, agent, view.vectors[index, agent])
         elif kind != RAW:
             places, agents = batch.minimap_places[index], batch.minimap_agents[index]
-            write_planes(match, agent, places, agents, view.planes[index, agent])
+            if len(view.pixels):
+                write_pixels(match, agent, places, agents, view.pixels[index, agent])
+            else:
+                write_planes(match, agent, places, agents, view.planes[index, agent])
 
 
 @kernel(inline=True)

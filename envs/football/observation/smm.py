@@ -2,6 +2,8 @@
 other team, the ball and the agent's player; 255 marks a position. `smm_stacked` has those of the last four steps,
 oldest first.
 
+With `pixels = "sparse"`, an observation is the coordinates of the marks instead, see `ued.core.sparse_image`.
+
 Only the positions of the last four steps are stored per match, and drawn for each observation: a few hundred bytes
 instead of 110,592 in each record, and drawing only writes a few pixels into zeroed planes.
 Read next: `observation.observer`.
@@ -13,13 +15,14 @@ import math
 
 import numpy as np
 
-from regista.envs.football.constants import LEFT, NOBODY
+from regista.envs.football.constants import LEFT, MAX_PLAYERS, NOBODY
 from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.kernels.jit import kernel
 
 HEIGHT, WIDTH = 72, 96  # pixels
 FRAMES = 4  # that are stored
 CHANNELS = 4  # of a frame: our team, theirs, the ball, the agent's player
+MARKS = MAX_PLAYERS + 2  # at most in a frame: all players, the ball, the agent's player
 HALF_HEIGHT = 1.0 / 2.25  # GRF's units from the middle to the upper and to the lower edge
 
 
@@ -58,26 +61,60 @@ def _note(match, places, agents):
 @kernel
 def write_planes(match, agent, places, agents, planes):
     """Draw the last frames as an agent sees them into `planes` `[72, 96, C]` uint8, which are zero; C is 4 or 16."""
+    _draw(match, agent, places, agents, planes.shape[2] // CHANNELS, planes)
+
+
+@kernel
+def write_pixels(match, agent, places, agents, pixels):
+    """Write the coordinates of the marks in these planes into `pixels` `[K, 3]` uint8; K is MARKS of each frame.
+
+    Each is there once, in the order of the planes in memory; unused rows are (HEIGHT, 0, 0).
+    """
+    for k in range(len(pixels)):
+        pixels[k, 0], pixels[k, 1], pixels[k, 2] = HEIGHT, 0, 0
+    _draw(match, agent, places, agents, len(pixels) // MARKS, pixels)
+
+
+@kernel
+def _draw(match, agent, places, agents, frames, seen):
+    """Mark the positions of the last frames in planes or in a list of pixels."""
     us = 0 if agent < match.num_agents[LEFT] else 1
     side = 1.0 if us == LEFT else -1.0  # the right team sees the pitch rotated by 180°
-    frames = planes.shape[2] // CHANNELS
     for frame in range(frames):
         slot = (match.step + 1 + frame - frames) % FRAMES
         channel = CHANNELS * frame
         for i in range(match.num_players):
             theirs = 0 if match.players[i].team == us else 1
-            _mark(planes, channel + theirs, side * places[slot, i, 0], side * places[slot, i, 1])
+            _mark(seen, channel + theirs, side * places[slot, i, 0], side * places[slot, i, 1])
         ball, me = match.num_players, agents[slot, agent]
-        _mark(planes, channel + 2, side * places[slot, ball, 0], side * places[slot, ball, 1])
+        _mark(seen, channel + 2, side * places[slot, ball, 0], side * places[slot, ball, 1])
         if me != NOBODY:
-            _mark(planes, channel + 3, side * places[slot, me, 0], side * places[slot, me, 1])
+            _mark(seen, channel + 3, side * places[slot, me, 0], side * places[slot, me, 1])
 
 
 @kernel
-def _mark(planes, channel, x, y):
-    """Set the pixel at (x, y); a point beyond the edge is drawn on the edge."""
+def _mark(seen, channel, x, y):
+    """Mark the pixel at (x, y); a point beyond the edge is drawn on the edge."""
     if math.isnan(x):
         return  # sent off
     column = int((x + 1.0) / 2.0 * WIDTH)
     row = int((y + HALF_HEIGHT) / (2.0 * HALF_HEIGHT) * HEIGHT)
-    planes[min(max(row, 0), HEIGHT - 1), min(max(column, 0), WIDTH - 1), channel] = 255
+    row, column = min(max(row, 0), HEIGHT - 1), min(max(column, 0), WIDTH - 1)
+    if seen.ndim == 3:
+        seen[row, column, channel] = 255
+    else:
+        _insert(seen, row, column, channel)
+
+
+@kernel
+def _insert(pixels, row, column, channel):
+    """Insert a pixel into ascending ones `[K, 3]`, unless it is among them."""
+    for k in range(len(pixels)):
+        other = int(pixels[k, 0]), int(pixels[k, 1]), int(pixels[k, 2])
+        if other == (row, column, channel):
+            return
+        if other > (row, column, channel):
+            pixels[k, 0], pixels[k, 1], pixels[k, 2] = row, column, channel
+            row, column, channel = other  # the rest moves down
+            if row == HEIGHT:
+                return  # an unused one
