@@ -95,6 +95,7 @@ FLOORS = {
     "ued": (
         "settings",  # how they are declared
         "student_config",
+        "lesson_config",  # plans as text
         "config",  # hyperparameters
         "statistics",
         "core.seeding",

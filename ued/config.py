@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ued.lesson_config import LessonsConfig as LessonsConfig
 from ued.settings import LARGEST_SEED as LARGEST_SEED
 from ued.settings import Checked as Checked
 from ued.settings import bounds_of as bounds_of

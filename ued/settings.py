@@ -41,12 +41,15 @@ def setting(
     rule: Literal["", ">=1", ">0", ">=0", "0-1"] = "",
     most: Bound | None = None,
     least: float | None = None,
+    metavar: str = "",
 ) -> Any:
     """Return a dataclass field: its default, one line of help, as the command line shows it, and a rule of `RULES`.
 
-    A number has a maximum, `most`, and where no rule gives its minimum, `least`.
+    A number has a maximum, `most`, and where no rule gives its minimum, `least`. `metavar` stands for the value in the
+    help.
     """
-    return field(default=default, metadata={"help": help, "rule": rule, "most": most, "least": least})
+    about = {"help": help, "rule": rule, "most": most, "least": least, "metavar": metavar}
+    return field(default=default, metadata=about)
 
 
 def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:

@@ -98,7 +98,7 @@ class RunConfig(Checked):
     device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
     eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
     eval_episodes: int = setting(
-        64, "episodes of an evaluation on each test scene; not part of the budget", ">=1", most=1_000_000
+        64, "episodes of an evaluation per test scene, not in the budget", ">=1", most=1_000_000
     )
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for Rerun")
@@ -245,7 +245,9 @@ OF_MACHINES = 1_024  # upper limit of threads on any machine
 # Settings that older files lack, with the values that reproduce those runs: JSON.
 ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto", "ppo.head_size": 0}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv", "accel.new_levels": "random"}
-ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc")} | {"sfl.score": "learnability"}
+ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")} | {
+    "sfl.score": "learnability"
+}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
@@ -409,7 +411,7 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
         return None if value is None else _value(next(p for p in parts if p is not NoneType), value, where, path)
     if origin is typing.Literal and value in parts:
         return value
-    if origin is tuple and isinstance(value, list):
+    if origin is tuple and isinstance(value, list | tuple):
         return tuple(_value(parts[0], item, where, path) for item in value)
     if hint is Path and isinstance(value, str):
         return Path(value)

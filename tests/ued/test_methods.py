@@ -22,6 +22,8 @@ from ued import (
     ACCELConfig,
     BufferConfig,
     CENIEConfig,
+    Lessons,
+    LessonsConfig,
     Minimax,
     MinimaxConfig,
     NCCConfig,
@@ -70,6 +72,7 @@ METHODS = {
     "mna": lambda env, seed=0: PLR(env, PPO, PLRConfig(score="mna", buffer=SMALL), seed),
     "ncc": lambda env, seed=0: NCC(env, PPO, NCCConfig(capacity=32), seed),
     "alp_gmm": lambda env, seed=0: ALPGMM(env, PPO, ALPGMMConfig(fit_every=60, max_components=3), seed),
+    "lessons": lambda env, seed=0: Lessons(env, PPO, LessonsConfig(increments=4, window=20), seed),
 }
 
 
