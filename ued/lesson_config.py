@@ -26,7 +26,7 @@ MIDDLE = "all=theta -0.25..0.25 until success 0.8"  # the first lesson unless a 
 class Criterion(NamedTuple):
     """A reason to move on: the mean of a `measure` over the last episodes, or the length of a lesson, is at `least`.
 
-    `measure` is "success" (a rate from 0 to 1), "return", "episodes", "steps", or "share" (steps as a share of the run).
+    `measure` is "success" (a rate from 0 to 1), "return", "episodes", "steps", or "share" (of the steps of the run).
     """
 
     measure: str

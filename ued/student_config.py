@@ -27,6 +27,11 @@ class PPOConfig(Checked):
     clip_coef: float = setting(0.2, "clipping range of the ratio of new to old probability around 1", ">0", most=1e6)
     clip_vloss: bool = setting(False, "also clip the change of the value by clip_coef")
     norm_adv: bool = setting(True, "normalize the advantages of each minibatch")
+    norm_reward: bool = setting(
+        False,
+        "learn from rewards divided by the running standard deviation of discounted returns; tables and scores of "
+        "levels show raw returns",
+    )
     ent_coef: float = setting(0.01, "weight of the entropy bonus", ">=0", most=1e6)
     vf_coef: float = setting(0.5, "weight of the value loss", ">=0", most=1e6)
     max_grad_norm: float = setting(0.5, "clip the gradient to this norm", ">0", most=1e12)

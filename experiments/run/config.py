@@ -97,9 +97,7 @@ class RunConfig(Checked):
     threads: int = setting(1, "threads of one run; with small networks, one is fastest", ">=1", most=most_threads)
     device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
     eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
-    eval_episodes: int = setting(
-        64, "episodes of an evaluation per test scene, not in the budget", ">=1", most=1_000_000
-    )
+    eval_episodes: int = setting(64, "episodes of an evaluation per test scene, not in the budget", ">=1", most=10**6)
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for Rerun")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0: none", ">=0", most=10**9)
@@ -243,11 +241,10 @@ LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto", "ppo.head_size": 0}
-ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv", "accel.new_levels": "random"}
-ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")} | {
-    "sfl.score": "learnability"
-}
+ADDED: dict[str, Any] = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto"}
+ADDED |= {"ppo.head_size": 0, "ppo.norm_reward": False, "accel.new_levels": "random", "sfl.score": "learnability"}
+ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv"}
+ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}

@@ -3,6 +3,7 @@
 import copy
 import inspect
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +74,7 @@ METHODS = {
     "ncc": lambda env, seed=0: NCC(env, PPO, NCCConfig(capacity=32), seed),
     "alp_gmm": lambda env, seed=0: ALPGMM(env, PPO, ALPGMMConfig(fit_every=60, max_components=3), seed),
     "lessons": lambda env, seed=0: Lessons(env, PPO, LessonsConfig(increments=4, window=20), seed),
+    "norm_reward": lambda env, seed=0: DR(env, replace(PPO, norm_reward=True), seed=seed),
 }
 
 
