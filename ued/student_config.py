@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ued.settings import Checked, setting
+from ued.settings import Checked, named, setting
 
 
 @dataclass(frozen=True)
@@ -40,10 +40,12 @@ class PPOConfig(Checked):
     )
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
-    network: Literal["auto", "mlp", "cnn"] = setting(
+    network: str = named(
         "auto",
         "first layers: convolutions for images, and those in Dict and Tuple observations (auto); also for those that "
         "vectors declare, as those of mazes do (cnn); or no convolutions (mlp)",
+        ("auto", "mlp", "cnn"),
+        "class",
     )
     hidden_layers: int = setting(
         2, "hidden layers of each torso; observations that are one image have a single one", ">=0", most=64

@@ -21,9 +21,11 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, UsageError, nearest
-from ued.config import LARGEST_SEED, BuilderConfig, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
+from ued.config import LARGEST_SEED, BuilderConfig, Checked, PairedConfig, PPOConfig
 from ued.core.files import write_whole
+from ued.core.own_code import note_read
 from ued.methods import METHODS
+from ued.settings import hints_of, most_threads, own_names, setting
 
 Config = TypeVar("Config")
 
@@ -90,9 +92,7 @@ class RunConfig(Checked):
     minigame: str = positional(GAME, default="1v1Restricted")
     method: str = setting("paired", f"method that chooses levels: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
-    total_env_steps: int = setting(
-        3_000_000, "budget of environment steps, over all students (antagonist included)", ">=1", most=10**12
-    )
+    total_env_steps: int = setting(3_000_000, "budget of environment steps, over all students", ">=1", most=10**12)
     num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
     threads: int = setting(1, "threads of one run; with small networks, one is fastest", ">=1", most=most_threads)
     device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
@@ -267,7 +267,9 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
 
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
-    return _read(kind, data, where, path="")
+    config: Config = _read(kind, data, where, path="")
+    note_read(*own_names(config))  # code, which a file of a stranger may name
+    return config
 
 
 def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
@@ -287,7 +289,7 @@ def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
             first = next(iter(section[last]))
             raise ConfigError(f"{where}: '{path}' is a group of settings; give one, such as '{path}.{first}'")
         section[last] = value.item() if isinstance(value, np.generic) else _plain(value)
-    return from_dict(type(config), data, where)
+    return _read(type(config), data, where, path="")
 
 
 def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
@@ -380,8 +382,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
         values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
-    for item in fields(kind):
-        values[item.name] = _as_here(item, values[item.name])
+    values = {item.name: _as_here(item, values[item.name]) for item in fields(kind)}
     if kind is FootballConfig:
         values["grf_python"] = None  # an executable: only the command line may choose it, never a file
     try:

@@ -17,7 +17,8 @@ from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.core.parts import LEAST, Network, Part, Parts, channels_first, image_shape
+from ued.core.own_code import is_name
+from ued.core.parts import LEAST, Part, Parts, channels_first, image_shape
 
 LOG_2_PI = math.log(2 * math.pi)
 IMPOSSIBLE = -1e9  # logit of invalid choices: finite, since 0 times infinity is nan
@@ -279,15 +280,20 @@ def is_image(space: Space) -> bool:
     return len(space.shape or ()) == 3 and image_shape(space) is not None
 
 
-def seen_as(space: Space, network: Network) -> Space:
-    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions.
+def seen_as(space: Space, network: str) -> Space:
+    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions, and
+    for a network of the user.
 
     Raises `ValueError` for `network` "cnn" if there is no image.
     """
     images = space.images if isinstance(space, Parts) else is_image(space)
     if network == "cnn" and not images:
         raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, observations are {space}")
-    if isinstance(space, Parts) and not (images and "cnn" in (network, space.network) and network != "mlp"):
+    if (
+        isinstance(space, Parts)
+        and not is_name(network)
+        and not (images and "cnn" in (network, space.network) and network != "mlp")
+    ):
         return Box(space.low, space.high, dtype=space.dtype.type)
     return space
 

@@ -2,7 +2,7 @@
 
 Rewards are divided by the running standard deviation of discounted returns, as Gymnasium's vector wrapper
 `NormalizeReward` does, and then limited to [-10, 10], as in CleanRL's `ppo_continuous_action.py` (Engstrom et al. 2020,
-"reward scaling"). Rewards do not decide how an episode goes on, so a rollout is normalized once it is over, and compiled
+"reward scaling"). Rewards do not decide how an episode goes on, so a rollout is normalized once it is over: compiled
 rollouts need no other kernel.
 Read next: `learning.learner`, whose critic then predicts normalized returns.
 """
