@@ -4,6 +4,7 @@ from ued.adapters.gym import GymUPOMDP as GymUPOMDP
 from ued.adapters.gym import UPOMDPWrapper as UPOMDPWrapper
 from ued.adapters.mixture import Mixture as Mixture
 from ued.adapters.policy import load_policy as load_policy
+from ued.adapters.vector import VectorUPOMDP as VectorUPOMDP
 from ued.config import ACCELConfig as ACCELConfig
 from ued.config import AdversaryConfig as AdversaryConfig
 from ued.config import ALPGMMConfig as ALPGMMConfig
