@@ -15,6 +15,7 @@ from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
+from ued.config import own_names
 
 
 def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
@@ -41,6 +42,8 @@ def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | No
     if unknown:
         raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
     config = replace(config, minigame=game.name, method=build.find_method(method), seed=seed, **settings)
+    for name in own_names(config):
+        trust.allow(name)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
@@ -73,7 +76,7 @@ def evaluate(
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
     config = folders[0].config
-    if trusted:
-        trust.allow(config.minigame)
+    for name in [config.minigame, *(name for run in folders for name in own_names(run.config))] if trusted else ():
+        trust.allow(name)
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     return Evaluator(scenes, levels, level_episodes).report(folders)

@@ -26,7 +26,8 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 SHARES = ("sim", "forward", "levels", "learn", "curriculum")
 COLUMNS = (
-    "round", "code", "pixels", "game", "method", "num_envs", "num_steps", "steps_per_second", *SHARES, "limit", "simulator",
+    *("round", "code", "pixels", "game", "method", "num_envs", "num_steps", "steps_per_second"),
+    *(*SHARES, "limit", "simulator"),
 )  # fmt: skip
 BACKWARD = 2  # the gradient of a product takes two products
 

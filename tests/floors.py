@@ -93,8 +93,10 @@ FLOORS = {
         "scenic3.vector_env",  # processes of them
     ),
     "ued": (
+        "core.own_code",  # functions and classes of the user, by name
         "settings",  # how they are declared
         "student_config",
+        "lesson_config",  # plans as text
         "config",  # hyperparameters
         "statistics",
         "core.seeding",

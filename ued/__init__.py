@@ -34,6 +34,7 @@ _EXPORTS = {  # by module; the methods and their settings are those of `methods.
     "ued.methods.method": ("Method",),
     "ued.methods": ("METHODS",),
     "ued.adapters.mixture": ("Mixture",),
+    "ued.adapters.vector": ("VectorUPOMDP",),
     "ued.core.parameters": ("Choice", "Integer", "LogRange", "Range", "Seeds"),
     "ued.core.families": ("LevelBuilder", "LevelFamily"),
     "ued.adapters.policy": ("load_policy",),

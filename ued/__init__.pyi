@@ -4,6 +4,7 @@ from ued.adapters.gym import GymUPOMDP as GymUPOMDP
 from ued.adapters.gym import UPOMDPWrapper as UPOMDPWrapper
 from ued.adapters.mixture import Mixture as Mixture
 from ued.adapters.policy import load_policy as load_policy
+from ued.adapters.vector import VectorUPOMDP as VectorUPOMDP
 from ued.config import ACCELConfig as ACCELConfig
 from ued.config import AdversaryConfig as AdversaryConfig
 from ued.config import ALPGMMConfig as ALPGMMConfig
@@ -11,6 +12,7 @@ from ued.config import BufferConfig as BufferConfig
 from ued.config import BuilderConfig as BuilderConfig
 from ued.config import CENIEConfig as CENIEConfig
 from ued.config import DRConfig as DRConfig
+from ued.config import LessonsConfig as LessonsConfig
 from ued.config import MinimaxConfig as MinimaxConfig
 from ued.config import NCCConfig as NCCConfig
 from ued.config import PairedConfig as PairedConfig
@@ -52,6 +54,7 @@ from ued.methods.accel import ACCEL as ACCEL
 from ued.methods.alp_gmm import ALPGMM as ALPGMM
 from ued.methods.cenie import CENIE as CENIE
 from ued.methods.dr import DR as DR
+from ued.methods.lessons import Lessons as Lessons
 from ued.methods.method import Method as Method
 from ued.methods.minimax import Minimax as Minimax
 from ued.methods.ncc import NCC as NCC

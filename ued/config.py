@@ -9,12 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from ued.lesson_config import LessonsConfig as LessonsConfig
 from ued.settings import LARGEST_SEED as LARGEST_SEED
 from ued.settings import Checked as Checked
 from ued.settings import bounds_of as bounds_of
 from ued.settings import complaint as complaint
 from ued.settings import hints_of as hints_of
 from ued.settings import most_threads as most_threads
+from ued.settings import named as named
+from ued.settings import own_names as own_names
 from ued.settings import setting as setting
 from ued.student_config import CloningConfig as CloningConfig
 from ued.student_config import FineTuningConfig as FineTuningConfig
@@ -228,7 +231,7 @@ class BufferConfig(Checked):
     no_duplicates: bool = setting(True, "do not store a level that is already in the buffer")
 
 
-ScoreRule = Literal["max_mc", "positive_value_loss", "l1_value_loss", "learnability", "generalized_learnability", "mna"]
+SCORES = ("max_mc", "positive_value_loss", "l1_value_loss", "learnability", "generalized_learnability", "mna")
 SCORE_HELP = (
     "score of a level: best return ever minus value (max_mc), mean positive (positive_value_loss) or absolute "
     "(l1_value_loss) advantage, p (1 - p) with success rate p (learnability), deviation of returns where their mean is "
@@ -248,7 +251,7 @@ class PLRConfig(Checked):
 
     replay_prob: float = setting(0.5, "probability of replaying a level from the buffer", "0-1")
     min_fill: float | None = min_fill()
-    score: ScoreRule = setting("max_mc", SCORE_HELP)
+    score: str = named("max_mc", SCORE_HELP, SCORES, "function")
     episodes_per_level: int = setting(1, "episodes on a level", ">=1", most=10_000)
     buffer: BufferConfig = field(default_factory=BufferConfig, metadata={"help": "the buffer"})
 
@@ -313,10 +316,12 @@ class SFLConfig(Checked):
     chosen: int = setting(64, "number of most learnable candidates to select", ">=1", most=1_000_000)
     choose_every: int = setting(25, "select new levels every N updates", ">=1", most=10**9)
     chosen_share: float = setting(0.5, "share of selected levels among training levels; the others are random", "0-1")
-    score: Literal["learnability", "generalized_learnability"] = setting(
+    score: str = named(
         "learnability",
         "score of a candidate: p (1 - p) with success rate p (learnability), or for returns that are not binary their "
         "deviation, where their mean is usual (generalized_learnability)",
+        ("learnability", "generalized_learnability"),
+        "function",
     )
 
     def __post_init__(self) -> None:
@@ -333,7 +338,7 @@ class NCCConfig(Checked):
 
     capacity: int = setting(256, "capacity of the buffer, in levels", ">=1", most=1_000_000)
     min_fill: float | None = min_fill()
-    score: ScoreRule = setting("learnability", SCORE_HELP)
+    score: str = named("learnability", SCORE_HELP, SCORES, "function")
     episodes_per_level: int = setting(4, "episodes on a level", ">=1", most=10_000)
     candidate_share: float = setting(
         0.25, "share of random levels that are only evaluated, as candidates for the buffer", "0-1"

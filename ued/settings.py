@@ -12,9 +12,11 @@ import math
 import os
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import field, fields, is_dataclass
 from types import NoneType
 from typing import Any, Literal
+
+from ued.core.own_code import canonical, is_name
 
 # Rules for settings: a check, which nan fails, and its wording in messages.
 RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
@@ -42,12 +44,31 @@ def setting(
     rule: Literal["", ">=1", ">0", ">=0", "0-1"] = "",
     most: Bound | None = None,
     least: float | None = None,
+    metavar: str = "",
 ) -> Any:
     """Return a dataclass field: its default, one line of help, as the command line shows it, and a rule of `RULES`.
 
-    A number has a maximum, `most`, and where no rule gives its minimum, `least`.
+    A number has a maximum, `most`, and where no rule gives its minimum, `least`. `metavar` stands for the value in the
+    help.
     """
-    return field(default=default, metadata={"help": help, "rule": rule, "most": most, "least": least})
+    about = {"help": help, "rule": rule, "most": most, "least": least, "metavar": metavar}
+    return field(default=default, metadata=about)
+
+
+def named(default: str, help: str, names: tuple[str, ...], kind: str) -> Any:
+    """Return the field of a setting that is one of our names, or the name of a function or class of the user.
+
+    `kind` is what the user's is: "function" or "class". See `core.own_code`.
+    """
+    about = {"help": f"{help}; or yours, module:{kind} or file.py:{kind}", "names": names, "kind": kind}
+    return field(default=default, metadata=about)
+
+
+def own_names(config: Any) -> list[str]:
+    """Return the names of the user's functions and classes in a configuration and its parts."""
+    values = [(item, getattr(config, item.name)) for item in fields(config)]
+    nested = [name for _, value in values if is_dataclass(value) for name in own_names(value)]
+    return [value for item, value in values if item.metadata.get("names") and is_name(value)] + nested
 
 
 def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
@@ -62,6 +83,10 @@ def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
 
 def complaint(about: Mapping[str, Any], value: Any) -> str | None:
     """Return what is wrong with a value for a field of this metadata, None if nothing is."""
+    names = about.get("names", ())
+    if names and value not in names and not is_name(str(value)):
+        kind = about["kind"]
+        return f"must be {' or '.join(names)}, or yours as module:{kind} or file.py:{kind}, got {value!r}"
     holds, words = RULES[about.get("rule", "")]
     if not holds(value):
         return f"{words}, got {value!r}"
@@ -120,3 +145,5 @@ class Checked:
                 wrong = complaint(about, value)
             if wrong:
                 raise ValueError(f"{name} {wrong}")
+            if about.get("names"):  # a file is found from every working directory
+                object.__setattr__(self, name, value if value in about["names"] else canonical(value))

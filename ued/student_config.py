@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ued.settings import Checked, setting
+from ued.settings import Checked, named, setting
 
 
 @dataclass(frozen=True)
@@ -27,18 +27,22 @@ class PPOConfig(Checked):
     clip_coef: float = setting(0.2, "clipping range of the ratio of new to old probability around 1", ">0", most=1e6)
     clip_vloss: bool = setting(False, "also clip the change of the value by clip_coef")
     norm_adv: bool = setting(True, "normalize the advantages of each minibatch")
+    norm_reward: bool = setting(
+        False,
+        "divide rewards by the running deviation of discounted returns; tables and scores of levels stay raw",
+    )
     ent_coef: float = setting(0.01, "weight of the entropy bonus", ">=0", most=1e6)
     vf_coef: float = setting(0.5, "weight of the value loss", ">=0", most=1e6)
     max_grad_norm: float = setting(0.5, "clip the gradient to this norm", ">0", most=1e12)
-    target_kl: float = setting(
-        0.0, "stop an update once the KL divergence of old and new policy exceeds this; 0: never", ">=0", most=1e6
-    )
+    target_kl: float = setting(0.0, "stop an update once the KL divergence exceeds this; 0: never", ">=0", most=1e6)
     adam_eps: float = setting(1e-5, "Adam's epsilon", ">0", most=1)
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
-    network: Literal["auto", "mlp", "cnn"] = setting(
+    network: str = named(
         "auto",
-        "first layers: convolutions for images, and those in Dict and Tuple observations (auto); also for those that "
-        "vectors declare, as those of mazes do (cnn); or no convolutions (mlp)",
+        "first layers: convolutions for images (auto), also for those that vectors declare, as mazes do (cnn), or none "
+        "(mlp)",
+        ("auto", "mlp", "cnn"),
+        "class",
     )
     hidden_layers: int = setting(
         2, "hidden layers of each torso; observations that are one image have a single one", ">=0", most=64
@@ -51,7 +55,7 @@ class PPOConfig(Checked):
         "independent", "policies of several agents: one each, or a shared one that observes the index of the agent"
     )
     critic: Literal["own", "central"] = setting(
-        "own", "critic of several agents: one each on its own observation, or a central one on all observations (MAPPO)"
+        "own", "critic of several agents: one each, or a central one on all observations (MAPPO)"
     )
     obs_std_floor: float = setting(
         0.1,

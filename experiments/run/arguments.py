@@ -269,7 +269,7 @@ def _spell(value: Any) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, tuple):
-        return " ".join(map(str, value)) or "none"
+        return " ".join(f'"{item}"' if " " in str(item) else str(item) for item in value) or "none"
     return f"{value:_}" if isinstance(value, int) and value >= 100_000 else str(value)
 
 

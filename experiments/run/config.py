@@ -21,9 +21,11 @@ import numpy as np
 from regista.envs.football.config import FootballConfig
 from regista.experiments.run.arguments import group, option, positional
 from regista.experiments.run.errors import CommandError, UsageError, nearest
-from ued.config import LARGEST_SEED, BuilderConfig, Checked, PairedConfig, PPOConfig, hints_of, most_threads, setting
+from ued.config import LARGEST_SEED, BuilderConfig, Checked, PairedConfig, PPOConfig
 from ued.core.files import write_whole
+from ued.core.own_code import note_read
 from ued.methods import METHODS
+from ued.settings import hints_of, most_threads, own_names, setting
 
 Config = TypeVar("Config")
 
@@ -90,16 +92,12 @@ class RunConfig(Checked):
     minigame: str = positional(GAME, default="1v1Restricted")
     method: str = setting("paired", f"method that chooses levels: {', '.join(METHODS)}")
     seed: int = setting(0, "seed of every random stream of the run", ">=0", most=LARGEST_SEED)
-    total_env_steps: int = setting(
-        3_000_000, "budget of environment steps, over all students (antagonist included)", ">=1", most=10**12
-    )
+    total_env_steps: int = setting(3_000_000, "budget of environment steps, over all students", ">=1", most=10**12)
     num_envs: int = setting(128, "parallel environments of each student", ">=1", most=100_000)
     threads: int = setting(1, "threads of one run; with small networks, one is fastest", ">=1", most=most_threads)
     device: str = setting("cpu", "device of the networks: cpu, cuda, cuda:1, ..., or auto: a GPU if available")
     eval_every: int = setting(250_000, "env_steps between evaluations; 0: none", ">=0", most=10**12)
-    eval_episodes: int = setting(
-        64, "episodes of an evaluation on each test scene; not part of the budget", ">=1", most=1_000_000
-    )
+    eval_episodes: int = setting(64, "episodes of an evaluation per test scene, not in the budget", ">=1", most=10**6)
     checkpoint_seconds: float = setting(60.0, "seconds between checkpoints", ">=0", most=10**9)
     record: bool = setting(True, "write curriculum.rrd for Rerun")
     record_rollouts: int = setting(20, "updates between recorded rollouts; 0: none", ">=0", most=10**9)
@@ -243,9 +241,10 @@ LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
 
 # Settings that older files lack, with the values that reproduce those runs: JSON.
-ADDED = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto", "ppo.head_size": 0}
-ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv", "accel.new_levels": "random"}
-ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc")} | {"sfl.score": "learnability"}
+ADDED: dict[str, Any] = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto"}
+ADDED |= {"ppo.head_size": 0, "ppo.norm_reward": False, "accel.new_levels": "random", "sfl.score": "learnability"}
+ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv"}
+ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")}
 TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT} | {"env.pixels": "dense"}
 ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
@@ -268,7 +267,9 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
 
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
-    return _read(kind, data, where, path="")
+    config: Config = _read(kind, data, where, path="")
+    note_read(*own_names(config))  # code, which a file of a stranger may name
+    return config
 
 
 def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
@@ -288,7 +289,7 @@ def changed(config: Config, values: Mapping[Any, Any], where: str) -> Config:
             first = next(iter(section[last]))
             raise ConfigError(f"{where}: '{path}' is a group of settings; give one, such as '{path}.{first}'")
         section[last] = value.item() if isinstance(value, np.generic) else _plain(value)
-    return from_dict(type(config), data, where)
+    return _read(type(config), data, where, path="")
 
 
 def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
@@ -381,8 +382,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
         values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
-    for item in fields(kind):
-        values[item.name] = _as_here(item, values[item.name])
+    values = {item.name: _as_here(item, values[item.name]) for item in fields(kind)}
     if kind is FootballConfig:
         values["grf_python"] = None  # an executable: only the command line may choose it, never a file
     try:
@@ -409,7 +409,7 @@ def _value(hint: Any, value: Any, where: str, path: str) -> Any:
         return None if value is None else _value(next(p for p in parts if p is not NoneType), value, where, path)
     if origin is typing.Literal and value in parts:
         return value
-    if origin is tuple and isinstance(value, list):
+    if origin is tuple and isinstance(value, list | tuple):
         return tuple(_value(parts[0], item, where, path) for item in value)
     if hint is Path and isinstance(value, str):
         return Path(value)

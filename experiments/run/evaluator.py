@@ -22,6 +22,7 @@ from regista.experiments.run.launch.workers import apart
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
 from regista.experiments.run.watch import Watch
+from ued.config import own_names
 from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
 
 if TYPE_CHECKING:
@@ -162,6 +163,7 @@ class Plan(NamedTuple):
     held_out: bool
     levels: int
     level_episodes: int
+    trusted: tuple[str, ...]  # code that other processes may run
 
 
 class Plays(NamedTuple):
@@ -179,9 +181,10 @@ class Plays(NamedTuple):
 def _play_source(plan: Plan, source: Path | str) -> Plays:
     """Play a plan, in a process of its own, with the policy of a run folder (a path) or a baseline (a name).
 
-    The task is trusted: the process that made the plan has run it.
+    Its code is trusted: the process that made the plan has checked it.
     """
-    trust.allow(plan.config.minigame)
+    for name in plan.trusted:
+        trust.allow(name)
     scenes = _scenes_of(plan)
     if isinstance(source, Path):
         policy, _ = load_student(RunFolder.open(source), scenes.game)
@@ -259,7 +262,10 @@ class Evaluator:
         """Play the scenes and random levels with every policy; in other processes if that is quicker."""
         if self.processes > 1 and self.minutes is None and self._seconds(policies) > SHARED_SECONDS:
             scenes = self.scenes
-            plan = Plan(scenes.config, scenes.episodes, scenes.held_out, self.levels, self.episodes)
+            configs = [RunFolder.open(one.source).config for one in policies if isinstance(one.source, Path)]
+            names = [name for config in configs for name in own_names(config) if trust.allows(name)]
+            trusted = (scenes.config.minigame, *names)
+            plan = Plan(scenes.config, scenes.episodes, scenes.held_out, self.levels, self.episodes, trusted)
 
             def count(played: list[Plays]) -> None:
                 watch.ended(sum(one.episodes for one in played))

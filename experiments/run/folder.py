@@ -37,6 +37,8 @@ from regista.experiments.run.launch.owner import OWNER, owned
 from regista.experiments.run.launch.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.level_table import open_levels
 from regista.experiments.run.table import Table, cannot_write, check_files, read_columns
+from ued.config import own_names
+from ued.core import own_code
 from ued.core.files import is_partial, write_whole
 from ued.methods import METHODS
 
@@ -83,6 +85,10 @@ class RunFolder:
             run._saved = None
             prepare(run)
             run.save_config()
+        for name in own_names(config):
+            if not own_code.is_noted(name):  # typed, or named by Python that runs already
+                trust.allow(name)
+                trust.remember(name)
         return run
 
     @classmethod
@@ -148,7 +154,13 @@ class RunFolder:
         """Arguments of `regista` that resume the run, in any working directory."""
         engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # typed here, in no file
         typed = ["--grf-python", engine] if engine else []
-        return ["train", "--resume", str(self.path.resolve()), *typed, *trust.flags(self.config.minigame)]
+        return [
+            "train",
+            "--resume",
+            str(self.path.resolve()),
+            *typed,
+            *trust.flags(self.config.minigame, *own_names(self.config)),
+        ]
 
     def save_source(self, source: Source) -> None:
         """Save the source of the game in the folder of a new run.

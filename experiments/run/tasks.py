@@ -6,8 +6,6 @@ always run. Read next: `ued.core.task`; `run.games`, football games.
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import inspect
 import re
 import sys
@@ -25,6 +23,7 @@ from regista.experiments.run import trust
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
+from ued.core.own_code import module_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -225,32 +224,11 @@ def _line_of(error: Exception) -> str:
 
 
 def _import(place: str) -> ModuleType:
-    if not place.endswith(".py"):
-        if "" not in sys.path:
-            sys.path.insert(0, "")  # like `python -m`
-        try:
-            return importlib.import_module(place)
-        except ModuleNotFoundError as error:
-            raise UsageError(f"there is no module {error.name} (importing {place})") from error
-    path = Path(place).expanduser().resolve()
-    if not path.is_file():
-        raise UsageError(f"there is no file {place}")
-    main = sys.modules.get("__main__")
-    if main is not None and Path(getattr(main, "__file__", None) or "").resolve() == path:
-        return main  # a script that trains on its own task
-    if str(path.parent) not in sys.path:
-        sys.path.insert(0, str(path.parent))  # as Python does for a script
-    known = sys.modules.get(path.stem)
-    if known is not None and Path(getattr(known, "__file__", None) or "").resolve() == path:
-        return known
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules.setdefault(path.stem, module)  # dataclasses and pickles look a class's module up
+    if place.endswith(".py"):
+        if not Path(place).expanduser().is_file():
+            raise UsageError(f"there is no file {place}")
+        return module_of(place)
     try:
-        spec.loader.exec_module(module)
-    except BaseException:
-        if sys.modules[path.stem] is module:
-            del sys.modules[path.stem]  # incomplete module: the next attempt imports it again
-        raise
-    return module
+        return module_of(place)
+    except ModuleNotFoundError as error:
+        raise UsageError(f"there is no module {error.name} (importing {place})") from error

@@ -1,6 +1,6 @@
-"""Which Python tasks may run: a task is code, and a run folder from somebody else can name any file.
+"""Which Python code may run: tasks, scores and networks are code, and a foreign run folder can name any file.
 
-A task may run if this user names it: on the current command line, from Python, or on an earlier command line on this
+Code may run if this user names it: on the current command line, from Python, or on an earlier command line on this
 machine, recorded in `$XDG_STATE_HOME/regista/tasks`. Other tasks, named by a run folder, a checkpoint or a comparison,
 are rejected without `--trust`. Names are compared by their resolved file, following links and `..`.
 Read next: `run.tasks`, which checks before it imports anything.
@@ -18,6 +18,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 
 from regista.experiments.run.errors import CommandError
+from ued.core import own_code
 from ued.core.files import write_whole
 
 FLAG = "--trust"  # available for every command
@@ -27,7 +28,7 @@ _all = False  # whether --trust was given
 
 
 class TrustError(CommandError):
-    """A task that only a file names, not the user."""
+    """Code that only a file names, not the user."""
 
 
 @contextmanager
@@ -48,12 +49,12 @@ def allow(name: str) -> None:
     _named.add(name)
 
 
-def check(name: str) -> None:
-    """Raise `TrustError` for a task that this user has not named."""
+def check(name: str, what: str = "the task") -> None:
+    """Raise `TrustError` for code that this user has not named."""
     if allows(name):
         return
     raise TrustError(
-        f"a file names the task {name}, which is Python code that this command would run, and you have never named it "
+        f"a file names {what} {name}, which is Python code that this command would run, and you have never named it "
         f"on a command line; read {file_of(name) or 'it'}, and add {FLAG} to run it"
     )
 
@@ -63,9 +64,10 @@ def allows(name: str) -> bool:
     return _all or _is_named(name) or _is_remembered(identity(name))
 
 
-def flags(name: str) -> list[str]:
-    """Return the flags with which a command in another process trusts the same task."""
-    return [FLAG] if ":" in name and allows(name) else []
+def flags(*names: str) -> list[str]:
+    """Return the flags with which a command in another process trusts the same task, and other code."""
+    code = [name for name in names if ":" in name]
+    return [FLAG] if code and all(map(allows, code)) else []
 
 
 def remember(name: str) -> None:
@@ -123,3 +125,10 @@ def _note(name: str) -> Path:
     """Return the path of a task's record."""
     home = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state")
     return home / "regista" / "tasks" / hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest()
+
+
+def _check_own(name: str) -> None:
+    check(name, "the function or class")
+
+
+own_code.checks.append(_check_own)  # scores and networks that a file names obey the same rules

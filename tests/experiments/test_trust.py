@@ -221,3 +221,77 @@ def test_settings_that_are_too_long_are_refused(run, capsys):
 def test_a_device_of_an_absurd_number_is_refused(capsys):
     assert main(["train", "--device", "cuda:99999999999999999999"]) == 2
     assert "device must be auto, cpu, cuda or cuda:N" in capsys.readouterr().err
+
+
+OWN = """
+import pathlib
+from torch import nn
+
+pathlib.Path({marker!r}).touch()
+
+def score(records, best):
+    return best
+
+class Net(nn.Sequential):
+    def __init__(self, space, config):
+        super().__init__(nn.Flatten(), nn.LazyLinear(4), nn.Tanh())
+"""
+
+
+def own_parts(path: Path) -> Path:
+    """Write a score and a network; return the file that tells that they were imported."""
+    write(path)  # makes the folder
+    path.write_text(OWN.format(marker=str(path.with_suffix(".ran"))))
+    return path.with_suffix(".ran")
+
+
+@pytest.fixture(name="own_run")
+def _own_run(tmp_path):
+    """Return a run with a score and a network of its user, named by relative paths."""
+    write(tmp_path / "honest_task.py")
+    marker = own_parts(tmp_path / "parts.py")
+    words = ["--method", "plr", "--plr.score", "parts.py:score", "--network", "parts.py:Net", "--out", "runs/own"]
+    assert main(["train", "honest_task.py:make", *TINY, *words]) == 0 and marker.exists()
+    return tmp_path / "runs" / "own"
+
+
+def test_own_parts_are_stored_and_need_no_word_of_it_again(own_run, tmp_path, monkeypatch):
+    config = RunFolder.open(own_run).config
+    assert (config.plr.score, config.ppo.network) == (f"{tmp_path}/parts.py:score", f"{tmp_path}/parts.py:Net")
+    monkeypatch.chdir("/")
+    monkeypatch.setattr(trust, "_named", set())  # another process
+    assert main(["train", "--resume", str(own_run), "--total-env-steps", "48"]) == 0
+    assert main(["evaluate", str(own_run), "--episodes", "2", "--levels", "0"]) == 0
+    assert RunFolder.open(own_run).argv[-1] == trust.FLAG  # for processes of its own
+    assert regista.evaluate(own_run, episodes=2).text()
+
+
+@pytest.mark.parametrize("part", ["score", "network"])
+@pytest.mark.parametrize("command", ["evaluate", "resume", "from", "demonstrate"])
+def test_no_command_imports_a_part_that_only_a_folder_names(own_run, part, command, tmp_path, capsys):
+    folder = own_run.with_name("stranger")
+    shutil.copytree(own_run, folder)
+    evil = tmp_path / "downloads" / "evil_parts.py"
+    marker = own_parts(evil)
+    data = json.loads((folder / "config.json").read_text())
+    section, name = {"score": (data["plr"], "score"), "network": (data["ppo"], "network")}[part]
+    section[name] = f"{evil}:{'score' if part == 'score' else 'Net'}"
+    (folder / "config.json").write_text(json.dumps(data))
+    state = checkpoint.load(folder / "checkpoint.pt")
+    state["config"] = data
+    checkpoint.save(folder / "checkpoint.pt", state)
+    code = main([word.format(run=folder) for word in READ[command]])
+    said = capsys.readouterr().err
+    assert not marker.exists() and "Traceback" not in said
+    if (part, command) in (("network", "evaluate"), ("network", "resume"), ("score", "resume")):
+        assert code == 1 and f"a file names the function or class {section[name]}, which is Python code" in said
+        assert "add --trust to run it" in said
+
+
+def test_a_policy_with_a_network_of_its_user_needs_trust_in_python(own_run, tmp_path, monkeypatch):
+    assert regista.load_policy(own_run).act([0.0] * 5) is not None  # named on a command line before
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "another user"))
+    monkeypatch.setattr(trust, "_named", set())
+    with pytest.raises(trust.TrustError, match=r"a file names the function or class .*parts.py:Net"):
+        regista.load_policy(own_run)
+    assert regista.load_policy(own_run, trusted=True).act([0.0] * 5) is not None

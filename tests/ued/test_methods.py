@@ -3,6 +3,7 @@
 import copy
 import inspect
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,8 @@ from ued import (
     ACCELConfig,
     BufferConfig,
     CENIEConfig,
+    Lessons,
+    LessonsConfig,
     Minimax,
     MinimaxConfig,
     NCCConfig,
@@ -70,6 +73,8 @@ METHODS = {
     "mna": lambda env, seed=0: PLR(env, PPO, PLRConfig(score="mna", buffer=SMALL), seed),
     "ncc": lambda env, seed=0: NCC(env, PPO, NCCConfig(capacity=32), seed),
     "alp_gmm": lambda env, seed=0: ALPGMM(env, PPO, ALPGMMConfig(fit_every=60, max_components=3), seed),
+    "lessons": lambda env, seed=0: Lessons(env, PPO, LessonsConfig(increments=4, window=20), seed),
+    "norm_reward": lambda env, seed=0: DR(env, replace(PPO, norm_reward=True), seed=seed),
 }
 
 

@@ -13,8 +13,9 @@ import numpy as np
 from gymnasium.spaces import Box, Dict, Discrete, MultiBinary, MultiDiscrete, Space, Tuple, flatten
 
 from ued.config import PPOConfig
-from ued.core import checkpoint
+from ued.core import checkpoint, own_code
 from ued.core.checkpoint import CheckpointError
+from ued.core.own_code import OwnCodeError
 from ued.core.parts import Parts
 from ued.core.seeding import torch_generator
 from ued.core.sparse_image import dense_space
@@ -70,12 +71,15 @@ class LoadedPolicy:
         self.player.begin(where)
 
 
-def load_policy(path: str | Path, observation_space: Space | None = None, seed: int = 0) -> LoadedPolicy:
+def load_policy(
+    path: str | Path, observation_space: Space | None = None, seed: int = 0, trusted: bool = False
+) -> LoadedPolicy:
     """Return the first student of a run folder or a checkpoint as a policy for one or many environments.
 
     Pass the `observation_space` of your environment if it is a `Dict` or similar without images, since training
     flattened it; a checkpoint knows those with images. Raises `CheckpointError` for a checkpoint without a student or
-    without saved spaces.
+    without saved spaces. A network of the user (`PPOConfig.network`) is code that the checkpoint only names: unless
+    `trusted`, `OwnCodeError`.
     """
     path = Path(path)
     file = path / "checkpoint.pt" if path.is_dir() else path
@@ -85,18 +89,30 @@ def load_policy(path: str | Path, observation_space: Space | None = None, seed: 
         ppo = state["config"]["ppo"]
     except (KeyError, IndexError, TypeError) as error:
         raise CheckpointError(f"{file} holds no student with its spaces; resume its training for one update") from error
+    _check_network(str(ppo.get("network")), trusted)
     try:
         seen, done = (space_from(spaces[name]) for name in ("observation", "action"))
         config = PPOConfig(**{item.name: ppo[item.name] for item in fields(PPOConfig) if item.name in ppo})
         agents = int(spaces["agents"])
         student = Student(seen, done, config, torch_generator(0), None, agents)
         student.load_state_dict(saved)
+    except OwnCodeError as error:
+        raise CheckpointError(f"{file}: {error}") from error
     except Exception as error:  # any error that damaged values can cause
         raise CheckpointError(f"{file} is damaged: its student or its spaces are invalid") from error
     student.requires_grad_(False)
     shape = seen.shape or ()
     observation_space = seen if isinstance(seen, Parts) else observation_space
     return LoadedPolicy(student, shape if agents == 1 else (agents, *shape), observation_space, seed)
+
+
+def _check_network(name: str, trusted: bool) -> None:
+    """Raise an error for a network of the user that a checkpoint names, and that is not trusted."""
+    if own_code.is_name(name) and trusted:
+        own_code.permit(name)
+    elif own_code.is_name(name):
+        own_code.note_read(name)
+        own_code.check(name)
 
 
 def spaces_of(upomdp: UPOMDP) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ued.core.own_code import is_name
 from ued.core.parts import Parts
 from ued.core.sparse_image import dense_space
 
@@ -74,8 +75,10 @@ def check_learners(config: PPOConfig, space: Space, num_envs: int, agents: int, 
 
 
 def weights(config: PPOConfig, space: Space, agents: int) -> int:
-    """Return a lower bound on the weights in a student's hidden layers."""
+    """Return a lower bound on the weights in a student's hidden layers; 0 for a network of the user."""
     shape, hidden = dense_space(space).shape or (), config.hidden_size
+    if is_name(config.network):
+        return 0
     image = len(shape) == 3 and config.network != "mlp"
     inputs, layers = (FEATURES, 1) if image else (math.prod(shape), config.hidden_layers)
     if isinstance(space, Parts) and config.network != "mlp":

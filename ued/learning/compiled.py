@@ -15,6 +15,7 @@ import torch
 from gymnasium.spaces import Discrete
 
 from ued.core.compiled import COUNTERS, LANES, CompiledRollout, Envs, Events, Levels, Steps
+from ued.core.own_code import is_name
 from ued.core.upomdp import PREFETCH, UPOMDP, steps_as_it_plays
 from ued.learning import worker
 from ued.learning.packing import empty_policy, fill_policy
@@ -56,7 +57,7 @@ class CompiledWorker(RolloutWorker):
         """Whether the simulator plays the rollouts.
 
         It must support that, and no subclass step otherwise; the observations be vectors of float32 without images in
-        them, the actions discrete, the levels from a queue, and the student on the host.
+        them, the actions discrete, the levels from a queue, and the student on the host, with a network of ours.
         """
         return (
             worker.COMPILED
@@ -65,6 +66,7 @@ class CompiledWorker(RolloutWorker):
             and self.student is not None
             and self.student.device.type == "cpu"
             and isinstance(self.student.normaliser, Normaliser)
+            and not is_name(self.student.network)
             and not (self.student.shared and len(self.student.actor_hidden))  # heads that are no single layer
             and isinstance(self.student.action_space, Discrete)
             and self.rollout.observation.dtype == torch.float32

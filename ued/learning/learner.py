@@ -20,6 +20,7 @@ from ued.core.upomdp import UPOMDP
 from ued.learning.compiled import CompiledWorker
 from ued.learning.kl import AnnealedKL, KLRegularizer
 from ued.learning.ppo import PPO
+from ued.learning.reward_scale import RewardScale
 from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
 from ued.learning.upload import Upload
@@ -39,6 +40,9 @@ class Learner:
         seeds: of its weights, its actions, and the shuffling of minibatches, in this order.
         on_episode_end: selects the next level of an environment; see `RolloutWorker`.
         scripted: the environments play a scripted policy: there is no student, and nothing is learned.
+
+    Attributes:
+        rewards: what normalizes rewards; None: raw rewards are learned from.
 
     Raises `ValueError` if opponents are given a central critic.
     """
@@ -61,6 +65,8 @@ class Learner:
         self.worker = CompiledWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
         self.values = EpisodeValues(upomdp.num_envs)
+        shape = tuple(self.rollout.reward.shape[1:])
+        self.rewards = RewardScale(shape, config.gamma) if config.norm_reward and not scripted else None
         self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT
         self.learn_seconds = 0.0
         self.reference_policy: AnnealedKL | None = None  # the initial policy, if the student stays close to it at first
@@ -93,7 +99,13 @@ class Learner:
     def start(self, records: np.ndarray) -> None:
         """Start an episode on the level of each record `[N]`; open episodes are dropped."""
         self.worker.start(records)
+        self._forget_open()
+
+    def _forget_open(self) -> None:
+        """Discard what is known of open episodes: all environments were reset."""
         self.values.reset()
+        if self.rewards is not None:
+            self.rewards.reset()
 
     def follow_negative_advantages(self) -> None:
         """Add the maximized negative advantages, which a score needs, to the statistics of episodes from now on."""
@@ -101,10 +113,14 @@ class Learner:
 
     def compute_advantages(self) -> dict[str, np.ndarray]:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
-        discounts = self.config.gamma, self.config.gae_lambda
-        self.advantages = gae(self.rollout, *discounts)  # [T, N]
-        negative = negative_advantages(self.rollout, *discounts) if self.values.negative else None
-        return self.values.track(self.rollout, self.advantages, negative)
+        discounts, rollout = (self.config.gamma, self.config.gae_lambda), self.rollout
+        if self.rewards is not None:
+            rollout = self.rewards.normalise(rollout)
+        self.advantages = gae(rollout, *discounts)  # [T, N]
+        negative = negative_advantages(rollout, *discounts) if self.values.negative else None
+        if self.rewards is not None:  # scores are in units of raw returns
+            return self.values.track(*self.rewards.raw(rollout, self.advantages, negative))
+        return self.values.track(rollout, self.advantages, negative)
 
     def learn(
         self, env_steps: int, regularizer: KLRegularizer | None = None, rollout: Rollout | None = None
@@ -125,6 +141,7 @@ class Learner:
         episodes = episode_metrics(self.name, ended, self.recent)
         episodes[f"open/{self.name}"] = float(self.worker.lengths.max())
         losses |= action_shares(self.rollout, self.upomdp)
+        losses |= {} if self.rewards is None else {"reward_scale": self.rewards.scale}
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 
     def pop_seconds(self) -> dict[str, float]:
@@ -140,6 +157,7 @@ class Learner:
             "ppo": None if self.ppo is None else self.ppo.state_dict(),
             "values": self.values.state_dict(),
             "recent": self.recent.copy(),
+            **({} if self.rewards is None else {"rewards": self.rewards.state_dict()}),
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
@@ -149,9 +167,11 @@ class Learner:
         if self.ppo is not None:
             self.ppo.load_state_dict(state["ppo"])
         self.values.load_state_dict(state["values"])
+        if self.rewards is not None:
+            self.rewards.load_state_dict(state["rewards"])
         self.recent = np.array(state["recent"], np.float64)
         if state["worker"]["upomdp"] is None:  # its episodes were restarted
-            self.values.reset()
+            self._forget_open()
 
     def check_agents(self, state: dict[str, Any]) -> None:
         """Raise `ValueError` if a state has another number of agents."""

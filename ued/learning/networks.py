@@ -17,7 +17,8 @@ from gymnasium.spaces import Box, Discrete, MultiBinary, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
-from ued.core.parts import LEAST, Network, Part, Parts, channels_first, image_shape
+from ued.core.own_code import is_name
+from ued.core.parts import LEAST, Part, Parts, channels_first, image_shape
 from ued.core.sparse_image import SparseImage
 from ued.learning.sparse_convolutions import Grid, convolve, images_of
 
@@ -305,19 +306,24 @@ def is_image(space: Space) -> bool:
     return len(space.shape or ()) == 3 and image_shape(space) is not None
 
 
-def seen_as(space: Space, network: Network, agents: int = 1) -> Space:
-    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions.
+def seen_as(space: Space, network: str, agents: int = 1) -> Space:
+    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions, and
+    for a network of the user.
 
     A `SparseImage` has coordinates only for the convolutions of one agent; other networks see its images.
     Raises `ValueError` for `network` "cnn" if there is no image.
     """
     if isinstance(space, SparseImage):
         seen = seen_as(space.image, network)
-        return space if agents == 1 and is_image(seen) and network != "mlp" else seen
+        return space if agents == 1 and is_image(seen) and network in ("auto", "cnn") else seen
     images = space.images if isinstance(space, Parts) else is_image(space)
     if network == "cnn" and not images:
         raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, observations are {space}")
-    if isinstance(space, Parts) and not (images and "cnn" in (network, space.network) and network != "mlp"):
+    if (
+        isinstance(space, Parts)
+        and not is_name(network)
+        and not (images and "cnn" in (network, space.network) and network != "mlp")
+    ):
         return Box(space.low, space.high, dtype=space.dtype.type)
     return space
 

@@ -26,10 +26,12 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 from torch import Tensor, nn
 
 from ued.config import PPOConfig
+from ued.core.own_code import is_name
 from ued.core.parts import Parts, repeated
 from ued.core.sparse_image import SparseImage
 from ued.learning.memory import Past, make_memory
 from ued.learning.networks import Policy, PolicyHead, Team, linear, mlp, seen_as, torso
+from ued.learning.own_network import own_torso
 from ued.learning.pixels import PartScales, Pixels, SparsePixels
 
 CLIP = 10.0  # standard deviations
@@ -112,6 +114,7 @@ class Student(nn.Module):
 
     Attributes:
         policies: number of policies: 1, or one per agent.
+        network: name of its first layers; see `PPOConfig.network`.
         memory_width: size of the memory of an environment; 0: it is feed-forward.
     """
 
@@ -125,16 +128,18 @@ class Student(nn.Module):
         agents: int = 1,
     ) -> None:
         super().__init__()
+        self.network = config.network
         self.agents, self.policies = agents, 1 if config.team == "shared" else agents
         self.numbered, self.central = agents > self.policies, agents > 1 and config.critic == "central"
         self.shared = config.shared_torso and not self.central
         team = players = Team(agents, self.policies)
         given, observation_space = observation_space, seen_as(observation_space, config.network, agents)
         seen = widened(observation_space, 1, agents) if self.numbered else observation_space
-        self.actor_torso = torso(seen, config, generator, team)
+        make = own_torso if is_name(config.network) else torso
+        self.actor_torso = make(seen, config, generator, team)
         if self.central:
             seen, team = widened(observation_space, agents, 0), Team()
-        self.critic_torso = self.actor_torso if self.shared else torso(seen, config, generator, team)
+        self.critic_torso = self.actor_torso if self.shared else make(seen, config, generator, team)
         assert isinstance(observation_space, Box)  # `torso` has refused the others
         self.normaliser: Normaliser | Pixels | PartScales
         if isinstance(given, SparseImage):

@@ -20,7 +20,7 @@ class Origin(IntEnum):
     """The origin of the level of a record."""
 
     RANDOM = 0  # sampled uniformly: domain randomization
-    PROPOSED = 1  # by a learned teacher
+    PROPOSED = 1  # by a teacher, learned or not
     REPLACED = 2  # random, in place of an invalid proposal
     REPLAYED = 3  # from a buffer of levels
     EDITED = 4  # an edited copy of a replayed level

@@ -7,10 +7,12 @@ Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose sco
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ued.core.own_code import OwnCodeError, is_name, load
 from ued.levels.record import NEGATIVE, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -87,19 +89,45 @@ NEEDS = {
 }
 
 
+def find(rule: str) -> Score:
+    """Return the score of a name: one of `SCORES`, or a function of the user, `module:name` or `file.py:name`.
+
+    Raises `OwnCodeError` if the user's is missing or not a function.
+    """
+    if not is_name(rule):
+        return SCORES[rule]
+    own = load(rule)
+    if not callable(own):
+        raise OwnCodeError(f"the score {rule} must be a function of level records and best returns, got {own!r:.100}")
+    return partial(_own, rule, own)
+
+
+def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.ndarray:
+    """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is no finite number for each level."""
+    try:
+        found = np.asarray(own(records.copy(), best.copy()))
+    except Exception as error:  # whatever the user's code raises
+        raise OwnCodeError(f"the score {rule} failed: {type(error).__name__}: {error}") from error
+    if found.shape != best.shape or found.dtype.kind not in "biuf" or not np.isfinite(found).all():
+        got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{found!r:.100}"
+        raise OwnCodeError(f"the score {rule} must be a finite number for each of {len(best)} levels, got {got}")
+    return found.astype(np.float64)
+
+
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
     """Return the fields that level records of one student need for a score, beside those that all have.
 
     best: the highest return ever on the level. Of mna also negative_advantage `[1, n]`: filled in by the trainer, the
     sum over the steps of an episode of its maximized negative advantages; and ever_solved: whether an episode on the
-    level ever succeeded.
+    level ever succeeded. Raises `OwnCodeError` as `find`.
     """
+    find(rule)  # so that a missing one is found before training
     more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []
     return [("best", np.float64), *more]
 
 
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
-    """Return the score `[L]` of level records by a rule of `SCORES`.
+    """Return the score `[L]` of level records by a rule of `SCORES`, or one of the user; see `find`.
 
     `best` `[L]` are the highest returns on these levels so far; those of the records are included.
     Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
@@ -116,7 +144,7 @@ def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.
             "the score learnability needs only returns"
         )
     now = np.nanmax(returns, 1)
-    return SCORES[rule](records, now if best is None else np.fmax(now, best))
+    return find(rule)(records, now if best is None else np.fmax(now, best))
 
 
 def regret(protagonist: np.ndarray, antagonist: np.ndarray, rule: str, flexible: bool = False) -> np.ndarray:

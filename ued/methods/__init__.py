@@ -93,7 +93,7 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     ),
     MethodRow(
         "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#b59a3c", "Teoh et al. 2024",
-        "ACCEL, or robust PLR, by regret and novelty of state-actions", "2.25",
+        "ACCEL, or robust PLR, by regret and novelty", "2.25",
     ),
     MethodRow(
         "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
@@ -106,6 +106,10 @@ METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ
     MethodRow(
         "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
         "levels with changing returns, by mixtures", "1",
+    ),
+    MethodRow(
+        "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#8a8d91", "Bengio et al. 2009",
+        "ranges that you plan, lesson by lesson", "1",
     ),
 )}
 # fmt: on

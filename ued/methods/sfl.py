@@ -57,6 +57,7 @@ class SFLCurriculum(Resumable):
 
     def __init__(self, space: LevelSpace, config: SFLConfig, seed: int = 0) -> None:
         self.space, self.config = space, config
+        scores.find(config.score)  # so that a missing one is found before training
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=config.candidate_episodes)
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
@@ -82,7 +83,7 @@ class SFLCurriculum(Resumable):
 
     def _learnability(self, candidates: np.ndarray) -> np.ndarray:
         """Return the score `[L]` of these candidates by the rule of the settings."""
-        if self.config.score == "generalized_learnability":
+        if self.config.score != "learnability":
             return scores.score(self.config.score, candidates)
         return scores.score("learnability", candidates) + TIE_BREAK * mean_played(solved(candidates)[:, 0])
 

@@ -15,6 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from regista.experiments.run import trust
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.launch.owner import SILENT_SECONDS, BusyError
 
@@ -99,7 +100,8 @@ def train_here(words: Sequence[str], folder: str) -> None:
     with open(path / "train.log", "a", buffering=1) as log, redirect_stdout(log), redirect_stderr(log):
         while True:
             try:
-                code = command.main(list(words[1:]))
+                with trust.of_command(words) as typed:
+                    code = command.main(typed[1:])
                 break
             except BusyError:  # a lost node counts as the owner until its heartbeat expires
                 if time.monotonic() > patience:

@@ -1,0 +1,112 @@
+"""Functions and classes of yours by name: `module:name` or `file.py:name`, as scores of levels and networks are given.
+
+Whoever names one in Python or on a command line has chosen to run it. A file from somebody else may name one, too: what
+reads files calls `note_read`, and `load` then asks `checks` before it imports anything. Read next: `levels.scores`,
+`learning.own_network`; `regista.experiments.run.trust`, the rules of the command line.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+import sys
+from collections.abc import Callable
+from difflib import get_close_matches
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
+
+
+class OwnCodeError(ValueError):
+    """Code of the user that is missing, fails, or returns something else; one sentence says what is right."""
+
+
+def _refuse(name: str) -> None:
+    raise OwnCodeError(f"a file names {name}, which is Python code; read it, and pass trusted=True to run it")
+
+
+checks: list[Callable[[str], None]] = [_refuse]  # the last one raises an error for a name that may not run
+_noted: set[str] = set()  # names that were read from a file
+
+
+def is_name(text: str) -> bool:
+    """Return whether a text names code of the user: it has a colon, which no name of ours has."""
+    return bool(NAME.fullmatch(text))
+
+
+def canonical(name: str) -> str:
+    """Return a name with the absolute path of its file, valid in every working directory."""
+    place, _, attribute = name.rpartition(":")
+    return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
+
+
+def note_read(*names: str) -> None:
+    """Note that a file names this code: it is checked before it is loaded."""
+    _noted.update(map(canonical, names))
+
+
+def is_noted(name: str) -> bool:
+    """Return whether a file names this code."""
+    return canonical(name) in _noted
+
+
+def permit(name: str) -> None:
+    """Let code run that a file names: the user said so."""
+    _noted.discard(canonical(name))
+
+
+def check(name: str) -> None:
+    """Raise an error for code that a file names and that may not run, that of the last one of `checks`."""
+    if is_noted(name):
+        checks[-1](canonical(name))
+
+
+def load(name: str) -> Any:
+    """Return what a name stands for, and import its file or module if necessary.
+
+    Raises `OwnCodeError` if it is missing or cannot be imported, and the error of a check for a name from a file.
+    """
+    name = canonical(name)
+    check(name)
+    place, _, attribute = name.rpartition(":")
+    if place.endswith(".py") and not Path(place).is_file():
+        raise OwnCodeError(f"there is no file {place}, which {name} names")
+    try:
+        module = module_of(place)
+    except Exception as error:  # any error that a file of the user can cause
+        raise OwnCodeError(f"{place} cannot be imported: {type(error).__name__}: {error}") from error
+    if not hasattr(module, attribute):
+        near = get_close_matches(attribute, vars(module), 1)
+        raise OwnCodeError(f"{place} has no {attribute!r}{f' (did you mean {near[0]!r}?)' if near else ''}")
+    return getattr(module, attribute)
+
+
+def module_of(place: str) -> ModuleType:
+    """Return the module of a file `.py`, which must exist, or of a dotted name; importing executes its code."""
+    if not place.endswith(".py"):
+        if "" not in sys.path:
+            sys.path.insert(0, "")  # like `python -m`
+        return importlib.import_module(place)
+    path = Path(place).expanduser().resolve()
+    main = sys.modules.get("__main__")
+    if main is not None and Path(getattr(main, "__file__", None) or "").resolve() == path:
+        return main  # a script that trains on its own code
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))  # as Python does for a script
+    known = sys.modules.get(path.stem)
+    if known is not None and Path(getattr(known, "__file__", None) or "").resolve() == path:
+        return known
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules.setdefault(path.stem, module)  # dataclasses and pickles look a class's module up
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        if sys.modules[path.stem] is module:
+            del sys.modules[path.stem]  # incomplete module: the next attempt imports it again
+        raise
+    return module

@@ -1,0 +1,113 @@
+"""The plan of a curriculum by hand, as text: lessons, each a region of levels and a criterion to move on.
+
+    "gravity=5..7, ground=grass|ice until success 0.8"
+    "gravity=5..15 until return 0.5 or steps 20%"
+    "all"
+
+A region gives parameters in their own units: a range, a value, or options. Parameters that it does not name have their
+whole range; `all` names none. Read next: `levels.regions`, from names to columns of θ; `methods.lessons`.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ued.settings import Checked, setting
+
+FORM = '"NAME=VALUES, ... until CRITERION", as in "gravity=5..7, ground=grass|ice until success 0.8"'
+MEANS, COUNTS = ("success", "return"), ("episodes", "steps")
+NUMBER = r"[-+]?[\d_]*\.?\d+(?:e[-+]?\d+)?"
+CRITERION = re.compile(rf"({'|'.join((*MEANS, *COUNTS))})\s+({NUMBER})(\s*%)?", re.IGNORECASE)
+MIDDLE = "all=theta -0.25..0.25 until success 0.8"  # the first lesson unless a plan is given
+
+
+class Criterion(NamedTuple):
+    """A reason to move on: the mean of a `measure` over the last episodes, or the length of a lesson, is at `least`.
+
+    `measure` is "success" (a rate from 0 to 1), "return", "episodes", "steps", or "share" (of the steps of the run).
+    """
+
+    measure: str
+    least: float
+
+
+class Lesson(NamedTuple):
+    """A lesson: its text, names of parameters with the text of their values, and criteria, of which one suffices."""
+
+    text: str
+    region: tuple[tuple[str, str], ...]
+    until: tuple[Criterion, ...]
+
+
+def lesson_of(text: str) -> Lesson:
+    """Return the lesson of a text. Raises ValueError for a text that is none."""
+    region, *ends = re.split(r"\s+until\s+", text.strip())
+    if len(ends) > 1:
+        raise ValueError(f"the lesson {text!r} has more than one 'until'; join its criteria by 'or'")
+    until = tuple(_criterion(text, part) for part in re.split(r"\s+or\s+", ends[0])) if ends else ()
+    entries = () if region == "all" else tuple(_entry(text, part) for part in region.split(","))
+    return Lesson(text, entries, until)
+
+
+def _entry(text: str, part: str) -> tuple[str, str]:
+    name, equals, values = (word.strip() for word in part.partition("="))
+    if not (name and equals and values):
+        raise ValueError(f"the lesson {text!r} has the region {part.strip()!r}; a lesson is 'all', or {FORM}")
+    return name, values
+
+
+def _criterion(text: str, part: str) -> Criterion:
+    found = CRITERION.fullmatch(part.strip())
+    if not found:
+        raise ValueError(
+            f"the lesson {text!r} has the criterion {part.strip()!r}; criteria are success 0.8, return 0.5, episodes "
+            "500, steps 200_000, and steps 20% of the run, joined by 'or'"
+        )
+    measure, least = found[1].lower(), float(found[2].replace("_", "")) / (100 if found[3] else 1)
+    if found[3] and measure not in ("success", "steps"):
+        raise ValueError(f"the lesson {text!r} counts {measure} in percent; only success and steps may be")
+    measure = "share" if found[3] and measure == "steps" else measure
+    if (measure in ("success", "share") and not 0 < least <= 1) or (measure in COUNTS and least < 1):
+        most = "above 0 and at most 1 (100%)" if measure in ("success", "share") else "at least 1"
+        raise ValueError(f"the lesson {text!r} has the criterion {part.strip()!r}, which must be {most}")
+    return Criterion(measure, least)
+
+
+@dataclass(frozen=True)
+class LessonsConfig(Checked):
+    """Settings of a curriculum by hand."""
+
+    plan: tuple[str, ...] = setting(
+        (MIDDLE, "all"),
+        'lessons in their order, each "NAME=VALUES, ... until CRITERION": ranges 5..7, values 5, options a|b, or '
+        '"all"; criteria success 0.8, return 0.5, episodes 500 or steps 200_000',
+        metavar="LESSON",
+    )
+    increments: int = setting(
+        1,
+        "parts in which ranges move from a lesson to the next, each when the criterion holds; 1: at once; 100 with "
+        '"steps": a linear schedule',
+        ">=1",
+        most=1_000_000,
+    )
+    window: int = setting(
+        100, "episodes over which success and return are averaged, and the fewest of a part", ">=1", most=1_000_000
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.lessons()
+
+    def lessons(self) -> tuple[Lesson, ...]:
+        """Return the lessons of the plan. Raises ValueError for a plan without lessons, or with one that never ends."""
+        plan = tuple(map(lesson_of, self.plan))
+        if not plan:
+            raise ValueError(f"plan must have at least one lesson, {FORM}")
+        for lesson in plan[:-1]:
+            if not lesson.until:
+                raise ValueError(f"the lesson {lesson.text!r} never ends; all but the last need 'until CRITERION'")
+        if plan[-1].until:
+            raise ValueError(f"the last lesson, {plan[-1].text!r}, goes on to the end of the run; remove its 'until'")
+        return plan
