@@ -68,9 +68,10 @@ class Study:
 def rows(kind: str, part: str) -> list[dict[str, str]]:
     """Return the stored rows of a part, and those of its reference."""
     beside = PARTS[part].beside
+    path = ROWS / f"maze_{kind}.csv"
     return [
         row
-        for row in read_rows(ROWS / f"maze_{kind}.csv")
+        for row in (read_rows(path) if path.exists() else [])
         if row["part"] == part or (row["part"] == beside and row["method"] == "dr")
     ]
 
@@ -180,6 +181,26 @@ def at_steps(study: Study, method: str, steps: int) -> list[dict[str, str]]:
     return [min(run, key=lambda row: abs(int(row["trained_steps"]) - steps)) for run in each]
 
 
+def tuning() -> Table:
+    """Return for each method how many settings were tried with one epoch, and the best one on the worst tenth."""
+    table = [["method", "settings", "best", "random mazes", "worst tenth"]]
+    rows = [row for row in read_rows(ROWS / "maze_tuning.csv") if row["update_epochs"] == "1"]
+    kinds = {kind_of(row): [other for other in rows if kind_of(other) == kind_of(row)] for row in rows}
+    for kind, mine in kinds.items():
+        best = max(mine, key=lambda row: float(row["worst_tenth"]))
+        chosen = f"learning rate {best['learning_rate']}, entropy {best['ent_coef']}"
+        own = best["setting"].partition(" ")[2] if best["method"] == "paired" else best["setting"]
+        rates = [f"{float(best[name]):.0%}" for name in ("random_levels", "worst_tenth")]
+        table.append([kind, str(len(mine)), ", ".join(filter(None, (chosen, own))), *rates])
+    return table
+
+
+def kind_of(row: Mapping[str, str]) -> str:
+    """Return the method of a row of tuning as tables call it; PAIRED has two kinds of adversary."""
+    title = plots.title(row["method"])
+    return f"{title}, {row['setting'].partition(' ')[0]}" if row["method"] == "paired" else title
+
+
 def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
     """Return a method's rates on some mazes."""
     chosen = set(mazes)
@@ -244,7 +265,7 @@ def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, 
 
 def sections() -> dict[str, str]:
     """Return the text of each generated section of the page, of the parts that have rows."""
-    found = {}
+    found = {"tuning": as_markdown(tuning())}
     for part in PARTS:
         study = Study(part)
         if study.methods:
@@ -266,7 +287,8 @@ def main() -> None:
         page = re.sub(rf"(<!-- {name} -->\n).*?(<!-- end -->)", rf"\g<1>{text}\n\g<2>", page, flags=re.DOTALL)
     if typed.publish:
         write_text(PAGE, page)
-        draw(Study("main"), PICTURE)
+        if Study("main").methods:
+            draw(Study("main"), PICTURE)
 
 
 if __name__ == "__main__":
