@@ -44,10 +44,10 @@ def test_a_short_name_is_the_task_in_every_command():
         assert game.task(None).about
 
 
-def test_its_settings_are_the_published_ones_that_a_flag_overrides(run):
+def test_its_settings_are_the_selected_ones_that_a_flag_overrides(run):
     config = RunFolder.open(run).config
     assert config.minigame == FULL
-    assert (config.ppo.gamma, config.ppo.update_epochs, config.ppo.num_minibatches) == (0.995, 5, 1)
+    assert (config.ppo.gamma, config.ppo.update_epochs, config.ppo.num_minibatches) == (0.995, 1, 8)
     assert (config.ppo.memory, config.accel.buffer.capacity, config.ppo.num_steps) == ("gru", 4000, 32)
 
 

@@ -152,7 +152,7 @@ def test_every_method_trains_them_and_resumes_to_the_same_numbers(name, make, tm
         method.update()
     checkpoint.save(tmp_path / "c.pt", method.state_dict())
     twin.load_state_dict(checkpoint.load(tmp_path / "c.pt"))
-    if make is Landscape:  # episodes of one to three steps are open after five
+    if make is Landscape and name != "lessons":  # whose first levels take one step; the others one to three of five
         assert any(learner.worker.memory.any() for learner in twin.learners)
     assert repr([numbers(twin.update()) for _ in range(2)]) == repr([numbers(method.update()) for _ in range(2)])
 
