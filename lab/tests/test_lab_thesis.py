@@ -89,7 +89,7 @@ def test_a_text_goes_into_its_place_on_the_page(tmp_path):
     "more", [["--env-steps", "10"], ["--preset", "thesis"], ["--episodes", "5"], ["--seeds", "11"]]
 )
 def test_only_the_experiment_itself_is_published(more, tmp_path):
-    with pytest.raises(UsageError, match=f"with this {more.split()[0]} it is not the experiment.*leave out --publish"):
+    with pytest.raises(UsageError, match=f"with this {more[0]} it is not the experiment.*leave out --publish"):
         command.main(["paired", "--publish", "--out", str(tmp_path), *more.split()])
     with pytest.raises(UsageError, match="must be 1 or more"):
         command.main(["paired", "--seeds", "0"])
