@@ -90,7 +90,7 @@ def test_a_text_goes_into_its_place_on_the_page(tmp_path):
 )
 def test_only_the_experiment_itself_is_published(more, tmp_path):
     with pytest.raises(UsageError, match=f"with this {more[0]} it is not the experiment.*leave out --publish"):
-        command.main(["paired", "--publish", "--out", str(tmp_path), *more.split()])
+        command.main(["paired", "--publish", "--out", str(tmp_path), *more])
     with pytest.raises(UsageError, match="must be 1 or more"):
         command.main(["paired", "--seeds", "0"])
     assert not list(tmp_path.iterdir())
