@@ -38,14 +38,24 @@ MOVED = {  # removed commands and their replacements
 USAGE = """\
 usage: regista COMMAND [flags]
 
-Unsupervised environment design (UED): train agents on levels chosen by a curriculum, and compare methods.
+A curriculum-learning toolkit for reinforcement learning: train agents on levels
+that a method of unsupervised environment design (UED) chooses, and compare
+methods, in Gymnasium environments of yours, in mazes and in football.
 
 commands:
 {commands}
 
-Every command takes --help. --version prints the version, --debug the traceback of an error; --trust allows a command to
-run the Python file that a run folder names.
-Begin with: regista compare 1v1Restricted --out demo
+flags of every command:
+  --help        its arguments; --help all: every flag
+  --debug       the traceback of an error
+  --trust       run the Python file that a run folder names
+  --version     the version, without a command
+
+begin with:
+  regista train maze --method plr --total-env-steps 500_000
+  regista evaluate runs/maze-plr-0
+  regista play --player runs/maze-plr-0 --scene Labyrinth --video policy.gif
+  regista compare 1v1Restricted --methods dr paired
 """
 
 

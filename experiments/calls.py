@@ -15,14 +15,15 @@ from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report
+from regista.experiments.run.run_folders import open_runs, warn_of_mixtures
 
 
-def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
+def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
     """Train on a task and return its run folder; an existing run is continued to its budget.
 
     Args:
         task: a `ued.Task`, a function `make(num_envs)`, or the name of a minigame or a task.
-        method: a name of `ued.METHODS`.
+        method: a name of `ued.METHODS`; None: the default of `regista train`, which is the task's own or `paired`.
         seed: seed of every random stream.
         out: the run folder, by default runs/TASK-METHOD-SEED.
         settings: any setting listed by `regista train --help all`, such as `total_env_steps`, `num_envs`,
@@ -40,7 +41,8 @@ def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | No
     unknown = [key for key in settings if key not in vars(config)]
     if unknown:
         raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
-    config = replace(config, minigame=game.name, method=build.find_method(method), seed=seed, **settings)
+    method = build.find_method(config.method if method is None else method)
+    config = replace(config, minigame=game.name, method=method, seed=seed, **settings)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
@@ -57,6 +59,7 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
+    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row.
     With `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
     Raises `CommandError` for runs of several tasks or without a checkpoint, `UsageError` without runs, and `ValueError`
     for numbers that are too small. Evaluating executes the file of a Python task, so a task that only the run folder
@@ -68,10 +71,11 @@ def evaluate(
         raise ValueError(f"episodes must be at least 1, got {episodes}")
     check_levels(levels, level_episodes)
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
-    folders = [RunFolder.open(Path(path)) for path in paths]
+    folders = open_runs(map(Path, paths))
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
+    warn_of_mixtures(folders)
     config = folders[0].config
     if trusted:
         trust.allow(config.minigame)

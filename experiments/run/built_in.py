@@ -15,6 +15,6 @@ class BuiltIn(NamedTuple):
 BUILT_IN = {  # by short name
     "maze": BuiltIn(
         "regista.envs.maze.task:maze",
-        "the maze benchmark of PAIRED, DCD, JaxUED and minimax: reach a goal with a partial view",
+        "the maze benchmark of PAIRED and DCD, with a partial view",
     )
 }
