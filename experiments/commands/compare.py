@@ -64,6 +64,10 @@ class CompareConfig(Checked):
     from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "Rerun file for the curves of all runs")
+    config_: Path | None = setting(
+        None,
+        "take the settings of all runs from this config.json or run folder; --methods and other flags win",
+    )
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
@@ -134,8 +138,7 @@ def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
     known = CompareConfig(train=starting.settings_for(argv))
     others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
-    game = build.find_game(typed.get("minigame", CompareConfig().minigame))
-    start = game.start(typed.get("preset", "fast"))
+    game, start = starting.start_of(typed, typed.get("minigame"), CompareConfig().minigame)
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)
