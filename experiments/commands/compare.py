@@ -83,7 +83,19 @@ class CompareConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config, game = _read(argv)
-    folder = config.out or Path("runs") / f"compare-{game.short}"
+    return run(config, game, folder_of(config, game))
+
+
+def folder_of(config: CompareConfig, game: Game) -> Path:
+    """Return the folder of a comparison."""
+    return config.out or Path("runs") / f"compare-{game.short}"
+
+
+def run(config: CompareConfig, game: Game, folder: Path, most: int | None = None) -> int:
+    """Train and evaluate all runs, and write tables and pictures; return the exit code.
+
+    `most` is the maximum number of processes that evaluate; None: as many as train.
+    """
     seeds = range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
     runs = prepare(folder, rows, seeds, config.from_, config.fine_tuning)
@@ -96,6 +108,7 @@ def main(argv: Sequence[str]) -> int:
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
+    parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)
     show(report, runs, scenes, folder, config.rrd)
     return 0
