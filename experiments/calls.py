@@ -114,9 +114,7 @@ def compare(
     """
     from regista.experiments.commands import compare as command
 
-    game, chosen = _game(task), range(seeds) if isinstance(seeds, int) else seeds
-    if not chosen or chosen.step != 1:
-        raise ValueError(f"seeds must be a positive number, or a range of consecutive seeds, got {seeds!r}")
+    game, chosen = _game(task), _seeds(seeds)
     config = command.CompareConfig(
         minigame=game.name,
         methods=tuple(map(build.find_method, methods)),
@@ -130,6 +128,13 @@ def compare(
     folder = command.folder_of(config, game)
     command.run(config, game, folder, most=1)  # processes that evaluate would import the caller's script
     return load_comparison(folder)
+
+
+def _seeds(seeds: int | range) -> range:
+    chosen = range(seeds) if isinstance(seeds, int) else seeds
+    if not chosen or chosen.step != 1:
+        raise ValueError(f"seeds must be a positive number, or a range of consecutive seeds, got {seeds!r}")
+    return chosen
 
 
 @dataclass(frozen=True)

@@ -92,11 +92,11 @@ class ComparisonData:
     runs: tuple[RunData, ...]
 
     def metrics(self) -> DataFrame:
-        """Return the metrics of all runs in one table, after the columns `method` and `seed`."""
+        """Return the metrics of all runs in one table, after the columns `method` and `run_seed`."""
         return self._joined("metrics")
 
     def levels(self) -> DataFrame:
-        """Return the levels of all runs in one table, after the columns `method` and `seed`."""
+        """Return the levels of all runs in one table, after the columns `method` and `run_seed`."""
         return self._joined("levels")
 
     def results(self) -> DataFrame:
@@ -122,7 +122,7 @@ class ComparisonData:
         frames = [pandas.DataFrame(run.columns(table)) for run in self.runs]
         for run, frame in zip(self.runs, frames, strict=True):
             frame.insert(0, "method", run.name)
-            frame.insert(1, "seed", run.config.seed)
+            frame.insert(1, "run_seed", run.config.seed)
         return pandas.concat(frames, ignore_index=True)
 
     def _written(self, name: str) -> DataFrame:

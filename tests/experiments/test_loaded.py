@@ -78,8 +78,8 @@ def test_tables_of_a_comparison_are_frames(comparison):
     assert set(results["method"]) == {"dr", "plr", "random"} and set(results["episodes"]) == {4}
     assert {"measure", "estimate", "low", "high"} <= set(comparison.table().columns)
     metrics = comparison.metrics()
-    assert list(metrics.columns[:2]) == ["method", "seed"]
-    assert set(metrics.groupby("method")["seed"].unique().explode()) == {3, 4}
+    assert list(metrics.columns[:2]) == ["method", "run_seed"]
+    assert set(metrics.groupby("method")["run_seed"].unique().explode()) == {3, 4}
     assert len(comparison.levels()) == sum(len(run.columns("levels")["id"]) for run in comparison.runs)
     (comparison.path / "results.csv").unlink()
     with pytest.raises(CommandError, match="after all runs are evaluated"):
