@@ -102,15 +102,13 @@ def compare(
         methods: names of `ued.METHODS`; differences are relative to the first.
         seeds: number of runs of each method, or their seeds, such as `range(1000, 1005)`.
         out: the folder, by default runs/compare-TASK.
-        episodes, levels: episodes on each test scene, and random levels for the success rate on the worst tenth.
+        episodes, levels: on each test scene, and random ones for the success rate on the worst tenth.
         settings: as for `train`, of all runs.
 
     Runs train in parallel, one per core, in processes that import the file of the task: where that file itself calls
     `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
-    `regista compare` are written. Ctrl-C saves and returns the runs so far.
-
-    Raises `UsageError` for unknown names, `ValueError` for numbers that are too small, and `CommandError` if the folder
-    holds runs with other settings.
+    `regista compare` are written. Ctrl-C saves and returns the runs so far. Raises `UsageError` for unknown names,
+    `ValueError` for numbers that are too small, and `CommandError` if the folder holds runs with other settings.
     """
     from regista.experiments.commands import compare as command
 
@@ -125,9 +123,8 @@ def compare(
         out=None if out is None else Path(out),
         train=_start(game, settings),
     )
-    folder = command.folder_of(config, game)
-    command.run(config, game, folder, most=1)  # processes that evaluate would import the caller's script
-    return load_comparison(folder)
+    command.run(config, game, most=1)  # processes that evaluate would import the caller's script
+    return load_comparison(command.folder_of(config, game))
 
 
 def _seeds(seeds: int | range) -> range:

@@ -83,7 +83,7 @@ class CompareConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config, game = _read(argv)
-    return run(config, game, folder_of(config, game))
+    return run(config, game)
 
 
 def folder_of(config: CompareConfig, game: Game) -> Path:
@@ -91,12 +91,12 @@ def folder_of(config: CompareConfig, game: Game) -> Path:
     return config.out or Path("runs") / f"compare-{game.short}"
 
 
-def run(config: CompareConfig, game: Game, folder: Path, most: int | None = None) -> int:
+def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     """Train and evaluate all runs, and write tables and pictures; return the exit code.
 
     `most` is the maximum number of processes that evaluate; None: as many as train.
     """
-    seeds = range(config.first_seed, config.first_seed + config.seeds)
+    folder, seeds = folder_of(config, game), range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
     runs = prepare(folder, rows, seeds, config.from_, config.fine_tuning)
     # This compiles the kernels, which must happen before several processes start.
