@@ -64,10 +64,7 @@ class CompareConfig(Checked):
     from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "Rerun file for the curves of all runs")
-    config_: Path | None = setting(
-        None,
-        "take the settings of all runs from this config.json or run folder; --methods and other flags win",
-    )
+    config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)

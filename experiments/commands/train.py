@@ -63,9 +63,7 @@ class TrainFlags:
     from_: Path | None = setting(
         None, "initialize the student from this run or checkpoint, for example one from regista clone"
     )
-    config_: Path | None = setting(
-        None, "take all settings from this config.json, or that of this run folder; other flags win"
-    )
+    config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")

@@ -97,3 +97,11 @@ def test_a_fast_film_leaves_frames_out(tmp_path):
     picture.write_video(tmp_path / "fast.gif", iter(frames), speed=15)  # 150 frames per second
     with Image.open(tmp_path / "fast.gif") as film:
         assert film.n_frames == 10 and film.info["duration"] == 20
+
+
+def test_frames_of_odd_size_are_padded_for_mp4(tmp_path):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    frames = [np.full((33, 31, 3), 8 * index, np.uint8) for index in range(10)]
+    picture.write_video(tmp_path / "odd.mp4", iter(frames), speed=2)
+    about = next(ffmpeg.read_frames(tmp_path / "odd.mp4"))
+    assert about["size"] == (32, 34) and about["fps"] == 20

@@ -122,15 +122,21 @@ def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], 
 def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
     import imageio_ffmpeg
 
-    height, width = first.shape[:2]
+    height, width = _even(first).shape[:2]
     writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2)
     writer.send(None)
     try:
-        writer.send(np.ascontiguousarray(first))
+        writer.send(_even(first))
         for frame in rest:
-            writer.send(np.ascontiguousarray(frame))
+            writer.send(_even(frame))
     finally:
         writer.close()
+
+
+def _even(frame: np.ndarray) -> np.ndarray:
+    """Repeat the last row and column of a frame where their number is odd, which H.264 does not support."""
+    height, width = frame.shape[:2]
+    return np.ascontiguousarray(np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), "edge"))
 
 
 # ---------------------------------------------------------------- the pitch
