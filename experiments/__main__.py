@@ -12,21 +12,10 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from regista.experiments.run import trust
+from regista.experiments.run.command_names import COMMANDS
 from regista.experiments.run.errors import UsageError, nearest, run_command
 from regista.experiments.run.launch.signals import PARENT, end_with
 
-COMMANDS = {
-    "train": "train students on a game or a task, with or without a curriculum",
-    "evaluate": "evaluate trained runs on test scenes, with intervals; --gallery: a page of a run's levels",
-    "compare": "train several methods over seeds, evaluate them, write tables and pictures",
-    "inspect": "show a program or a task: its free parameters, random levels, its syntax",
-    "list": "show the minigames, published results, test scenes; --solved: how hard they are",
-    "play": "play a match or a level of a run, and write a video or a record; --replay: replay a record",
-    "demonstrate": "save episodes of a program or of a student as demonstrations",
-    "clone": "train a student on demonstrations (behavior cloning)",
-    "transfer": "compare trained runs in our simulator and in Google Research Football",
-    "benchmark": "measure the speed of the simulator and of training",
-}
 MOVED = {  # removed commands and their replacements
     "characterise": "regista list --solved GAME",
     "gallery": "regista evaluate RUN --gallery",
@@ -38,14 +27,24 @@ MOVED = {  # removed commands and their replacements
 USAGE = """\
 usage: regista COMMAND [flags]
 
-Unsupervised environment design (UED): train agents on levels chosen by a curriculum, and compare methods.
+A curriculum-learning toolkit for reinforcement learning: train agents on levels
+that a method of unsupervised environment design (UED) chooses, and compare
+methods, in Gymnasium environments of yours, in mazes and in football.
 
 commands:
 {commands}
 
-Every command takes --help. --version prints the version, --debug the traceback of an error; --trust allows a command to
-run the Python file that a run folder names.
-Begin with: regista compare 1v1Restricted --out demo
+flags of every command:
+  --help        its arguments; --help all: every flag
+  --debug       the traceback of an error
+  --trust       run the Python file that a run folder names
+  --version     the version, without a command
+
+begin with:
+  regista train maze --method plr --total-env-steps 500_000
+  regista evaluate runs/maze-plr-0
+  regista play --player runs/maze-plr-0 --scene Labyrinth --video policy.gif
+  regista compare 1v1Restricted --methods dr paired
 """
 
 

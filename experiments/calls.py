@@ -1,29 +1,37 @@
-"""Python functions for training and evaluation, exported by `import regista`.
+"""Python functions for training, evaluation, comparison and inspection, exported by `import regista`.
 
-Read next: `commands.train`, the same on the command line.
+Read next: `commands.train`, the same on the command line; `loaded`, results as data.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from regista.experiments.loaded import ComparisonData, load_comparison
 from regista.experiments.run import build, tasks, trust
+from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import single_game
+from regista.experiments.run.programs import load_any_program
 from regista.experiments.run.report import Report
+from regista.experiments.run.run_folders import open_runs, warn_of_mixtures
 from ued.config import own_names
 
 
-def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
+def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
     """Train on a task and return its run folder; an existing run is continued to its budget.
 
     Args:
         task: a `ued.Task`, a function `make(num_envs)`, or the name of a minigame or a task.
-        method: a name of `ued.METHODS`.
+        method: a name of `ued.METHODS`; None: the default of `regista train`, which is the task's own or `paired`.
         seed: seed of every random stream.
         out: the run folder, by default runs/TASK-METHOD-SEED.
         settings: any setting listed by `regista train --help all`, such as `total_env_steps`, `num_envs`,
@@ -35,15 +43,10 @@ def train(task: Any, method: str = "paired", seed: int = 0, out: str | Path | No
     from regista.experiments.commands.train import train as train_run
     from regista.experiments.run.launch.signals import StopRequest
 
-    game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
-    trust.allow(game.name)
-    config = game.start("fast")
-    unknown = [key for key in settings if key not in vars(config)]
-    if unknown:
-        raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
-    config = replace(config, minigame=game.name, method=build.find_method(method), seed=seed, **settings)
-    for name in own_names(config):
-        trust.allow(name)
+    game = _game(task)
+    config = _start(game, settings)
+    method = build.find_method(config.method if method is None else method)
+    config = replace(config, minigame=game.name, method=method, seed=seed)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
@@ -60,6 +63,7 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
+    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row.
     With `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
     Raises `CommandError` for runs of several tasks or without a checkpoint, `UsageError` without runs, and `ValueError`
     for numbers that are too small. Evaluating executes the file of a Python task, so a task that only the run folder
@@ -71,12 +75,132 @@ def evaluate(
         raise ValueError(f"episodes must be at least 1, got {episodes}")
     check_levels(levels, level_episodes)
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
-    folders = [RunFolder.open(Path(path)) for path in paths]
+    folders = open_runs(map(Path, paths))
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
+    warn_of_mixtures(folders)
     config = folders[0].config
     for name in [config.minigame, *(name for run in folders for name in own_names(run.config))] if trusted else ():
         trust.allow(name)
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     return Evaluator(scenes, levels, level_episodes).report(folders)
+
+
+def compare(
+    task: Any,
+    methods: Sequence[str] = ("dr", "paired"),
+    seeds: int | range = 5,
+    out: str | Path | None = None,
+    episodes: int = 500,
+    levels: int = 200,
+    **settings: Any,
+) -> ComparisonData:
+    """Train each method over seeds, evaluate all runs, and return their tables; finished runs are kept.
+
+    Args:
+        task: as for `train`.
+        methods: names of `ued.METHODS`; differences are relative to the first.
+        seeds: number of runs of each method, or their seeds, such as `range(1000, 1005)`.
+        out: the folder, by default runs/compare-TASK.
+        episodes, levels: on each test scene, and random ones for the success rate on the worst tenth.
+        settings: as for `train`, of all runs.
+
+    Runs train in parallel, one per core, in processes that import the file of the task: where that file itself calls
+    `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
+    `regista compare` are written. Ctrl-C saves and returns the runs so far. Raises `UsageError` for unknown names,
+    `ValueError` for numbers that are too small, and `CommandError` if the folder holds runs with other settings.
+    """
+    from regista.experiments.commands import compare as command
+
+    game, chosen = _game(task), _seeds(seeds)
+    config = command.CompareConfig(
+        minigame=game.name,
+        methods=tuple(map(build.find_method, methods)),
+        seeds=len(chosen),
+        first_seed=chosen.start,
+        episodes=episodes,
+        levels=levels,
+        out=None if out is None else Path(out),
+        train=_start(game, settings),
+    )
+    command.run(config, game, most=1)  # processes that evaluate would import the caller's script
+    return load_comparison(command.folder_of(config, game))
+
+
+def _seeds(seeds: int | range) -> range:
+    chosen = range(seeds) if isinstance(seeds, int) else seeds
+    if not chosen or chosen.step != 1:
+        raise ValueError(f"seeds must be a positive number, or a range of consecutive seeds, got {seeds!r}")
+    return chosen
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """The parameters of a task and some of its levels.
+
+    Attributes:
+        name: of the task.
+        parameters: one for each column of θ: its name, kind and range.
+        theta: random valid levels `[n, D]`, in [-1, 1].
+        values: what each of them means, by name.
+        text: what `regista inspect` prints.
+    """
+
+    name: str
+    parameters: tuple[Any, ...]
+    theta: np.ndarray
+    values: list[dict[str, Any]]
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
+    """Return the parameters of a task or a program, and `n` random levels of it.
+
+    Args:
+        task: as for `train`, or the path of a .scenic program.
+        n, seed: number of random levels, and their seed.
+
+    Raises `UsageError` for an unknown name, `ScenicError` for an invalid program, `ValueError` unless `n` is positive.
+    """
+    from regista.experiments.commands.inspect import render_theta
+    from regista.experiments.pictures.task_view import describe_task
+
+    if n < 1:
+        raise ValueError(f"n must be at least 1, got {n}")
+    game = _game(task)
+    if isinstance(game, tasks.PythonTask):
+        with closing(build.make_upomdp(game.task(None).make, n, seed)) as upomdp:
+            theta, parameters = upomdp.levels["theta"].copy(), tuple(upomdp.parameters)
+            return Inspection(
+                game.short, parameters, theta, upomdp.describe(theta), describe_task(game.short, upomdp, theta)
+            )
+    program, _ = load_any_program(single_game(game.name).minigame.program, None, ProgramConfig())
+    theta = program.sample_theta(n, np.random.default_rng(seed))
+    values = [program.describe(row) for row in theta]
+    return Inspection(game.short, tuple(program.draws), theta, values, render_theta(program, None))
+
+
+def _game(task: Any) -> Any:
+    """Return the game of a task, a function that makes environments, or a name; its file may run."""
+    game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
+    trust.allow(game.name)
+    return game
+
+
+def _start(game: Any, settings: Mapping[str, Any]) -> Any:
+    """Return the default settings of a game with these replaced, whose code of the user may run.
+
+    Raises `UsageError` for an unknown one.
+    """
+    config = game.start("fast")
+    unknown = [key for key in settings if key not in vars(config)]
+    if unknown:
+        raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
+    chosen = replace(config, **settings)
+    for name in own_names(chosen):
+        trust.allow(name)
+    return chosen

@@ -10,7 +10,7 @@ from regista.minigames.suites import HERE
 
 
 class Published(NamedTuple):
-    """A goal difference per episode; `interval` is half of its 95 % interval. None where a number is not known."""
+    """A goal difference per episode; `interval` is half of its 95% interval. None where a number is not known."""
 
     game: str
     agent: str

@@ -5,10 +5,11 @@
     run = regista.train(make, method="plr", out="runs/pendulum", total_env_steps=100_000)
     print(regista.evaluate(run).text())
     policy = regista.load_policy(run)
+    metrics = regista.load_run(run).metrics()
 
 All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
 `gymnasium.make("regista:regista/1v1Free-v1")` needs no import at all: the minigames are registered here.
-Read next: `regista.experiments.calls`, what `train` and `evaluate` do; `ued`, the methods.
+Read next: `regista.experiments.calls`, what `train`, `evaluate`, `compare` and `inspect` do; `ued`, the methods.
 """
 
 from importlib import import_module
@@ -35,11 +36,16 @@ _check_siblings()  # before anything of Regista imports the wrong one
 from regista import minigames as minigames  # noqa: E402
 
 if TYPE_CHECKING:  # what editors and type checkers see
+    from regista.experiments.calls import compare as compare
     from regista.experiments.calls import evaluate as evaluate
+    from regista.experiments.calls import inspect as inspect
     from regista.experiments.calls import train as train
+    from regista.experiments.loaded import load_comparison as load_comparison
+    from regista.experiments.loaded import load_run as load_run
     from ued import *  # type: ignore[assignment]  # noqa: F403
 
-_CALLS = {"train": "regista.experiments.calls", "evaluate": "regista.experiments.calls"}
+_CALLS = dict.fromkeys(("train", "evaluate", "compare", "inspect"), "regista.experiments.calls")
+_CALLS |= dict.fromkeys(("load_run", "load_comparison"), "regista.experiments.loaded")
 
 
 def __getattr__(name: str) -> Any:

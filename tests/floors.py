@@ -135,6 +135,7 @@ FLOORS = {
         "imitation",  # demonstrations and clones
         "transfer",  # policies, played in both engines
         "commands",
+        "loaded",  # their tables as data
         "calls",  # the same from Python
         "__main__",
     ),

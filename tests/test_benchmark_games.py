@@ -283,8 +283,21 @@ def test_names_are_found_and_slips_are_told(capsys):
     assert "D = 8" in capsys.readouterr().out
 
 
+def test_the_list_fits_the_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "80")
+    for words in ([], ["maze"], ["defense"]):
+        assert main(["list", *words]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        tables = [line for line in lines if "  " in line.strip() or "─" in line]
+        assert tables and max(map(len, tables)) <= 80
+    assert main(["list"]) == 0
+    (row,) = [line for line in capsys.readouterr().out.splitlines() if line.startswith("Gauntlet ")]
+    assert re.split(r"\s{2,}", row) == ["Gauntlet", "2 v 4", "11", "three guards on the path …"]
+
+
 @pytest.mark.slow
-def test_the_list_shows_games_with_what_is_published(capsys):
+def test_the_list_shows_games_with_what_is_published(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "250")
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     shown, tasks = (list(part) for blank, part in groupby(lines, bool) if blank)

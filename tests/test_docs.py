@@ -37,7 +37,11 @@ ALL = {path.relative_to(ROOT).as_posix(): path for path in [*sorted(ROOT.glob("*
 }
 RUN = [name for name in PAGES if name.removeprefix("howto/").removesuffix(".md") not in CARRIED_OUT_ELSEWHERE]
 
-NEEDS = {"howto/scenic3.md": "scenic", "howto/environment.md": "Box2D"}  # what is not installed everywhere
+NEEDS = {
+    "howto/scenic3.md": "scenic",
+    "howto/environment.md": "Box2D",
+    "api.md": "pandas",
+}  # what is not installed everywhere
 
 # What is typed after a command of a page, so that it ends soon. Of other commands only the flags are looked at.
 BRIEF = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--eval-every", "0"]

@@ -113,7 +113,7 @@ def bootstrap(
 ) -> Bootstrap:
     """Resample whole runs: give a statistic of R runs `[R, ...]` and what it might have been.
 
-    Few runs vary less among themselves than runs do: the bootstrap's 95 % interval of two covers the truth half of the
+    Few runs vary less among themselves than runs do: the bootstrap's 95% interval of two covers the truth half of the
     time. So its deviations are widened as Student's t widens the normal's, by the root of R / chi-squared(R - 1).
     `errors` `[R, ...]` are the standard errors of a run's own values, whose noise is resampled: without them, runs that
     agree by chance would look certain. Fewer than `LEAST` runs say too little of the next; see `wilson` and `student_t`

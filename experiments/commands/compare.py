@@ -64,6 +64,7 @@ class CompareConfig(Checked):
     from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "Rerun file for the curves of all runs")
+    config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
     train: Any = group(TrainConfig, "each run", without=CHOSEN)
@@ -79,8 +80,20 @@ class CompareConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config, game = _read(argv)
-    folder = config.out or Path("runs") / f"compare-{game.short}"
-    seeds = range(config.first_seed, config.first_seed + config.seeds)
+    return run(config, game)
+
+
+def folder_of(config: CompareConfig, game: Game) -> Path:
+    """Return the folder of a comparison."""
+    return config.out or Path("runs") / f"compare-{game.short}"
+
+
+def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
+    """Train and evaluate all runs, and write tables and pictures; return the exit code.
+
+    `most` is the maximum number of processes that evaluate; None: as many as train.
+    """
+    folder, seeds = folder_of(config, game), range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
     runs = prepare(folder, rows, seeds, config.from_, config.fine_tuning)
     # This compiles the kernels, which must happen before several processes start.
@@ -92,6 +105,7 @@ def main(argv: Sequence[str]) -> int:
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
     alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
+    parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)
     show(report, runs, scenes, folder, config.rrd)
     return 0
@@ -134,8 +148,7 @@ def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
     known = CompareConfig(train=starting.settings_for(argv))
     others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
-    game = build.find_game(typed.get("minigame", CompareConfig().minigame))
-    start = game.start(typed.get("preset", "fast"))
+    game, start = starting.start_of(typed, typed.get("minigame"), CompareConfig().minigame)
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)

@@ -1,6 +1,7 @@
 """`regista evaluate`: evaluate trained runs and baselines on the test scenes of their minigame.
 
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
+    regista evaluate runs/compare-1v1Restricted                                # all runs in a folder, by method
     regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in GRF
     regista evaluate runs/1v1Restricted-paired-0 --engine grf --episodes 100
     regista evaluate runs/1v1Restricted-paired-0 --gallery                     # write its levels as gallery.html
@@ -23,6 +24,7 @@ from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import Report, write_text
+from regista.experiments.run.run_folders import by_game, open_runs, warn_of_mixtures
 from ued.config import Checked, most_threads, setting
 
 EPISODES, LEVELS = 500, 200  # defaults in our simulator
@@ -38,7 +40,7 @@ DESCRIPTION = "Evaluate runs on the test scenes of their minigame and on its tra
 class EvaluateConfig(Checked):
     """Arguments of `regista evaluate`."""
 
-    runs: tuple[Path, ...] = positional("run folders of one minigame", default=())
+    runs: tuple[Path, ...] = positional("run folders, or folders of runs", default=())
     episodes: int | None = setting(
         None,
         f"episodes on each scene (default {EPISODES}; with --engine grf as many as --minutes allow)",
@@ -99,7 +101,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.replace_paths(EvaluateConfig(), typed)
     if not config.runs:
         raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
-    runs = [RunFolder.open(path) for path in config.runs]
+    runs = open_runs(config.runs)
     for path in sorted(typed.keys() - OF_GALLERY if config.gallery else typed.keys() & GALLERY_ALONE):
         flag = arguments.flag_name(path.removeprefix("playing."))
         raise UsageError(f"{flag} and --gallery exclude each other" if config.gallery else f"{flag} needs --gallery")
@@ -107,7 +109,25 @@ def main(argv: Sequence[str]) -> int:
         for run in runs:
             write_gallery(run, config)
         return 0
+    games = by_game(runs)
+    outputs = [name for name in ("json", "csv", "markdown") if getattr(config, name)]
+    if len(games) > 1 and (outputs or not any(_is_folder_of_runs(path) for path in config.runs)):
+        check_one_game(runs)
+    for number, (name, played) in enumerate(games.items()):
+        if len(games) > 1:
+            print("\n" * bool(number) + build.find_game(name).short)
+        _evaluate(played, config)
+    return 0
+
+
+def _is_folder_of_runs(path: Path) -> bool:
+    return not (path / "config.json").exists()
+
+
+def _evaluate(runs: Sequence[RunFolder], config: EvaluateConfig) -> None:
+    """Evaluate the runs of one game; print and write their tables."""
     check_one_game(runs)
+    warn_of_mixtures(runs)
     first = replace(runs[0].config, threads=config.threads).on_engine(config.playing)
     report = evaluator(first, config).report(runs, config.baselines)
     print(json.dumps(as_json(report), indent=2) if config.json else report.text())
@@ -115,7 +135,6 @@ def main(argv: Sequence[str]) -> int:
         report.save_csv(config.csv)
     if config.markdown is not None:
         write_text(config.markdown, report.markdown() + "\n")
-    return 0
 
 
 def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:

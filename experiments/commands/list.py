@@ -11,7 +11,9 @@ Read next: `regista.minigames.suites`, the table itself; `run.built_in`, the tas
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import shutil
+import textwrap
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -90,7 +92,7 @@ def main(argv: Sequence[str]) -> int:
         return 0
     games, tasks = ([name for name in chosen if name in known] for known in (ALL, BUILT_IN))
     if games:
-        print(align([HEAD, *(line(ALL[name]) for name in games)]))
+        print(table([HEAD, *(line(ALL[name]) for name in games)], shutil.get_terminal_size().columns))
     if tasks:
         print(align([["\ntask" if games else "task", "what"], *([name, BUILT_IN[name].about] for name in tasks)]))
     return 0
@@ -104,6 +106,8 @@ def _containing(word: str, names: Sequence[str]) -> list[str]:
 
 
 HEAD = ["minigame", "players", "D", "D test", "one agent", "team", "PPO", "on test", "team PPO", "what"]
+NARROW = ["minigame", "players", "D", "what"]  # columns for a terminal that is too narrow for all
+SHORTEST = 20  # characters that are left for the last column
 
 
 def line(game: Minigame) -> list[str]:
@@ -119,6 +123,27 @@ def line(game: Minigame) -> list[str]:
         game.name, players, str(dim), " ".join(tests), game.control, " ".join(game.team_control), *numbers,
         game.description,
     ]  # fmt: skip
+
+
+def table(rows: list[list[str]], width: int) -> str:
+    """Return the table of minigames; where it is wider than `width`, its most important columns."""
+    whole = align(rows)
+    if _width(whole) <= width:
+        return whole
+    *chosen, what = (rows[0].index(name) for name in NARROW)
+    taken = sum(max(len(row[column]) for row in rows) + 2 for column in chosen)
+    room = max(width - taken, SHORTEST)
+    lines = align([[*(row[column] for column in chosen), shortened(row[what], room)] for row in rows])
+    return f"{lines}\n\nregista list NAME shows all of one; a terminal of {_width(whole)} columns all of each"
+
+
+def _width(text: str) -> int:
+    return max(map(len, text.splitlines()))
+
+
+def shortened(text: str, width: int) -> str:
+    """Return the beginning of a text, at whole words, if it is longer than `width`."""
+    return textwrap.shorten(text, width, placeholder=" …")
 
 
 def look(game: Minigame) -> tuple[str, int]:
@@ -151,16 +176,38 @@ def card(game: Minigame) -> str:
     players, dim = look(game)
     parts = [
         f"{game.name}: {players} players, D = {dim}",
-        "\n".join(f"{name:<17}{value}" for name, value in rows.items() if value),
+        listed(rows, 17),
     ]
     if game.tests:
         labels = [label for label, _ in game.tests]
         tests = [[test.name, str(look(test)[1]), labels[k]] for k, test in enumerate(game.test_games())]
-        parts.append(align([["test scene", "D", "what"], *tests]))
+        parts.append(wrapped([["test scene", "D", "what"], *tests]))
     known = measured(game)
     if len(known) > 1:
         parts.append(align(known))
     return "\n\n".join(parts)
+
+
+def wrapped(rows: list[list[str]]) -> str:
+    """Return a table whose last column wraps at the width of the terminal."""
+    taken = sum(max(len(row[column]) for row in rows) + 2 for column in range(len(rows[0]) - 1))
+    room = max(shutil.get_terminal_size().columns - taken, SHORTEST)
+    lines = []
+    for *cells, last in rows:
+        first, *more = textwrap.wrap(last, room) or [""]
+        lines += [[*cells, first], *([*("" for _ in cells), rest] for rest in more)]
+    return align(lines)
+
+
+def listed(rows: Mapping[str, Any], indent: int) -> str:
+    """Return names and their values, one each line; values wrap below themselves. Empty values are left out."""
+    width = max(shutil.get_terminal_size().columns, indent + SHORTEST)
+    margins: Any = {"subsequent_indent": " " * indent, "break_long_words": False, "break_on_hyphens": False}
+    return "\n".join(
+        textwrap.fill(f"{name:<{indent}}{value}", width, drop_whitespace=True, **margins)
+        for name, value in rows.items()
+        if value
+    )
 
 
 def task_card(name: str) -> str:
@@ -177,10 +224,10 @@ def task_card(name: str) -> str:
         "baselines": ", ".join(task.make_baselines(upomdp)),
         "trained by default": f"{config.total_env_steps:_} env_steps in {config.num_envs} environments",
     }
-    parts = [f"{name}: D = {upomdp.theta_dim}", "\n".join(f"{key:<20}{value}" for key, value in rows.items())]
+    parts = [f"{name}: D = {upomdp.theta_dim}", listed(rows, 20)]
     for title, scenes in (("test", task.tests), ("held out", task.held_out)):
         if scenes:
-            parts.append(align([[title, "what"], *([scene, task.about.get(scene, "")] for scene in scenes)]))
+            parts.append(wrapped([[title, "what"], *([scene, task.about.get(scene, "")] for scene in scenes)]))
     return "\n\n".join(parts)
 
 

@@ -1,20 +1,23 @@
 """`regista play`: play a match, an episode of a task, a level of a run, or a record; write a video or a record of it.
 
-    regista play 3v2FourBehaviors --video match.gif
+    regista play --player runs/paired --video policy.mp4           # the student of a run, in the run's own game
+    regista play 1v1Free --scene hard --player runs/paired --episodes 5 --video hard.gif
+    regista play maze --scene Labyrinth --player runs/accel --video maze.gif
+    regista play 3v2FourBehaviors --video match.gif                # the rule-based player
     regista play mine.scenic --player random --record match.npz
     regista play 1v1Free --engine grf                              # the same match in Google Research Football
-    regista play maze --scene Labyrinth --player runs/accel --video maze.gif      # the student of a run
     regista play --level runs/paired --id 1234                     # the level with this id in the run's levels.csv
     regista play --replay match.npz --video match.gif              # a recorded match, replayed exactly
 
-Read next: `regista.envs.football.replay`, what a record is; `regista.envs.football.view.bot`, the default player.
+Read next: `run.players`, the players; `run.level_stage`, levels; `regista.envs.football.replay`, what a record is.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,8 +26,9 @@ import numpy as np
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import EngineConfig, ProgramConfig
-from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.games import single_game
+from regista.experiments.run.players import SCRIPTED, Actor, MatchStudent, scripted_player, task_player
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.table import cannot_write
 from regista.experiments.run.tasks import PythonTask
@@ -35,12 +39,12 @@ from ued.core.task import TRAINING_SCENE
 if TYPE_CHECKING:
     from regista.envs.football.replay import Record
     from regista.experiments.run.level_stage import LevelStage
+    from regista.minigames.suites import Minigame
 
 DESCRIPTION = (
-    "Play one match of a program, an episode of a task, a level of a run, or a recorded match, and write a video or a "
-    "record of it."
+    "Play matches of a program, episodes of a task, a level of a run, or a recorded match, and write a video or a "
+    "record of it. --player RUN shows a trained student."
 )
-PLAYERS = ("bot", "random", "idle")  # of football
 WITH_REPLAY = {"replay", "match", "video", "speed"}
 
 
@@ -48,15 +52,26 @@ WITH_REPLAY = {"replay", "match", "video", "speed"}
 class PlayConfig(Checked):
     """Arguments of `regista play`."""
 
-    program: str = positional("minigame, path of a .scenic program, or task", default="")
-    player: str = setting(
-        "bot", "policy of the agents: bot (tasks: random), random, idle; of a task also a baseline or a run folder"
+    program: str = positional(
+        "minigame, path of a .scenic program, or task (default: that of --player RUN)", default=""
     )
-    scene: str = setting(TRAINING_SCENE, "with a task: the test whose level is played")
-    control: str = setting("active", "left players of agents: active, closest1 to closest3, all, a number, ...")
-    steps: int = setting(600, "maximum number of steps of 0.1 s; the match may end earlier", ">=1", most=1_000_000)
+    player: str = setting(
+        "bot", "policy of the agents: a run folder, bot (tasks: random), random, idle; of a task also a baseline"
+    )
+    greedy: bool = setting(False, "the student of a run takes its most likely actions")
+    scene: str = setting(TRAINING_SCENE, "the test scene that is played")
+    episodes: int = setting(
+        1, "number of episodes, with seeds from --seed on; a video shows them all", ">=1", most=10_000
+    )
+    control: str = setting(
+        "active",
+        "left players of agents: active, closest1 to closest3, all, a number, ...; a run's are those it trained",
+    )
+    steps: int = setting(
+        600, "maximum number of steps of an episode, in football of 0.1 s; it may end earlier", ">=1", most=1_000_000
+    )
     seed: int = setting(
-        0, "seed of the level and the match; with --level, only of a random player", ">=0", most=LARGEST_SEED
+        0, "seed of the level and the episode; with --level, only of a player's actions", ">=0", most=LARGEST_SEED
     )
     level: Path | None = setting(None, "instead of a program: play a level of this run folder")
     id: int | None = setting(None, "id of that level: column id of the table of levels", least=0, most=LARGEST_SEED)
@@ -79,15 +94,32 @@ def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     typed = arguments.typed_settings(PlayConfig(), argv, "play", DESCRIPTION)
     config = arguments.replace_paths(PlayConfig(), typed)
-    if not config.program and config.level is None and config.replay is None:
-        raise UsageError(
-            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --level RUN --id N, or "
-            "--replay RECORD"
-        )
     if config.replay is not None:
         if typed.keys() - WITH_REPLAY:
             raise UsageError("--replay repeats a recorded match: it takes --match, --video and --speed alone")
         return _replay(config)
+    if not config.program and config.level is None:
+        config = replace(config, program=_game_of_player(config.player))
+    _check(config, typed)
+    if config.program and not isinstance(build.find_game(config.program), PythonTask):
+        return _play_program(config, "control" in typed)
+    return _play_stage(config)
+
+
+def _game_of_player(player: str) -> str:
+    """Return the game of the run that plays. Raises `UsageError` if the player is not a run folder."""
+    if player in SCRIPTED or not Path(player).is_dir():
+        raise UsageError(
+            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --player RUN, "
+            "--level RUN --id N, --replay RECORD"
+        )
+    from regista.experiments.run.folder import RunFolder
+
+    return str(RunFolder.open(Path(player)).config.minigame)
+
+
+def _check(config: PlayConfig, typed: dict[str, Any]) -> None:
+    """Raise `UsageError` for settings that exclude each other, and for files that cannot be written."""
     if "match" in typed:
         raise UsageError("--match needs --replay RECORD")
     if config.visit is not None and config.level is None:
@@ -97,20 +129,88 @@ def main(argv: Sequence[str]) -> int:
     check_film_of(config.video)
     if config.record and config.record.suffix != ".npz":
         raise UsageError(f"{config.record}: the name of a record must end in .npz")
-    if config.program and not isinstance(build.find_game(config.program), PythonTask):
-        if "scene" in typed:
-            raise UsageError(f"--scene needs a Python task; give a test scene of a minigame as {config.program}/TEST")
-        _check_player(config)
-        return play_match(config, _match_of_program(config))
-    stage = _stage(config)
-    print(stage.describe())
-    if not stage.is_match:
+    if config.record and config.episodes > 1:
+        raise UsageError("--record writes one match: omit --episodes, and select the match by --seed")
+    if config.seed + config.episodes - 1 > LARGEST_SEED:
+        raise UsageError(f"--seed {config.seed} --episodes {config.episodes} needs seeds above {LARGEST_SEED}")
+
+
+def _play_program(config: PlayConfig, controlled: bool) -> int:
+    """Play matches of a program on random levels; `controlled`: --control is given."""
+    student = None if config.player in SCRIPTED else MatchStudent.open(config.player)
+    if student and controlled:
+        raise UsageError("--control and --player RUN exclude each other: a student moves the players that it trained")
+    env = build.make_matches(_program(config, student), 1, _match_settings(config, student), config.seed)
+    actor = student.actor(env, config.greedy) if student else scripted_player(config.player)
+    return play_matches(config, env, actor, lambda episode: env.reset(seed=config.seed + episode))
+
+
+def _program(config: PlayConfig, student: MatchStudent | None) -> Any:
+    """Return the compiled program: that of the game or of one of its test scenes.
+
+    A run's own program is read with the settings of its training, unless others are given.
+    """
+    game = single_game(config.program)
+    path, reading = _scene(game.minigame, config.scene), config.reading
+    dialect = student.run.config.env.dialect if student else None
+    own = student is not None and student.run.config.minigame == game.name and path == game.minigame.program
+    if student and own and reading == PlayConfig().reading:
+        reading = student.run.config.program
+    return load_program(path, dialect, reading)
+
+
+def _scene(minigame: Minigame, name: str) -> Path:
+    """Return the program of a test scene, by its label or the last part of its name."""
+    from regista.minigames.suites import slug
+
+    if name == TRAINING_SCENE:
+        return minigame.program
+    tests = (*minigame.tests, *minigame.held_out)
+    for label, path in tests:
+        if name in (label, slug(label)):
+            return path
+    labels = [label for label, _ in tests]
+    known = f"it has {', '.join(labels)}" if labels else "it has none"
+    raise UsageError(f"{minigame.name} has no test {name!r}{nearest(name, labels)}; {known}")
+
+
+def _match_settings(config: PlayConfig, student: MatchStudent | None) -> Any:
+    """Return the settings of matches: those of the student's training, or raw observations for a scripted player."""
+    from regista.envs.football.config import FootballConfig
+
+    try:
+        if student:
+            return student.settings(config.playing)
+        return config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+
+
+def _play_stage(config: PlayConfig) -> int:
+    """Play a level of a run, or a task."""
+    student = None
+    if config.level is not None and _is_football(config.level):
+        student = None if config.player in SCRIPTED else MatchStudent.open(config.player)
+    stage = _stage(config, student)
+    if isinstance(stage.game, PythonTask):
         return _play_task(config, stage)
-    _check_player(config)
-    return play_match(config, stage.env)
+    print(stage.describe())
+    actor = student.actor(stage.env, config.greedy) if student else scripted_player(config.player)
+
+    def again(episode: int) -> None:
+        stage.env.reset_to_levels(stage.level, None, stage.visit + episode)
+
+    return play_matches(config, stage.env, actor, again)
 
 
-def _stage(config: PlayConfig) -> LevelStage:
+def _is_football(path: Path) -> bool:
+    """Return whether a run is on a game of football; its matches may be a Python task."""
+    from regista.experiments.run.folder import RunFolder
+
+    return RunFolder.open(path).config.engine is not None
+
+
+def _stage(config: PlayConfig, student: MatchStudent | None) -> LevelStage:
     """Return the environment of a level of a run, or of a task."""
     from regista.experiments.run.level_stage import LevelStage
 
@@ -124,25 +224,8 @@ def _stage(config: PlayConfig) -> LevelStage:
     assert config.id is not None
     if config.scene != usual.scene:
         raise UsageError("--scene and --level exclude each other: --level RUN --id N selects the level")
-    return LevelStage.of_run(config.level, config.id, config.visit, config.playing)
-
-
-def _check_player(config: PlayConfig) -> None:
-    """Raise `UsageError` unless the player can play football."""
-    if config.player not in PLAYERS:
-        raise UsageError(f"--player of a football match is {', '.join(PLAYERS)}, not {config.player!r}")
-
-
-def _match_of_program(config: PlayConfig) -> Any:
-    """Return a match of the program, on a random level."""
-    from regista.envs.football.config import FootballConfig
-
-    program = load_program(single_game(config.program).minigame.program, None, config.reading)
-    try:
-        settings = config.playing.instead_of(FootballConfig(representation="raw", control=config.control))
-    except ValueError as error:
-        raise UsageError(str(error)) from error
-    return build.make_matches(program, 1, settings, config.seed)
+    env = _match_settings(config, student) if student else None
+    return LevelStage.of_run(config.level, config.id, config.visit, config.playing, env)
 
 
 def _replay(config: PlayConfig) -> int:
@@ -168,44 +251,103 @@ def _replay(config: PlayConfig) -> int:
     return 0
 
 
-def play_match(config: PlayConfig, env: Any) -> int:
-    """Play a match from its start; print the result, and write the requested video and record."""
+@dataclass
+class Tally:
+    """Returns and successes of the episodes played so far."""
+
+    returns: list[float] = field(default_factory=list)
+    successes: int = 0
+
+    def add(self, total: float, success: bool) -> None:
+        """Count an episode."""
+        self.returns.append(total)
+        self.successes += success
+
+    def tell(self) -> None:
+        """Print the mean return and the success rate of several episodes."""
+        count = len(self.returns)
+        if count > 1:
+            print(f"{count} episodes: mean return {np.mean(self.returns):.3g}, success {self.successes} of {count}")
+
+
+def play_matches(config: PlayConfig, env: Any, actor: Actor, again: Callable[[int], Any]) -> int:
+    """Play the matches, of which the first has been reset; print results, and write the requested video and record.
+
+    `again(episode)` resets the match for the episodes 1, 2, ...
+    """
+    tally = Tally()
+
+    def moments() -> Iterator[Any]:
+        for episode in range(config.episodes):
+            if episode:
+                again(episode)
+            yield from _play_match(config, env, actor, episode, tally)
+
+    if config.video:
+        film(config.video, moments(), config.speed)
+    else:
+        deque(moments(), maxlen=0)
+    tally.tell()
+    return 0
+
+
+def _play_match(config: PlayConfig, env: Any, actor: Actor, episode: int, tally: Tally) -> Iterator[Any]:
+    """Play a match from its start and return its moments one by one; print the result, and write the record."""
     from regista.envs.football.gym_env import ENDINGS
     from regista.envs.football.replay import Recorder
+    from ued.core.upomdp import successes
 
-    recorder, choose = Recorder(env), _player(config)
-    observations, ended = env.observe(), 0
-    moments = [env.matches[0]]
-    while len(moments) <= config.steps and not ended:
-        observations, rewards, _, _, info = recorder.advance(np.array([choose(observations)]))
-        ended = int(info["ended"][0])
-        moments.append(env.matches[0])
-    left, right = moments[-1]["score"]
+    recorder, observations, choose = Recorder(env), env.observe(), actor.choose(config.seed + episode)
+    ended, steps, total, rewards, info = 0, 0, 0.0, np.zeros(1), {}
+    moment = env.matches[0]
+    yield moment
+    while steps < config.steps and not ended:
+        observations, rewards, _, _, info = recorder.advance(choose(observations))
+        ended, steps, total = int(info["ended"][0]), steps + 1, total + float(rewards[0])
+        moment = env.matches[0]
+        yield moment
+    tally.add(total, bool(ended and successes(info, np.array([0]), np.array([total]))[0]))
+    left, right = moment["score"]
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
-    print(f"{len(moments) - 1} steps, {left} : {right}{end}")
+    print(f"{steps} steps{'' if actor.name in SCRIPTED else f' by {actor.name}'}, {left} : {right}{end}")
     if config.record:
         _save(recorder.record(), config.record)
-    if config.video:
-        film(config.video, moments, config.speed)
-    return 0
 
 
 def _play_task(config: PlayConfig, stage: LevelStage) -> int:
-    """Play an episode of a Python task; write its rendered frames as a video."""
-    from regista.experiments.run.players import task_player
-
+    """Play episodes of a Python task; write its rendered frames as a video."""
     if config.record:
         raise UsageError("--record supports football matches only; use --video for other environments")
-    if config.video and stage.env.render_mode != "rgb_array":
-        raise UsageError("--video requires environments with render_mode='rgb_array'")
-    player = task_player(config.player, stage, config.seed)
-    played = stage.play(config.steps, player.choose)
-    print(f"{played.steps} steps by {player.name}, return {played.total:g}{', ended' * played.ended}")
+    if config.video and not stage.is_visible:
+        raise UsageError(
+            f"--video requires environments made with render_mode='rgb_array', those of {stage.game.short} have "
+            f'{stage.env.render_mode!r}: write gymnasium.make(..., render_mode="rgb_array") in the task'
+        )
+    player, tally = task_player(config.player, stage, config.greedy), Tally()
+    frames = _task_frames(config, stage, player, tally)
     if config.video:
-        from regista.envs.football.view.picture import write_video
+        from regista.envs.football.view.picture import FRAMES_PER_SECOND, write_video
 
-        write_video(config.video, played.frames, config.speed)
+        write_video(config.video, frames, config.speed * stage.frames_per_second / FRAMES_PER_SECOND)
+    else:
+        deque(frames, maxlen=0)
+    tally.tell()
     return 0
+
+
+def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Tally) -> Iterator[np.ndarray]:
+    """Play the episodes of a task, print their results, and return their frames one by one."""
+    for episode in range(config.episodes):
+        if episode and config.level is None:
+            stage = stage.on_next_level(config.seed + episode, episode)
+        elif episode:
+            stage = stage.on_next_visit()
+        print(stage.describe())
+        choose = player.choose(config.seed + episode)
+        played = stage.play(config.steps, choose, film=config.video is not None)
+        tally.add(played.total, played.success)
+        print(f"{played.steps} steps by {player.name}, return {played.total:g}{', ended' * played.ended}")
+        yield from played.frames
 
 
 def _save(record: Record, path: Path) -> None:
@@ -232,30 +374,8 @@ def check_film_of(path: Path | None) -> None:
         raise UsageError(str(error)) from error
 
 
-def film(path: Path, moments: Sequence[Any], speed: float) -> None:
+def film(path: Path, moments: Iterable[Any], speed: float) -> None:
     """Draw moments of a match and write them as a video; call `check_film_of` first."""
     from regista.envs.football.view.picture import draw_match, write_video
 
     write_video(path, (draw_match(moment) for moment in moments), speed)
-
-
-def _player(config: PlayConfig) -> Callable[[Any], Any]:
-    """Return the policy of the agents: it gives actions `[A]`, or one number for a single agent."""
-    from regista.envs.football.observation.raw import row
-    from regista.envs.football.view.bot import act
-
-    rng = np.random.default_rng(config.seed)
-
-    def move(observation: dict[str, np.ndarray]) -> int:
-        if config.player == "bot":
-            return act(row(observation, 0))
-        return int(rng.integers(19)) if config.player == "random" else 0
-
-    def choose(observations: Any) -> Any:
-        return (
-            [move(observation) for observation in observations]
-            if isinstance(observations, tuple)
-            else move(observations)
-        )
-
-    return choose

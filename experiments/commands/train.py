@@ -3,6 +3,7 @@
     regista train 1v1Restricted --method paired --seed 0
     regista train examples/hopper.py:hopper --method plr
     regista train --resume runs/1v1Restricted-paired-0
+    regista train --config runs/1v1Restricted-paired-0 --seed 1      # the same settings, another seed
     regista train 1v1Restricted --method paired --seeds 5            # in parallel, one run per core
     regista train 1v1Free --method dr --from runs/1v1Free-clone-0 --kl-to-clone 0.5
 
@@ -62,6 +63,7 @@ class TrainFlags:
     from_: Path | None = setting(
         None, "initialize the student from this run or checkpoint, for example one from regista clone"
     )
+    config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")
@@ -238,9 +240,8 @@ def _settings(typed: dict[str, Any]) -> tuple[TrainFlags, origin.Origin | None, 
     if path is not None and "seeds" in typed:  # a folder may hold a student for each seed; all have the same network
         path = origin.of_seed(path, int(typed.get("config.seed", 0)))
     source = origin.load(path) if path is not None else None
-    minigame: str = typed.get("config.minigame") or (source.config.minigame if source else TrainConfig().minigame)
-    game = build.find_game(minigame)
-    start = game.start(typed.get("preset", "fast"))
+    usual = source.config.minigame if source else TrainConfig().minigame
+    game, start = starting.start_of(typed, typed.get("config.minigame"), usual)
     base = TrainFlags(config=origin.like(source, start) if source else start)
     flags = arguments.replace_paths(base, typed)
     flags = replace(flags, config=replace(flags.config, minigame=game.name))
@@ -273,7 +274,7 @@ def _resume(typed: dict[str, Any]) -> RunFolder:
 
 def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:
     """Give a run the new settings; those that would change its results are refused."""
-    for name in ("out", "preset", "from_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
+    for name in ("out", "preset", "from_", "config_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
             flag = arguments.flag_name(name.partition(".")[2] or name)
             raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its origin")

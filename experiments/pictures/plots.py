@@ -175,20 +175,31 @@ def shorten_steps(axes: Axes) -> None:
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
+    """Write `learning_figure` to a file; none without a finished update."""
+    with style():
+        figure = learning_figure(runs)
+        if figure is not None:
+            save(figure, path)
+
+
+def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
     """Draw the return on every test scene, and return, success, regret and spread of θ on the training levels.
 
     `runs` gives the run folders of each method. Curves are over env_steps, with gaps where no level was finished.
+    Returns None without a finished update. The figure belongs to no window of pyplot.
     """
-    import matplotlib.pyplot as plt
+    import matplotlib
+    from matplotlib.figure import Figure
 
     panels = _panels(runs)
     if not panels:
-        return
+        return None
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
     legend = 0.1 + 0.18 * -(-len(runs) // LEGEND_COLUMNS)  # inches
-    with style():
-        figure, grid = plt.subplots(rows, columns, figsize=(3.9 * columns, 2.75 * rows + legend), squeeze=False)
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(3.9 * columns, 2.75 * rows + legend))
+        grid = figure.subplots(rows, columns, squeeze=False)
         for axes, (heading, panel) in zip(grid.flat, panels.items(), strict=False):
             for method, curve in panel.curves:
                 draw_curve(axes, curve, method)
@@ -202,7 +213,7 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
             label_steps(axes)
         _legend(figure, runs)
         figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
-        save(figure, path)
+    return figure
 
 
 class Panel(NamedTuple):

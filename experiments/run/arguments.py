@@ -61,6 +61,22 @@ def parse(base: Config, argv: Sequence[str], command: str, description: str) -> 
 Others = Mapping[str, Sequence[Any]]
 
 
+LISTING = "--list-flags"  # the whole command line of `parser_of`
+
+
+class Listed(Exception):
+    """The parser of a command, to whoever asks for its flags."""
+
+
+def parser_of(main: Callable[[Sequence[str]], Any]) -> argparse.ArgumentParser:
+    """Return the parser of a command's `main`, which begins with `typed_settings`; nothing else of it is run."""
+    try:
+        main([LISTING])
+    except Listed as found:
+        return found.args[0]
+    raise TypeError(f"{main.__module__} reads its command line otherwise than by typed_settings")
+
+
 def typed_settings(
     base: Any, argv: Sequence[str], command: str, description: str, others: Others | None = None
 ) -> dict[str, Any]:
@@ -81,6 +97,8 @@ def typed_settings(
     _add(parser, parser, base, _Place("", "", others or {}), flags)
     if parser.topics:
         showing.nargs, showing.help = "?", "show this page or the page of a topic, and exit"
+    if list(argv) == [LISTING]:
+        raise Listed(parser)
     typed, unknown = parser.parse_known_args(list(argv))
     if unknown:
         raise UsageError(_unknown(unknown[0], flags))

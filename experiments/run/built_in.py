@@ -15,7 +15,7 @@ class BuiltIn(NamedTuple):
 BUILT_IN = {  # by short name
     "maze": BuiltIn(
         "regista.envs.maze.task:maze",
-        "the maze benchmark of PAIRED, DCD, JaxUED and minimax: reach a goal with a partial view",
+        "the maze benchmark of PAIRED and DCD, with a partial view",
     ),
     "maze60": BuiltIn("regista.envs.maze.task:maze60", 'the same with 0 to 59 walls, DCD\'s "60 blocks, uniform"'),
 }

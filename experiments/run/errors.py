@@ -51,6 +51,7 @@ EXTRAS = {
     "numba": "all",
     "shapely": "all",
     "minari": "demonstrations",
+    "pandas": "data",
     "ray": "ray",
 }
 

@@ -314,10 +314,16 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
 
 
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
-    """Return the student of a run's checkpoint, and the env_steps and updates of its training.
+    """Return the student of a run's checkpoint, and the env_steps and updates of its training; see `load_method`."""
+    method, trained = load_method(run, game)
+    return method.student, trained
 
-    Only its weights, normalizer and settings are read, not the saved matches. Raises `CommandError` if the run has no
-    checkpoint, or a student with other observations. Warns if the run was trained on another simulator version.
+
+def load_method(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
+    """Return the method of a run with the students of its checkpoint, and the env_steps and updates of its training.
+
+    Only their weights, normalizers and settings are read, not the saved matches. Raises `CommandError` if the run has
+    no checkpoint, or a student with other observations. Warns if the run was trained on another simulator version.
     """
     from regista.experiments.run.config import EngineConfig
 
@@ -337,4 +343,4 @@ def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
         raise CommandError(f"{run.path} holds a student with observations other than {seen}; train it again") from error
     except DAMAGE as error:  # another number of agents, or damaged
         raise CommandError(f"{run.path}: {refused(error)}") from error
-    return method.student, (state["env_steps"], state["update"])
+    return method, (state["env_steps"], state["update"])

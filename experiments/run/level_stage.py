@@ -17,18 +17,21 @@ from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.folder import RunFolder
 
 if TYPE_CHECKING:
+    from regista.envs.football.config import FootballConfig
     from regista.experiments.run.config import EngineConfig
     from regista.experiments.run.games import Game
 
 Choose = Callable[[Any], Any]  # observations -> actions
+FRAMES_PER_SECOND = 10  # of environments that do not state theirs
 
 
 class PlayedTask(NamedTuple):
-    """An episode: its steps, return, whether it ended, and its rendered frames, if any."""
+    """An episode: its steps, return, whether it ended and succeeded, and its frames, if it was filmed."""
 
     steps: int
     total: float
     ended: bool
+    success: bool
     frames: list[np.ndarray]
 
 
@@ -40,12 +43,14 @@ class LevelStage:
         game: what the environment belongs to.
         env: the vector environment, of size 1.
         level: the level, a record `[1]`; `visit`: the visit whose random numbers it uses.
+        choices: θ `[L, D]` of the levels of a test scene; None: the levels are random.
     """
 
     game: Game
     env: Any
     level: np.ndarray
     visit: int
+    choices: np.ndarray | None = None
 
     @classmethod
     def of_task(cls, game: Game, scene: str, seed: int) -> LevelStage:
@@ -64,12 +69,27 @@ class LevelStage:
             theta = theta_of_scene(scenes[scene], env)
         except ValueError as error:
             raise CommandError(f"the levels of the test '{scene}' do not fit {game.short}: {error}") from error
-        return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0)
+        return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0, theta)
+
+    def on_next_level(self, seed: int, episode: int) -> LevelStage:
+        """Return the stage of another episode: a random level of this seed, or the test scene's level `episode`."""
+        self.env.reset(seed=seed)
+        if self.choices is None:
+            return replace(self, level=self.env.levels.copy())
+        at = episode % len(self.choices)
+        return replace(self, level=self.env.make_levels(self.choices[at : at + 1]))
+
+    def on_next_visit(self) -> LevelStage:
+        """Return the stage of the next visit of the level: the same level with other random numbers."""
+        return replace(self, visit=self.visit + 1)
 
     @classmethod
-    def of_run(cls, path: Path, id: int, visit: int | None, playing: EngineConfig) -> LevelStage:
+    def of_run(
+        cls, path: Path, id: int, visit: int | None, playing: EngineConfig, env: FootballConfig | None = None
+    ) -> LevelStage:
         """Make the environment of a run and reset it to one of its levels.
 
+        `env` are the settings of football's matches; None: those for watching, with raw observations.
         Raises `CommandError` for a run without this level, or whose environments have changed.
         """
         from ued.levels.table import read_visit
@@ -83,23 +103,33 @@ class LevelStage:
             raise CommandError(str(error.args[0])) from error
         config = replace(run.config, threads=1)
         try:
-            watched = config.watched(playing)
+            watched = env or config.watched(playing)
         except ValueError as error:
             raise UsageError(str(error)) from error
         game, level = build.find_game(config.minigame).of_level(level, config)
-        env = build.make_upomdp(game.task(config, watched).make, 1, config.seed)
-        if env.levels.dtype != level.dtype:
-            dims = env.theta_dim, level["theta"].shape[1]
+        made = build.make_upomdp(game.task(config, watched).make, 1, config.seed)
+        if made.levels.dtype != level.dtype:
+            dims = made.theta_dim, level["theta"].shape[1]
             raise CommandError(f"{path} has levels of {dims[1]} parameters, its environments now have {dims[0]}")
-        _, info = env.reset_to_levels(level, None, visit)
+        _, info = made.reset_to_levels(level, None, visit)
         if info["replaced"][0]:
             raise CommandError(f"level {id} of {path} is no longer valid: its environments have changed")
-        return cls(game, env, level, visit)
+        return cls(game, made, level, visit)
 
     @property
     def is_match(self) -> bool:
-        """Whether the environment is a football match that a player of raw observations can play."""
-        return hasattr(self.env, "matches") and self.env.config.representation == "raw"
+        """Whether the environment is a football match."""
+        return hasattr(self.env, "matches")
+
+    @property
+    def is_visible(self) -> bool:
+        """Whether the environment can be filmed: it is a match, or it renders pictures."""
+        return self.is_match or self.env.render_mode == "rgb_array"
+
+    @property
+    def frames_per_second(self) -> float:
+        """Frames of a film in real time: the environment's `render_fps`, or ten."""
+        return float(self.env.metadata.get("render_fps") or FRAMES_PER_SECOND)
 
     def describe(self) -> str:
         """Describe the level: its seed, its visit, and the parameters of θ."""
@@ -110,16 +140,27 @@ class LevelStage:
         )
         return f"seed {int(self.level['seed'][0])}, visit {self.visit}: {spelled or 'no parameters'}"
 
-    def play(self, steps: int, choose: Choose) -> PlayedTask:
+    def play(self, steps: int, choose: Choose, film: bool = False) -> PlayedTask:
         """Play the episode from its start, for at most this many steps; `choose` returns the actions `[1, ...]`."""
-        observation, _ = self.env.reset_to_levels(self.level, None, self.visit)
-        total, ended, frames = 0.0, False, [self._frame()]
-        while len(frames) <= steps and not ended:
-            observation, reward, terminated, truncated, _ = self.env.advance(choose(observation))
-            total, ended = total + float(reward[0]), bool(terminated[0] or truncated[0])
-            frames.append(self._frame())
-        return PlayedTask(len(frames) - 1, total, ended, [frame for frame in frames if frame is not None])
+        from ued.core.upomdp import successes
 
-    def _frame(self) -> np.ndarray | None:
-        images = self.env.render() if self.env.render_mode == "rgb_array" else None
-        return None if images is None else np.asarray(images[0], np.uint8)
+        observation, _ = self.env.reset_to_levels(self.level, None, self.visit)
+        total, ended, done, info = 0.0, False, 0, {}
+        frames = [self._frame()] if film else []
+        while done < steps and not ended:
+            observation, reward, terminated, truncated, info = self.env.advance(choose(observation))
+            total, ended, done = total + float(reward[0]), bool(terminated[0] or truncated[0]), done + 1
+            if film:
+                frames.append(self._frame())
+        success = ended and bool(successes(info, np.array([0]), np.array([total]))[0])
+        return PlayedTask(done, total, ended, success, frames)
+
+    def _frame(self) -> np.ndarray:
+        if self.is_match:
+            from regista.envs.football.view.picture import draw_match
+
+            return draw_match(self.env.matches[0])
+        images = self.env.render()
+        if images is None or images[0] is None:
+            raise CommandError(f"{self.game.short} rendered nothing: its render() must return a picture")
+        return np.asarray(images[0], np.uint8)

@@ -1,10 +1,13 @@
-"""Policies that play an episode of a Python task: random, a constant action, a baseline, the student of a run.
+"""Policies that play an episode: scripted ones, a baseline of a task, the student of a run.
 
 Read next: `run.level_stage`, the episode; `commands.play`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,33 +16,35 @@ import numpy as np
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.level_stage import Choose, LevelStage
 
+SCRIPTED = ("bot", "random", "idle")  # players of football that are not trained
 
-class TaskPlayer(NamedTuple):
-    """A policy, and its name in messages."""
 
-    choose: Choose
+class Actor(NamedTuple):
+    """A policy, and its name in messages; `choose(seed)` returns its actions for an episode, drawn with this seed."""
+
+    choose: Callable[[int], Choose]
     name: str
 
 
-def task_player(name: str, stage: LevelStage, seed: int) -> TaskPlayer:
+def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
     """Return the player of a name: random, idle, a baseline of the task, or the run folder of a student.
 
     Raises `UsageError` for another name, and for a student of another task.
     """
     if name == "idle":
-        return TaskPlayer(_constant(stage.env), "always the first action")
+        return Actor(partial(_constant, stage.env), "always the first action")
     if name in ("bot", "random"):  # bots play football only
-        return TaskPlayer(_random(stage.env, seed), "random actions")
+        return Actor(partial(_random, stage.env), "random actions")
     baselines = stage.game.task(stage.game.start("fast")).make_baselines(stage.env)
     if name in baselines:
-        return TaskPlayer(_policy(baselines[name], seed), f"the baseline '{name}'")
+        return Actor(partial(_policy, baselines[name]), f"the baseline '{name}'")
     if not Path(name).is_dir():
         known = ", ".join(("idle", *baselines))
         raise UsageError(f"--player is {known} or a run folder, and there is no folder {name}")
-    return _student(Path(name), stage, seed)
+    return _student(Path(name), stage, greedy)
 
 
-def _student(path: Path, stage: LevelStage, seed: int) -> TaskPlayer:
+def _student(path: Path, stage: LevelStage, greedy: bool) -> Actor:
     from regista.experiments.run.evaluator import load_student
     from regista.experiments.run.folder import RunFolder
 
@@ -47,14 +52,18 @@ def _student(path: Path, stage: LevelStage, seed: int) -> TaskPlayer:
     if run.config.minigame != stage.game.name:
         raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play {stage.game.name}")
     student, (env_steps, _) = load_student(run, stage.game)
-    return TaskPlayer(_policy(student, seed), f"{run.config.method} after {env_steps:_} env_steps")
+    return Actor(partial(_policy, student, greedy=greedy), _named(run, env_steps))
 
 
-def _policy(policy: Any, seed: int) -> Choose:
+def _named(run: Any, env_steps: int) -> str:
+    return f"{run.label} after {env_steps:_} env_steps"
+
+
+def _policy(policy: Any, seed: int, greedy: bool = False) -> Choose:
     from ued.core.seeding import torch_generator
     from ued.learning.student import Player
 
-    return Player(policy, torch_generator(seed))
+    return Player(policy, torch_generator(seed), greedy)
 
 
 def _random(env: Any, seed: int) -> Choose:
@@ -62,6 +71,72 @@ def _random(env: Any, seed: int) -> Choose:
     return lambda observation: np.asarray(env.single_action_space.sample())[None]
 
 
-def _constant(env: Any) -> Choose:
+def _constant(env: Any, seed: int) -> Choose:
     action = np.zeros_like(env.single_action_space.sample())[None]
     return lambda observation: action
+
+
+# ---------------------------------------------------------------- football
+
+
+@dataclass(frozen=True)
+class MatchStudent:
+    """The student of a run on football: it plays matches whose settings are those of its training."""
+
+    run: Any
+    game: Any
+
+    @classmethod
+    def open(cls, path: str) -> MatchStudent:
+        """Return the student of a run folder. Raises `UsageError` for another folder, or a run on another task."""
+        from regista.experiments.run.build import find_game
+        from regista.experiments.run.folder import RunFolder
+
+        if not Path(path).is_dir():
+            known = ", ".join(SCRIPTED)
+            raise UsageError(f"--player is {known} or a run folder of football, and there is no folder {path}")
+        run = RunFolder.open(Path(path))
+        if run.config.engine is None:
+            raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play football")
+        return cls(run, find_game(run.config.minigame))
+
+    def settings(self, playing: Any) -> Any:
+        """Return the settings of its matches, on another engine if `playing` names one."""
+        return self.run.config.scored().on_engine(playing).env
+
+    def actor(self, env: Any, greedy: bool) -> Actor:
+        """Return the policy for matches. Raises `UsageError` if it was trained with other observations or actions."""
+        from regista.experiments.run.evaluator import load_method
+
+        method, (env_steps, _) = load_method(self.run, self.game)
+        for what in ("observation", "action"):
+            trained, found = (getattr(each, f"single_{what}_space").shape for each in (method.upomdp, env))
+            if trained != found:
+                raise UsageError(
+                    f"{self.run.path} was trained with {what}s of shape {trained} on {self.game.short}; "
+                    f"{env.program.file} has {found}"
+                )
+        return Actor(partial(_policy, method.student, greedy=greedy), _named(self.run, env_steps))
+
+
+def scripted_player(name: str) -> Actor:
+    """Return one of SCRIPTED, for matches with raw observations."""
+    return Actor(partial(_scripted, name), name)
+
+
+def _scripted(name: str, seed: int) -> Choose:
+    from regista.envs.football.observation.raw import row
+    from regista.envs.football.view.bot import act
+
+    rng = np.random.default_rng(seed)
+
+    def move(observation: Any) -> int:
+        if name == "bot":
+            return act(row(observation, 0))
+        return int(rng.integers(19)) if name == "random" else 0
+
+    def choose(observations: Any) -> np.ndarray:
+        several = isinstance(observations, tuple)
+        return np.array([[move(each) for each in observations] if several else move(observations)])
+
+    return choose

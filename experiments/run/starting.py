@@ -1,4 +1,4 @@
-"""Base settings of a command line, before its flags: those of its preset and its game.
+"""Base settings of a command line, before its flags: those of its preset and its game, or of a file, `--config`.
 
 Read next: `run.config`, the presets; `run.games`, settings of games.
 """
@@ -6,7 +6,8 @@ Read next: `run.config`, the presets; `run.games`, settings of games.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from regista.experiments.run.build import find_game
@@ -14,7 +15,7 @@ from regista.experiments.run.errors import UsageError
 from regista.experiments.run.games import all_starts
 
 TAKING_TEXT = (  # flags of train and compare whose value may look like a game
-    *("--out", "--from", "--resume", "--rrd", "--connect", "--scenario", "--model", "-m", "--param", "-p"),
+    *("--out", "--from", "--resume", "--config", "--rrd", "--connect", "--scenario", "--model", "-m", "--param", "-p"),
     *("--method", "--grf-python"),
 )
 
@@ -23,7 +24,48 @@ def settings_for(argv: Sequence[str]) -> Any:
     """Return the base settings of a command line."""
     from regista.experiments.run.config import TrainConfig
 
+    if file := config_file(argv):
+        return saved_settings(file)
     return find_game(_named(argv) or TrainConfig().minigame).start(preset_of(argv))
+
+
+def config_file(argv: Sequence[str]) -> Path | None:
+    """Return the file of `--config` on the command line, or None."""
+    pairs = [*itertools.pairwise(argv), *(word.partition("=")[::2] for word in argv if "=" in word)]
+    typed = [value for flag, value in pairs if flag == "--config"]
+    return Path(typed[-1]) if typed else None
+
+
+def saved_settings(path: Path) -> Any:
+    """Return the settings of a run's config.json, or of the one in a run folder.
+
+    Raises `UsageError` without such a file, `ConfigError` for unknown settings and values of the wrong type.
+    """
+    from regista.experiments.run import config as configs
+
+    file = path / "config.json" if path.is_dir() else path
+    if not file.is_file():
+        raise UsageError(f"--config: there is no file {file}; give the config.json of a run, or its folder")
+    return configs.load(None, file)
+
+
+def start_of(typed: Mapping[str, Any], minigame: str | None, usual: str) -> tuple[Any, Any]:
+    """Return the game and the base settings of the `typed` values: those of `--config`, or the game's preset.
+
+    `minigame` is the name of the game, if one is given; `usual` is the name without it and without `--config`.
+    Raises `UsageError` for settings of football and a game of another kind, or the other way round.
+    """
+    path = typed.get("config_")
+    if path is None:
+        game = find_game(minigame or usual)
+        return game, game.start(typed.get("preset", "fast"))
+    if "preset" in typed:
+        raise UsageError("--preset and --config exclude each other: the file has all settings")
+    start = saved_settings(path)
+    game = find_game(minigame or start.minigame)
+    if minigame and type(game.start("fast")) is not type(start):
+        raise UsageError(f"--config {path} has settings for {start.minigame}, which do not fit {game.short}")
+    return game, start
 
 
 def preset_of(argv: Sequence[str]) -> str:
@@ -39,6 +81,8 @@ def other_settings(argv: Sequence[str]) -> dict[str, list[Any]]:
     """Return the base settings for other presets and games, by case, for the help."""
     from regista.experiments.run.config import TrainConfig, presets, task_presets
 
+    if config_file(argv):
+        return {}
     typed, game, usual = preset_of(argv), _named(argv), TrainConfig().minigame
     others = [name for name in presets() if name != typed]
     cases = {f"with --preset {name}": [find_game(game or usual).start(name)] for name in others}

@@ -29,7 +29,7 @@ class Row:
 
 
 def by_share(family: str, name: str, ours: float, grf: float, unit: str, tolerance: float) -> Row:
-    """Compare by the difference as a share of the original's number, 0.05 for 5 %."""
+    """Compare by the difference as a share of the original's number, 0.05 for 5%."""
     return Row(family, name, ours, grf, unit, abs(ours - grf) / abs(grf) if grf else math.inf, tolerance)
 
 

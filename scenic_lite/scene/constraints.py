@@ -231,6 +231,11 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
 
 
 # ------------------------------------------------------------ the report
+def percent(share: float) -> str:
+    """Return a share in percent, with one decimal unless it is zero: 100%, 50.2%."""
+    return f"{100 * share:.1f}".removesuffix(".0") + "%"
+
+
 @dataclass(frozen=True)
 class RejectionReport:
     """How many of some uniform draws of θ were valid, and the share that each constraint rejected by itself.
@@ -250,7 +255,7 @@ class RejectionReport:
 
     def __str__(self) -> str:
         if self.accepted:
-            head = f"{self.file}: {100 * self.acceptance:.1f} % of {self.draws} draws are valid"
+            head = f"{self.file}: {percent(self.acceptance)} of {self.draws} draws are valid"
         else:
             head = f"{self.file}: no valid scene in {self.draws} draws"
         return "\n".join([head, *self.lines()])
@@ -262,7 +267,7 @@ class RejectionReport:
             for constraint, share in self.rejected[:SHOWN]
         ]
         width = max((len(text) for text, _ in rows), default=0) + 6
-        lines = [f"{text:<{width}}rejected {100 * share:.1f} %" for text, share in rows]
+        lines = [f"{text:<{width}}rejected {percent(share)}" for text, share in rows]
         if len(self.rejected) > SHOWN:
             lines.append(f"    and {len(self.rejected) - SHOWN} more")
         if any(constraint.probability < 1 for constraint, _ in self.rejected):

@@ -98,7 +98,7 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
         (["play", "maze", "--player", "nobody"], "idle, shortest path, random or a run folder"),
         (["play", "maze", "--control", "all"], "omit --control"),
         (["play", "maze", "--engine", "grf"], "a task brings its own environments"),
-        (["play", "1v1Free", "--scene", "hard"], "1v1Free/TEST"),
+        (["play", "1v1Free", "--scene", "hart"], "did you mean 'hard'?"),
         (["play", "1v1Free", "--player", "runs/x"], "bot, random, idle"),
     ],
 )

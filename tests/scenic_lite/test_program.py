@@ -263,9 +263,9 @@ def test_report_of_an_impossible_program():
     assert caught.value.kind == "rejection"
     assert str(caught.value) == (
         "<program>: no valid scene in 4096 draws\n"
-        "    line 4: require (distance from ego to keeper) > 11      rejected 100.0 %\n"
-        "    line 5: require ego.x > keeper.x + 20                   rejected 100.0 %\n"
-        "    line 2: keeper overlaps ego                             rejected 19.0 %"
+        "    line 4: require (distance from ego to keeper) > 11      rejected 100%\n"
+        "    line 5: require ego.x > keeper.x + 20                   rejected 100%\n"
+        "    line 2: keeper overlaps ego                             rejected 19%"
     )
 
 
@@ -273,7 +273,7 @@ def test_report_of_a_possible_program():
     text = "ego = Object at 0 @ 0\nx = Range(0, 4)\nb = Object at x @ 0\nrequire x < 3 as near"
     report = load(text).report(1000, RNG(0))
     assert 0.45 < report.acceptance < 0.55
-    assert str(report).splitlines()[0] == "<program>: 50.2 % of 1000 draws are valid"
+    assert str(report).splitlines()[0] == "<program>: 50.2% of 1000 draws are valid"
     assert [rule.label for rule, _ in report.rejected] == ["near", "b overlaps ego"]
 
 

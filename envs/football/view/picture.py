@@ -6,9 +6,11 @@ meters from the middle of the pitch with +y up. Read next: `view.render`, the li
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
 MODES = ("", "kick-off", "goal kick", "free kick", "corner", "throw-in", "penalty")
 FRAMES_PER_SECOND = round(1 / STEP)
+FASTEST = 50  # frames per second of .gif and .webp: viewers show faster ones slowly
 
 SHARPER = 2  # oversampling factor
 SCALE = 7 * SHARPER  # pixels per meter
@@ -98,7 +101,11 @@ def check_film(path: Path) -> None:
 
 
 def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
+    """Write an animation; above FASTEST frames per second only every second, third, ... frame, at the same speed."""
     from PIL import Image
+
+    every = math.ceil(rate / FASTEST)
+    rest, rate = islice(rest, every - 1, None, every), rate / every
 
     first_image = Image.fromarray(first)
     # One palette for all frames, so that the pitch does not flicker, with room for rare colors such as the keepers'.
@@ -115,15 +122,21 @@ def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], 
 def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
     import imageio_ffmpeg
 
-    height, width = first.shape[:2]
+    height, width = _even(first).shape[:2]
     writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2)
     writer.send(None)
     try:
-        writer.send(np.ascontiguousarray(first))
+        writer.send(_even(first))
         for frame in rest:
-            writer.send(np.ascontiguousarray(frame))
+            writer.send(_even(frame))
     finally:
         writer.close()
+
+
+def _even(frame: np.ndarray) -> np.ndarray:
+    """Repeat the last row and column of a frame where their number is odd, which H.264 does not support."""
+    height, width = frame.shape[:2]
+    return np.ascontiguousarray(np.pad(frame, ((0, height % 2), (0, width % 2), (0, 0)), "edge"))
 
 
 # ---------------------------------------------------------------- the pitch

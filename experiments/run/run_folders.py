@@ -1,0 +1,72 @@
+"""All runs of a path: the run itself, or those in a folder of runs, such as that of `regista compare`.
+
+Read next: `run.folder`, one run; `commands.evaluate`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+from regista.experiments.run import config as configs
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.folder import MAY_CHANGE, RunFolder
+from regista.experiments.run.notes import warn
+
+DEPTH = 2  # levels of folders that are searched: runs/compare-maze/plr-0
+
+
+def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
+    """Return the runs of these paths. Those in a folder are sorted by label and seed, those not begun left out.
+
+    Raises `CommandError` for a path that neither is nor holds a run.
+    """
+    found: list[RunFolder] = []
+    for path in paths:
+        found += [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path)
+    return found
+
+
+def _runs_in(folder: Path) -> list[RunFolder]:
+    runs = [RunFolder.open(path) for path in _below(folder, DEPTH)]
+    if not runs:
+        raise CommandError(f"{folder} is not a run folder: it has no config.json, and holds no run folders")
+    begun = [run for run in runs if run.checkpoint.exists()]
+    if not begun:
+        raise CommandError(f"none of the {len(runs)} runs in {folder} has a checkpoint yet; train them first")
+    for run in runs:
+        if run not in begun:
+            warn(f"{run.path} has no checkpoint yet; it is left out")
+    return sorted(begun, key=lambda run: (run.label, run.config.seed, str(run.path)))
+
+
+def _below(folder: Path, depth: int) -> Iterator[Path]:
+    for entry in sorted(folder.iterdir()) if folder.is_dir() and depth else ():
+        if (entry / "config.json").exists():
+            yield entry
+        elif entry.is_dir():
+            yield from _below(entry, depth - 1)
+
+
+def by_game(runs: Sequence[RunFolder]) -> dict[str, list[RunFolder]]:
+    """Return the runs by the name of their game, in the order in which the games first appear."""
+    groups: dict[str, list[RunFolder]] = {}
+    for run in runs:
+        groups.setdefault(run.config.minigame, []).append(run)
+    return groups
+
+
+def warn_of_mixtures(runs: Sequence[RunFolder]) -> None:
+    """Warn of runs that share a row of a table although they were trained with different settings."""
+    first: dict[str, RunFolder] = {}
+    for run in runs:
+        like = first.setdefault(run.label, run)
+        if type(run.config) is not type(like.config):
+            continue
+        other = configs.differences(like.config, run.config)
+        names = [name for name in other if name not in (*MAY_CHANGE, "seed", "threads")]
+        if names:
+            warn(
+                f"{run.path} and {like.path} share the row '{run.label}', but differ in {', '.join(names[:3])}"
+                f"{' and more' if len(names) > 3 else ''}; evaluate them separately to tell them apart"
+            )

@@ -1,0 +1,129 @@
+"""Results as data: `load_run`, `load_comparison`, and `compare` and `inspect` from Python."""
+
+import inspect
+import sys
+
+import numpy as np
+import pytest
+
+import regista
+import ued
+from regista.experiments.commands.compare import CompareConfig
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.table import read_columns
+from ued import METHODS, PPOConfig
+
+GAME = "ued.probes:frontier"
+SMALL = {"num_envs": 4, "ppo": PPOConfig(num_steps=32, num_minibatches=1), "eval_every": 0, "record": False}
+
+
+@pytest.fixture
+def run(tmp_path):
+    return regista.train(GAME, method="plr", out=tmp_path / "run", total_env_steps=512, **SMALL)
+
+
+@pytest.fixture
+def comparison(tmp_path, trained_here):
+    chosen = {"methods": ["dr", "plr"], "seeds": range(3, 5), "out": tmp_path / "both", "episodes": 4, "levels": 0}
+    return regista.compare(GAME, total_env_steps=512, **chosen, **SMALL)
+
+
+def test_columns_need_no_pandas(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    data = regista.load_run(run)
+    assert (data.name, data.config.method, data.config.num_envs) == ("plr", "plr", 4)
+    metrics, levels = data.columns(), data.columns("levels")
+    assert metrics["env_steps"][-1] >= 512 and len(levels["id"]) == len(levels["source"]) > 0
+    with pytest.raises(CommandError, match=r"pip install 'regista\[data\]'"):
+        data.metrics()
+    with pytest.raises(UsageError, match="metrics or levels"):
+        data.columns("replays")
+
+
+def test_tables_of_a_run_are_frames(run):
+    pytest.importorskip("pandas")
+    data = regista.load_run(run)
+    for frame, columns in ((data.metrics(), read_columns(run / "metrics.csv")), (data.levels(), ued.read_levels(run))):
+        assert list(frame.columns) == list(columns)
+        for name, values in columns.items():
+            assert np.array_equal(frame[name].to_numpy(), values, equal_nan=values.dtype.kind == "f"), name
+    assert list(data.events().columns) == ["update", "env_steps", "event", "text"]
+    (run / "events.csv").write_text("update,env_steps,event,text\n3,96,collapse,all levels are alike\n")
+    assert data.events().to_dict("records") == [
+        {"update": 3, "env_steps": 96, "event": "collapse", "text": "all levels are alike"}
+    ]
+
+
+def test_figures_are_drawn(run, comparison):
+    assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
+    labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
+    assert labels == {METHODS["dr"].title, METHODS["plr"].title}
+    (run / "metrics.csv").unlink()
+    with pytest.raises(CommandError, match="no update has finished yet"):
+        regista.load_run(run).figure()
+
+
+def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
+    folders = {"dr-3", "plr-3", "dr-4", "plr-4"}
+    assert {path.name for path in (tmp_path / "both").iterdir() if path.is_dir()} == folders
+    assert [(run.name, run.config.seed) for run in comparison.runs] == [("dr", 3), ("dr", 4), ("plr", 3), ("plr", 4)]
+    assert (tmp_path / "both" / "table.csv").exists()
+    assert regista.load_comparison(tmp_path / "both").runs == comparison.runs
+
+
+def test_tables_of_a_comparison_are_frames(comparison):
+    pytest.importorskip("pandas")
+    results = comparison.results()
+    assert set(results["method"]) == {"dr", "plr", "random"} and set(results["episodes"]) == {4}
+    assert {"measure", "estimate", "low", "high"} <= set(comparison.table().columns)
+    metrics = comparison.metrics()
+    assert list(metrics.columns[:2]) == ["method", "run_seed"]
+    assert set(metrics.groupby("method")["run_seed"].unique().explode()) == {3, 4}
+    assert len(comparison.levels()) == sum(len(run.columns("levels")["id"]) for run in comparison.runs)
+    (comparison.path / "results.csv").unlink()
+    with pytest.raises(CommandError, match="after all runs are evaluated"):
+        comparison.results()
+
+
+@pytest.mark.parametrize("seeds", [0, range(0), range(0, 6, 2)])
+def test_seeds_are_consecutive(seeds):
+    with pytest.raises(ValueError, match="consecutive"):
+        regista.compare(GAME, seeds=seeds)
+
+
+def test_what_is_unknown_is_named():
+    with pytest.raises(UsageError, match="unknown method 'plrr'"):
+        regista.compare(GAME, ["plrr"])
+    with pytest.raises(UsageError, match="unknown setting 'num_env'"):
+        regista.compare(GAME, ["plr"], num_env=3)
+    with pytest.raises(CommandError, match="holds no run folders"):
+        regista.load_comparison("nowhere")
+
+
+def test_a_task_and_a_program_are_inspected():
+    seen = regista.inspect(GAME, n=3, seed=1)
+    assert seen.theta.shape == (3, len(seen.parameters)) and np.abs(seen.theta).max() <= 1
+    assert [set(values) for values in seen.values] == [{"length0", "length1", "length2", "block"}] * 3
+    assert str(seen).startswith("probes-frontier: D = 4 free parameters")
+    program = regista.inspect("1v1Free", n=2)
+    assert program.theta.shape == (2, 6) and "ego.x" in program.values[0] and "100% of 4096" in program.text
+    assert np.array_equal(program.theta, regista.inspect("1v1Free", n=2).theta)
+    with pytest.raises(ValueError, match="at least 1"):
+        regista.inspect(GAME, n=0)
+
+
+def test_python_and_the_command_line_have_the_same_defaults(tmp_path, monkeypatch):
+    usual = {name: value.default for name, value in inspect.signature(regista.compare).parameters.items()}
+    typed = CompareConfig()
+    for name in ("methods", "seeds", "episodes", "levels"):
+        assert usual[name] == getattr(typed, name)
+    run = regista.load_run(regista.train(GAME, out=tmp_path / "run", total_env_steps=128, **SMALL))
+    assert run.name == TrainConfig().method
+    text = (
+        "from ued.probes import frontier\nfrom dataclasses import replace\n"
+        "own = replace(frontier, defaults={**frontier.defaults, 'method': 'accel'})\n"
+    )
+    (tmp_path / "own.py").write_text(text)
+    run = regista.train(f"{tmp_path / 'own.py'}:own", out=tmp_path / "own", total_env_steps=128, **SMALL)
+    assert regista.load_run(run).config.method == "accel"
