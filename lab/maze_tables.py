@@ -184,9 +184,11 @@ def at_steps(study: Study, method: str, steps: int) -> list[dict[str, str]]:
 def tuning() -> Table:
     """Return for each method how many settings were tried with one epoch, and the best one on the worst tenth."""
     table = [["method", "settings", "best", "random mazes", "worst tenth"]]
-    rows = [row for row in read_rows(ROWS / "maze_tuning.csv") if row["update_epochs"] == "1"]
-    kinds = {kind_of(row): [other for other in rows if kind_of(other) == kind_of(row)] for row in rows}
-    for kind, mine in kinds.items():
+    tried: dict[str, list[dict[str, str]]] = {}
+    for row in read_rows(ROWS / "maze_tuning.csv"):
+        if row["update_epochs"] == "1":
+            tried.setdefault(kind_of(row), []).append(row)
+    for kind, mine in tried.items():
         best = max(mine, key=lambda row: float(row["worst_tenth"]))
         chosen = f"learning rate {best['learning_rate']}, entropy {best['ent_coef']}"
         own = best["setting"].partition(" ")[2] if best["method"] == "paired" else best["setting"]
