@@ -1,8 +1,7 @@
 """How do methods of UED compare on the maze benchmark, and with published rows? Trains, and stores the rows.
 
-    python -m lab.mazes train main --out runs/mazes          # what is missing; stop it whenever you like
-    python -m lab.mazes rows main --out runs/mazes           # of finished runs, into lab/results/maze_*.csv
-    python -m lab.maze_tables --publish                      # the tables and the picture of docs/benchmarks/maze.md
+    python -m lab.mazes main --out runs/mazes       # what has no rows yet, a seed at a time; stop it whenever you like
+    python -m lab.maze_tables --publish             # the tables and the picture of docs/benchmarks/maze.md
 
 Parts: main, the published methods on mazes of 25 walls; recent, methods published since; sixty, mazes of 0 to 59 walls;
 long, single runs of 250M steps. Read next: `lab.maze_tables`.
@@ -26,7 +25,6 @@ from regista.experiments.run.table import read_columns, read_rows
 from ued.core.task import TRAINING_SCENE
 
 ROWS = Path("lab/results")
-SEEDS = 5
 EPISODES, LEVELS = 100, 1000  # episodes on each test maze; random mazes, each played 10 times
 
 
@@ -49,14 +47,13 @@ PARTS = {
     "main": Part(
         "maze",
         "25 blocks",
-        SEEDS,
+        5,
         BUDGET,
         {
             "dr": "--method dr",
             "plr": "--method plr",
             "robust_plr": "--method robust_plr",
             "accel": "--method accel",
-            "accel_empty": "--method accel --accel.new-levels simplest",
             "paired_steps": "--method paired --ent-coef 0",
             "paired_direct": "--method paired --ent-coef 0 --paired.adversary.builder direct --paired.dr-fraction 0.25 "
             "--paired.adversary.ent-coef 0.1",
@@ -66,7 +63,7 @@ PARTS = {
     "recent": Part(
         "maze",
         "25 blocks",
-        SEEDS,
+        3,
         BUDGET,
         {
             "mna": "--method robust_plr --plr.score mna",
@@ -80,7 +77,7 @@ PARTS = {
     "sixty": Part(
         "maze60",
         "60 blocks uniform",
-        SEEDS,
+        3,
         BUDGET,
         {
             "dr": "--method dr",
@@ -101,45 +98,55 @@ PARTS = {
 # ---------------------------------------------------------------- training
 
 
-def train(name: str, out: Path, processes: int) -> int:
-    """Train and evaluate what is missing of a part; return the exit code."""
-    part, folder = PARTS[name], out / name
-    rows = [f"{row}: {flags}" for row, flags in part.rows.items()]
-    budget = ["--seeds", str(part.seeds), "--total-env-steps", str(part.env_steps), "--processes", str(processes)]
+def train(name: str, seed: int, out: Path, processes: int) -> int:
+    """Train, evaluate and store the runs of one seed that have no rows; return the exit code."""
+    part, done = PARTS[name], stored(name, seed)
+    missing = {row: flags for row, flags in part.rows.items() if row not in done}
+    if not missing:
+        return 0
+    folder = out / name / str(seed)
+    budget = ["--first-seed", str(seed), "--seeds", "1", "--total-env-steps", str(part.env_steps)]
     tests = ["--episodes", str(EPISODES), "--levels", str(LEVELS), "--no-record", "--levels-format", "parquet"]
-    failed = regista(["compare", part.task, "--variants", *rows, *budget, *tests, "--out", str(folder)])
+    common = [*budget, *tests, "--processes", str(processes), "--out", str(folder)]
+    failed = regista(["compare", part.task, "--variants", *map(": ".join, missing.items()), *common])
     if failed:
         return failed
-    runs = runs_of(folder)
+    found = (RunFolder.open(path.parent) for path in sorted(folder.glob("*/config.json")))
+    runs = [run for run in found if run.name in missing]
     scenes = EvalScenes(runs[0].config, build.find_game(part.task), EPISODES, held_out=True)
     Evaluator(scenes, 0, 0, alike=True, processes=processes).report(runs).save_csv(folder / "held_out.csv")
+    store(name, runs, folder)
     return 0
-
-
-def runs_of(folder: Path) -> list[RunFolder]:
-    """Return the runs of a comparison."""
-    return [RunFolder.open(path.parent) for path in sorted(folder.glob("*/config.json"))]
 
 
 # ---------------------------------------------------------------- rows
 
 
-def store(name: str, out: Path) -> None:
-    """Write the rows of a part: `maze_tests.csv`, `maze_levels.csv` and `maze_curves.csv`; other parts' rows stay."""
-    folder, task = out / name, PARTS[name].task
+def stored(name: str, seed: int) -> set[str]:
+    """Return the rows of a part that have this seed's results."""
+    path = ROWS / "maze_tests.csv"
+    found = read_rows(path) if path.exists() else []
+    return {row["method"] for row in found if row["part"] == name and int(row["seed"]) == seed}
+
+
+def store(name: str, runs: Sequence[RunFolder], folder: Path) -> None:
+    """Add the rows of some runs to `maze_tests.csv`, `maze_levels.csv` and `maze_curves.csv`."""
+    task = PARTS[name].task
+    names = {run.name for run in runs}
     held_out = [row for row in read_rows(folder / "held_out.csv") if row["scene"] != TRAINING_SCENE]  # not twice
     tests = [
         {"part": name, "task": task, "method": row["method"], "seed": row["seed"], "maze": row["scene"]}
         | {key: row[key] for key in ("episodes", "goals", "mean_return", "env_steps")}
         for row in (*read_rows(folder / "results.csv"), *held_out)
+        if row["method"] in names  # baselines have no rows
     ]
-    levels = [{"part": name, "task": task} | row for row in read_rows(folder / "levels.csv")]
+    levels = [{"part": name, "task": task} | row for row in read_rows(folder / "levels.csv") if row["method"] in names]
     for row in levels:
         del row["simulator"]
-    curves = [{"part": name, "task": task} | row for run in runs_of(folder) for row in curve(run)]
-    for kind, rows in (("tests", tests), ("levels", levels), ("curves", curves)):
+    curves = [{"part": name, "task": task} | row for run in runs for row in curve(run)]
+    for kind, rows in (("levels", levels), ("curves", curves), ("tests", tests)):  # what `stored` reads comes last
         path = ROWS / f"maze_{kind}.csv"
-        others = [row for row in read_rows(path) if row["part"] != name] if path.exists() else []
+        others = read_rows(path) if path.exists() else []
         save_rows([*others, *rows], list(rows[0]), path)
 
 
@@ -163,14 +170,15 @@ def curve(run: RunFolder) -> Iterator[dict[str, object]]:
 
 def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("action", choices=("train", "rows"))
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("--out", type=Path, default=Path("runs/mazes"))
+    parser.add_argument("--seeds", type=int, help="the first N seeds of the part; default: all")
     parser.add_argument("--processes", type=int, default=2)
     typed = parser.parse_args(argv)
-    if typed.action == "train":
-        return train(typed.part, typed.out, typed.processes)
-    store(typed.part, typed.out)
+    for seed in range(typed.seeds or PARTS[typed.part].seeds):
+        failed = train(typed.part, seed, typed.out, typed.processes)
+        if failed:
+            return failed
     return 0
 
 
