@@ -31,13 +31,13 @@ demo: $(READY)
 	$(BIN)/regista compare 1v1Rare --methods dr paired --seeds 5 --total-env-steps 1_200_000 --num-envs 16 --num-steps 512 \
 		--ent-coef 0.003 --paired.adversary.ent-coef 0.1 --held-out --out demo
 
-# The studies of RESULTS.md, seven hours on 2 cores; what has a row in lab/studies/results is not done again. In parts:
-# make publish STUDY="curricula --hours 3".
+# The studies of RESULTS.md, about eight hours on 2 cores; what has a row in lab/studies/results is not done again. In
+# parts: make publish STUDY="curricula --hours 3".
 results: $(READY)
+	$(BIN)/python -m lab.studies tuning --publish
 	$(BIN)/python -m lab.studies curricula --publish
-	$(BIN)/python -m lab.studies rare --publish
-	$(BIN)/python -m lab.studies ablations --seeds 5 --publish
-	$(BIN)/python -m lab.studies tuning --seeds 5 --publish
+	$(BIN)/python -m lab.studies ablations --publish
+	$(BIN)/python -m lab.paired_football order --csv lab/results/paired_order.csv --publish
 	$(BIN)/regista compare ued.probes:frontier --seeds 10 --levels 0 --no-record --out runs/frontier \
 		--methods dr minimax paired_literal paired self_regret repaired plr robust_plr accel
 	$(BIN)/python -m lab.frontier runs/frontier --publish

@@ -1,17 +1,19 @@
 """How does PAIRED choose levels on football, and is it independent of how a program lists its options?
 
-Each part trains runs in a folder, plays their students on held-out scenes, and writes a row for each run. `order`: the
-rare branch first, in the middle and last, DR, and DR with all branches equally likely. `restricted`: a game without a
-rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table uses. A part
-that was stopped goes on with the same command; `--table` prints means and intervals of what is in its CSV file:
+Each part trains runs in a folder, plays their students on held-out scenes, and writes a row for each run. `order`:
+PAIRED and PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely.
+`restricted`: a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table
+uses. A part that was stopped goes on with the same command; `--table` prints means and intervals of its CSV file:
 
     python -m lab.paired_football order --csv lab/results/paired_order.csv
+    python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into RESULTS.md
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -19,23 +21,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lab.studies.runs import StudyRuns, training
+from lab.studies.curricula import LONG, replay
+from lab.studies.runs import ROOT, StudyRuns, training
 from regista.envs.football.version import SIMULATOR_VERSION
-from regista.experiments.run import build
+from regista.experiments.run import build, significance
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.level_table import read_levels
+from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.table import read_rows
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.core.task import TRAINING_SCENE
-from ued.statistics import bootstrap
+from ued.statistics import Difference, bootstrap
 
 FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
 EPISODES = 300  # on each held-out scene
-LONG = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
 SIDES = {"left": "Range(-25, -6)", "right": "Range(6, 25)"}
 OUT = "beside(ego, Range(60, 80), {})"
 BRANCHES = {  # of each game: what its program says, the text that is replaced, and the options
@@ -74,12 +78,14 @@ def paired(game: str, order: str, variant: str, **settings: Any) -> Cell:
 
 
 def order_part() -> Iterator[Cell]:
-    """Yield PAIRED with each order, DR, and DR with all options equally likely."""
+    """Yield DR, DR with all options equally likely, and PAIRED and PLR with each order."""
     for game in BRANCHES:
         yield Cell(game, "first", "dr", "dr", {})
         yield Cell(game, "even", "dr, even branches", "dr", {})
         for order in ORDERS:
             yield paired(game, order, "paired", **{ENTROPY: 0.1})
+        for order in ORDERS:
+            yield Cell(game, order, "plr", "plr", replay("plr", "learnability"))
 
 
 SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time
@@ -103,7 +109,7 @@ def settings_part() -> Iterator[Cell]:
 
 
 PARTS = {
-    "order": Part(list(order_part()), range(20, 25), 1_200_000),
+    "order": Part(list(order_part()), range(20, 25), 4_000_000),
     "restricted": Part(
         [
             Cell("1v1Restricted", "", "dr", "dr", {}),
@@ -182,7 +188,7 @@ COLUMNS = ["game", "order", "variant", "seed", "simulator", "env_steps", "held_o
 COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
 
 
-SHOWN = {  # columns of the printed table, in percent
+SHOWN = {  # columns of the table, in percent
     "held_out": "held-out success",
     "scene_0": "first scene",
     "scene_1": "second scene",
@@ -190,25 +196,60 @@ SHOWN = {  # columns of the printed table, in percent
 }
 
 
-def table(rows: list[dict[str, str]]) -> None:
-    """Print means over the runs of each setting in percent, as Markdown, with 95% bootstrap intervals over runs."""
+def table(rows: list[dict[str, str]]) -> str:
+    """Return means over the runs of each setting in percent, with 95% bootstrap intervals over runs, in Markdown.
+
+    The first setting of a game is the reference of its differences.
+    """
+    kinds = list(dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows))
+    runs = {kind: [row for row in rows if (row["game"], row["order"], row["variant"]) == kind] for kind in kinds}
+    first = {game: next(kind for kind in kinds if kind[0] == game) for game, _, _ in kinds}
+    gains = {kind: gain(runs[kind], runs[first[kind[0]]]) for kind in kinds if kind not in first.values()}
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
+    head, told = ["game", "order", "setting", "runs", *SHOWN.values(), "minus dr"], []
+    for kind in kinds:
+        cells = [cell(runs[kind], column) for column in SHOWN]
+        told.append([*kind, str(len(runs[kind])), *cells, points(gains[kind], marks[kind]) if kind in gains else ""])
+    legend = significance.legend([found.p for found in gains.values()])
+    versions = ", ".join(sorted({row["simulator"] for row in rows}))
+    steps = max(int(row["env_steps"]) for row in rows) / 1e6
+    about = (
+        f"Percent, {steps:.1f}M env steps; 95% intervals: bootstrap over runs. {legend} Simulator version {versions}."
+    )
+    return f"{as_markdown([head, *told])}\n\n{about}"
+
+
+def gain(mine: list[dict[str, str]], base: list[dict[str, str]]) -> Difference:
+    """Return the difference in held-out success, in percentage points."""
     rng = np.random.default_rng(0)
-    print("| game | order | setting | runs |", " | ".join(SHOWN.values()), "|")
-    print("|" + "---|" * (4 + len(SHOWN)))
-    for kind in dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows):
-        mine = [row for row in rows if (row["game"], row["order"], row["variant"]) == kind]
-        print(f"| {' | '.join(kind)} | {len(mine)} |", " | ".join(cell(mine, column, rng) for column in SHOWN), "|")
+    one, other = (bootstrap(np.array([float(row["held_out"]) for row in rows]), rng) for rows in (mine, base))
+    return (one - other).difference()
 
 
-def cell(rows: list[dict[str, str]], column: str, rng: np.random.Generator) -> str:
+def points(found: Difference, mark: str) -> str:
+    """Return a difference with its interval and its mark."""
+    middle, low, high = (f"{value:+.0f}" for value in found[:3])
+    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
+
+
+def cell(rows: list[dict[str, str]], column: str) -> str:
     """Return the mean of a column in percent with its interval, nothing where no run has the column."""
     scale = 100 if column.startswith("rare") else 1
     values = np.array([scale * float(row[column]) for row in rows if row[column]])
     if not len(values):
         return ""
-    found = bootstrap(values, rng).interval()
+    found = bootstrap(values, np.random.default_rng(0)).interval()
     low, high = np.clip((found.low, found.high), 0, 100)
-    return f"{found.estimate:.0f} [{low:.0f}, {high:.0f}]"
+    return f"{found.estimate:.0f}" + (f" [{low:.0f}, {high:.0f}]" if found.known else "")
+
+
+def publish(part: str, text: str, page: Path = ROOT / "RESULTS.md") -> None:
+    """Write the table of a part between its marks on a page. Raises SystemExit if the page has no marks."""
+    begin, end, old = f"<!-- rare: {part} -->", "<!-- end -->", page.read_text()
+    found = re.search(f"{begin}.*?{end}", old, re.S)
+    if found is None:
+        raise SystemExit(f"{page.name} has no '{begin}' ... '{end}'")
+    write_text(page, f"{old[: found.start()]}{begin}\n{text}\n{end}{old[found.end() :]}")
 
 
 def main() -> None:
@@ -218,11 +259,15 @@ def main() -> None:
     parser.add_argument("--csv", type=Path, required=True)
     parser.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
     parser.add_argument("--table", action="store_true", help="train nothing, print what the CSV file has")
+    parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md")
     arguments = parser.parse_args()
     if not arguments.table:
         train(PARTS[arguments.part], arguments.out / arguments.part, arguments.csv, arguments.processes)
-    with open(arguments.csv, newline="") as file:
-        table(list(csv.DictReader(file)))
+    text = table(read_rows(arguments.csv))
+    if arguments.publish:
+        publish(arguments.part, text)
+    else:
+        print(text)
 
 
 def train(part: Part, out: Path, path: Path, processes: int) -> None:

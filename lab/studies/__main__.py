@@ -3,7 +3,7 @@
     python -m lab.studies single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
     python -m lab.studies generalisation --games grf/empty_goal --seeds 1 --total-env-steps 500_000
     python -m lab.studies teams                             # independent policies, parameter sharing, MAPPO
-    python -m lab.studies curricula --hours 3               # all methods on six games
+    python -m lab.studies curricula --hours 3               # five methods on seven games
 
 Every run is a folder beneath `--out`, and so are the rows; a second call skips what is finished, continues what is not,
 and plays what has not been played. `--publish` keeps the rows in `lab/studies/results` and writes their tables into
@@ -90,10 +90,7 @@ STUDIES = {
         presets_of_benchmark,
     ),
     "curricula": Study(
-        "all methods on six games, played on held-out levels", CurriculaStudyConfig, run_curricula, games_of_study
-    ),
-    "rare": Study(
-        "methods where hard levels are rare, played on these and on the others",
+        "five tuned methods on seven games, played on held-out scenes",
         CurriculaStudyConfig,
         run_curricula,
         games_of_study,
@@ -101,9 +98,7 @@ STUDIES = {
     "ablations": Study(
         "what PAIRED is thought to lack, one cause at a time", CurriculaStudyConfig, run_curricula, games_of_study
     ),
-    "tuning": Study(
-        "PPO under domain randomization, one setting at a time", CurriculaStudyConfig, run_curricula, games_of_study
-    ),
+    "tuning": Study("six settings of each method of curricula", CurriculaStudyConfig, run_curricula, games_of_study),
 }
 
 

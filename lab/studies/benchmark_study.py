@@ -51,6 +51,7 @@ PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 class BenchmarkStudyConfig(StudyConfig):
     """What is typed after `python -m lab.studies single`, `generalisation`, `multi`, `teams` or `demonstrations`."""
 
+    seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1", most=10_000)
     preset: Literal["fast", "thesis"] = setting(
         "fast", "fast: features and a small network, 1M steps; thesis: stacked SMM and its network, 5M steps"
     )

@@ -1,7 +1,7 @@
-"""What the studies of curricula compare: games with their budgets, methods with settings, changes of PAIRED and of PPO.
+"""What the studies of curricula compare: games with their budgets, methods with settings, and what was tuned.
 
-A variant is a method with settings of its own; the first of a comparison is what the others are measured against.
-Read next: `lab/studies/curricula_study.py`, which trains and plays.
+A variant is a method with settings of its own; the first of a comparison is the reference of the others. Read next:
+`lab/studies/curricula_study.py`, which trains and evaluates.
 """
 
 from __future__ import annotations
@@ -12,117 +12,134 @@ Settings = dict[str, Any]  # of a run, by dotted path
 
 
 class Variant(NamedTuple):
-    """A method, in which settings it differs from its defaults, and how many times the game's steps it has.
-
-    `tuned`: settings that were searched on each game of its own.
-    """
+    """A method, its settings that differ from the defaults, and its budget as a multiple of the game's."""
 
     method: str
     settings: Settings = {}  # noqa: RUF012 - nobody writes into it
     times: int = 1
-    tuned: dict[str, Settings] = {}  # noqa: RUF012 - likewise
 
 
 class Comparison(NamedTuple):
-    """What is compared with what.
+    """Variants on games.
 
     Attributes:
-        variants: by the name that tables call them; the first is what the others are compared with.
-        games: settings of each.
+        variants: by their names in tables; the first is the reference.
+        games: settings of each game.
         first_seed: of the first run. Seeds below 1000 are of final tables: no run by which anything is chosen has one.
-        scenes: whether the game's held-out scenes are what counts, and not thirds of random levels.
+        seeds: runs of each variant on each game.
+        held_out: evaluate on held-out scenes; False: on validation scenes, see `lab.studies.measuring`.
     """
 
     variants: dict[str, Variant]
     games: dict[str, Settings]
     first_seed: int
-    scenes: bool = False
+    seeds: int = 5
+    held_out: bool = True
 
 
-# Few environments, long rollouts: 8,192 steps an update, as by default. The entropy bonus is three times the preset's:
-# of ten changes of PPO that were tried under domain randomization it gained most (RESULTS.md).
-LONG = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
-GAMES: dict[str, Settings] = {
-    "1v1Restricted": {"total_env_steps": 500_000, **LONG},
-    "1v1Free": {"total_env_steps": 1_000_000, **LONG},
-    "ChoosePassing": {"total_env_steps": 1_000_000, **LONG},
-    "3v2FourBehaviors": {"total_env_steps": 1_000_000, **LONG},
-    "Crowd": {"total_env_steps": 1_000_000, **LONG},
-    "AcademyLadder": {"total_env_steps": 2_000_000, **LONG},
-}
+# Few environments, long rollouts: 8,192 steps per update, as by default.
+LONG: Settings = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
 
 
-def replay(group: str) -> Settings:
-    """Return the settings of those who replay levels: learnability of four episodes, and a buffer that forgets."""
-    chosen = {"episodes_per_level": 4, "score": "learnability", "buffer.temperature": 1.0, "buffer.capacity": 256}
+def games(env_steps: int, *names: str) -> dict[str, Settings]:
+    """Return games that are trained for so many steps."""
+    return {name: {"total_env_steps": env_steps, **LONG} for name in names}
+
+
+GAMES = games(
+    20_000_000,
+    *("1v1Restricted", "1v1Free", "ChoosePassing", "3v2FourBehaviors", "CrossingWide", "Buildup", "AcademyLadder"),
+)
+
+# ---------------------------------------------------------------- tuning: six settings of each method, one run of each
+
+
+def ppo(rate: float, entropy: float) -> Settings:
+    """Return a learning rate and an entropy bonus."""
+    return {"ppo.learning_rate": rate, "ppo.ent_coef": entropy}
+
+
+def replay(group: str, score: str, **more: Any) -> Settings:
+    """Return settings of a level buffer; learnability needs several episodes on a level."""
+    episodes = {"episodes_per_level": 4} if score == "learnability" else {}
+    chosen = {"score": score, "buffer.temperature": 1.0} | episodes | more
     return {f"{group}.{name}": value for name, value in chosen.items()}
 
 
+SCORES = ("max_mc", "positive_value_loss", "learnability")
+PPO = ppo(0.003, 0.003)  # of all methods: the best of DR's six
+
+TUNING = {
+    f"dr, rate {rate:g}, entropy {entropy:g}": Variant("dr", ppo(rate, entropy))
+    for rate in (0.0003, 0.001, 0.003)
+    for entropy in (0.003, 0.01)
+}
+OWN: dict[str, dict[str, Settings]] = {
+    "paired": {
+        "defaults": {},
+        "adversary entropy 0.1": {"paired.adversary.ent_coef": 0.1},
+        "half random levels": {"paired.dr_fraction": 0.5},
+        "no random levels": {"paired.dr_fraction": 0.0},
+        "eight episodes": {"paired.episodes_per_level": 8},
+        "roles of the paper": {"paired.roles": "dennis2020"},
+    },
+    "robust_plr": {
+        f"{score}, temperature {temperature:g}": replay("plr", score, **{"buffer.temperature": temperature})
+        for score in SCORES
+        for temperature in (0.3, 1.0)
+    },
+    "accel": {
+        f"{score}, edits of {size:g}": replay("accel", score, edit_size=size)
+        for score in SCORES
+        for size in (0.05, 0.2)
+    },
+    "sfl": {
+        "defaults": {},
+        "1024 candidates": {"sfl.candidates": 1024, "sfl.chosen": 256, "sfl.choose_every": 100},
+        "selected 25%": {"sfl.chosen_share": 0.25},
+        "selected 75%": {"sfl.chosen_share": 0.75},
+        "eight episodes": {"sfl.candidate_episodes": 8},
+        "256 candidates, 32 selected": {"sfl.chosen": 32},
+    },
+}
+TUNING |= {
+    f"{method}, {name}": Variant(method, PPO | settings)
+    for method, mine in OWN.items()
+    for name, settings in mine.items()
+}
+
+# ---------------------------------------------------------------- what is compared
+
 METHODS = {
-    "dr": Variant("dr"),
-    "paired_literal": Variant("paired_literal"),
-    "paired": Variant("paired"),
-    "self_regret": Variant("self_regret"),
-    "plr": Variant("plr", replay("plr")),
-    "robust_plr": Variant("robust_plr", replay("plr")),
-    "accel": Variant("accel", replay("accel")),
-    "sfl": Variant("sfl"),
+    "dr": Variant("dr", PPO),
+    "paired": Variant("paired", PPO),
+    "robust_plr": Variant("robust_plr", PPO | replay("plr", "learnability")),
+    "accel": Variant("accel", PPO | replay("accel", "learnability", edit_size=0.2)),
+    "sfl": Variant("sfl", PPO),
 }
 MORE_ENTROPY: Settings = {"paired.adversary.ent_coef": 0.1}
 STRONG_CLONING: Settings = {"paired.kl": "both_ways", "paired.kl_coef": 1.0, "paired.kl_every": 1}
 ABLATIONS = {  # one cause at a time, and one pair of them
-    "dr": Variant("dr"),
-    "paired": Variant("paired"),
-    "self_regret": Variant("self_regret", {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
-    "eight episodes": Variant("paired", {"paired.episodes_per_level": 8}),  # less luck in regret
-    "mean regret": Variant("paired", {"paired.regret": "mean_mean"}),  # likewise
-    "no random levels": Variant("paired", {"paired.dr_fraction": 0.0}),
-    "half random levels": Variant("paired", {"paired.dr_fraction": 0.5}),  # against forgetting
-    "repaired": Variant("repaired"),  # likewise
-    "more entropy": Variant("paired", MORE_ENTROPY),  # against collapse
-    "scripted antagonist": Variant("paired", {"paired.antagonist": "scripted"}),  # no steps for an antagonist
-    "behavior cloning": Variant("paired", {"paired.kl": "both_ways"}),
-    "strong cloning": Variant("paired", STRONG_CLONING),  # against a protagonist that is left behind
-    "strong cloning, more entropy": Variant("paired", STRONG_CLONING | MORE_ENTROPY),
-    "fixed roles": Variant("paired", {"paired.roles": "dennis2020"}),
-    "long context": Variant("paired", {"paired.adversary.context_size": 16}),
-    "literal": Variant("paired_literal"),
-    "twice the steps": Variant("paired", times=2),
-}
-TUNING = {  # of PPO under domain randomization, one change at a time
-    "dr": Variant("dr"),
-    "learning rate 0.0002": Variant("dr", {"ppo.learning_rate": 2e-4}),
-    "learning rate 0.001": Variant("dr", {"ppo.learning_rate": 1e-3}),
-    "entropy 0.001": Variant("dr", {"ppo.ent_coef": 0.001}),
-    "entropy 0.01": Variant("dr", {"ppo.ent_coef": 0.01}),
-    "lambda 0.9": Variant("dr", {"ppo.gae_lambda": 0.9}),
-    "gamma 0.998": Variant("dr", {"ppo.gamma": 0.998}),
-    "eight epochs": Variant("dr", {"ppo.update_epochs": 8}),
-    "four minibatches": Variant("dr", {"ppo.num_minibatches": 4}),
-    "256 units": Variant("dr", {"ppo.hidden_size": 256}),
-    "short rollouts": Variant("dr", {"num_envs": 128, "ppo.num_steps": 64}),
-}
-
-# One random level in fifty asks for what the others do not; students are played on both. Domain randomization has the
-# best of ten changes of PPO by one run of each on each game, which is not always its best over ten: so other rates are
-# here, too. Of nine changes of PAIRED on 1v1Rare more entropy was best (RESULTS.md).
-RARE_GAMES: dict[str, Settings] = {name: {"total_env_steps": 4_000_000, **LONG} for name in ("1v1Rare", "1v1RareLine")}
-SLOWLY: Settings = {"ppo.learning_rate": 2e-4}
-RARE = {
-    "tuned dr": Variant("dr", tuned={"1v1Rare": SLOWLY, "1v1RareLine": {"ppo.learning_rate": 1e-3}}),
-    "dr": METHODS["dr"],
-    "dr, rate 0.0002": Variant("dr", SLOWLY),
-    "paired": METHODS["paired"],
-    "paired, more entropy": Variant("paired", MORE_ENTROPY),
-    "paired, rate 0.0002": Variant("paired", SLOWLY),
-    "self_regret": METHODS["self_regret"],
-    "plr": METHODS["plr"],
-    "sfl": METHODS["sfl"],
+    "dr": Variant("dr", PPO),
+    "paired": Variant("paired", PPO),
+    "self_regret": Variant("self_regret", PPO | {"self_regret.dr_fraction": 0.25}),  # no steps for an antagonist
+    "eight episodes": Variant("paired", PPO | {"paired.episodes_per_level": 8}),  # less luck in regret
+    "mean regret": Variant("paired", PPO | {"paired.regret": "mean_mean"}),  # likewise
+    "no random levels": Variant("paired", PPO | {"paired.dr_fraction": 0.0}),
+    "half random levels": Variant("paired", PPO | {"paired.dr_fraction": 0.5}),  # against forgetting
+    "repaired": Variant("repaired", PPO),  # likewise
+    "more entropy": Variant("paired", PPO | MORE_ENTROPY),  # against collapse
+    "scripted antagonist": Variant("paired", PPO | {"paired.antagonist": "scripted"}),  # no steps for an antagonist
+    "strong cloning": Variant("paired", PPO | STRONG_CLONING),  # against a protagonist that is left behind
+    "strong cloning, more entropy": Variant("paired", PPO | STRONG_CLONING | MORE_ENTROPY),
+    "fixed roles": Variant("paired", PPO | {"paired.roles": "dennis2020"}),
+    "twice the steps": Variant("paired", PPO, times=2),
 }
 
 COMPARISONS = {
-    "curricula": Comparison(METHODS, GAMES, first_seed=0),
-    "rare": Comparison(RARE, RARE_GAMES, first_seed=10, scenes=True),
-    "ablations": Comparison(ABLATIONS, {name: GAMES[name] for name in ("1v1Restricted", "Crowd")}, first_seed=1000),
-    "tuning": Comparison(TUNING, {name: GAMES[name] for name in ("1v1Restricted",)}, first_seed=1000),
+    "curricula": Comparison(METHODS, GAMES, first_seed=30),
+    "ablations": Comparison(ABLATIONS, games(4_000_000, "1v1Restricted", "3v2FourBehaviors"), first_seed=1000),
+    "tuning": Comparison(
+        TUNING, games(4_000_000, "1v1Restricted", "Buildup"), first_seed=1000, seeds=1, held_out=False
+    ),
 }

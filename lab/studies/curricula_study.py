@@ -1,9 +1,8 @@
-"""The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out levels.
+"""The studies of curricula: methods over games, changes of PAIRED and of PPO; trained, played on held-out scenes.
 
     python -m lab.studies curricula --hours 3                # after three hours call it again
-    python -m lab.studies rare                               # where hard levels are rare
-    python -m lab.studies ablations --seeds 5
-    python -m lab.studies tuning --seeds 5
+    python -m lab.studies tuning                             # six settings of each method, on validation scenes
+    python -m lab.studies ablations
 
 Read next: `lab/studies/curricula.py`, what is compared; `lab/studies/measuring.py`, which plays.
 """
@@ -35,19 +34,16 @@ TESTS = 10  # of a student during its training
 
 @dataclass(frozen=True)
 class CurriculaStudyConfig(StudyConfig):
-    """What is typed after `python -m lab.studies curricula`, `rare`, `ablations` or `tuning`."""
+    """What is typed after `python -m lab.studies curricula`, `ablations` or `tuning`."""
 
     variants: tuple[str, ...] = setting((), "some of the study's variants; the first is what others are compared with")
-    seeds: int = setting(10, "runs of each variant on each game", ">=1", most=10_000)
+    seeds: int | None = setting(None, "runs of each variant on each game; default: the study's", most=10_000, least=1)
     first_seed: int | None = setting(
         None, "seed of the first run; those of final tables are below 1000", most=LARGEST_SEED - 10_000, least=0
     )
     out: Path = setting(Path("runs/curricula"), "folder of the runs and of their rows")
     publish: bool = setting(False, "keep the rows in lab/studies/results and write their tables into RESULTS.md")
     episodes: int = setting(200, "whole episodes of each student on each scene", ">=1", most=1_000_000)
-    levels: int = setting(
-        300, "held-out levels, where thirds count, of which each student plays each four times", ">=1", most=1_000_000
-    )
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
 
 
@@ -64,7 +60,7 @@ class CurriculaStudy:
     """One of the studies.
 
     Args:
-        name: curricula, rare, ablations or tuning.
+        name: curricula, ablations or tuning.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """
@@ -92,9 +88,7 @@ class CurriculaStudy:
                 if not train_unfinished([*variants.values()], how, stop):
                     break
                 for agent, run in variants.items():
-                    rows, points = measure_variant(
-                        run, agent, self.config.episodes, self.config.levels, self.comparison.scenes
-                    )
+                    rows, points = measure_variant(run, agent, self.config.episodes, self.comparison.held_out)
                     add(curves, points, Point)
                     add(table, rows)
         if load(table):
@@ -109,11 +103,12 @@ class CurriculaStudy:
         variants = {name: self.variant(name) for name in self.config.variants or self.comparison.variants}
         first = self.comparison.first_seed if self.config.first_seed is None else self.config.first_seed
         budget = {"total_env_steps": self.config.train.total_env_steps}  # of other games than the study's own
-        for seed in range(first, first + self.config.seeds):
+        count = self.comparison.seeds if self.config.seeds is None else self.config.seeds
+        for seed in range(first, first + count):
             for game in games:
                 for name, variant in variants.items():
                     chosen: Settings = budget | self.comparison.games.get(game, {}) | variant.settings
-                    chosen |= variant.tuned.get(game, {}) | self.typed
+                    chosen |= self.typed
                     chosen["total_env_steps"] *= variant.times
                     about = {"method": variant.method, "eval_every": max(1, chosen["total_env_steps"] // TESTS)}
                     yield PlannedVariant(game, name, seed, chosen | about)

@@ -6,7 +6,6 @@ Goals count, whatever paid in training. All policies meet the same levels. Read 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,8 +23,6 @@ from ued.core.task import TRAINING_SCENE
 
 TEAM = "team_"  # before the names of agents
 HELD_OUT = "held out, "  # before the names of scenes that nothing is tuned on
-THIRDS = tuple(f"{HELD_OUT}{part} third" for part in ("lowest", "middle", "highest"))
-HELD_OUT_SEED, HELD_OUT_EPISODES = 40_000, 4  # of levels that nothing is tuned on, and how often each is played
 TEAM_SETTINGS: dict[str, dict[str, Any]] = {  # of a team that is trained from nothing, by what it is called
     "ppo": {},  # independent policies and critics, as in the thesis
     "shared_ppo": {"ppo.team": "shared"},
@@ -62,51 +59,29 @@ def team_kind(config: PPOConfig) -> str:
     return ("shared_" if config.team == "shared" else "") + ("mappo" if config.critic == "central" else "ppo")
 
 
-def measure_variant(
-    run: RunFolder, agent: str, episodes: int, levels: int, scenes: bool = False
-) -> tuple[list[Row], list[Point]]:
-    """Play a run on each scene of its game and on held-out levels; return rows, and its learning curve.
+def measure_variant(run: RunFolder, agent: str, episodes: int, held_out: bool) -> tuple[list[Row], list[Point]]:
+    """Play a run on random levels and on scenes of its game; return rows, and its learning curve.
 
-    Of the rows the scenes `held out, ...` are thirds of `levels` levels that are drawn with a seed of their own, or the
-    held-out scenes of the game, if it is `scenes` that count.
+    `held_out`: on the game's held-out scenes, or on its test scenes if it has no others. Such rows are called
+    `held out, ...`. No tuning run may be evaluated on them, so a game of a tuning study needs held-out scenes.
     """
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
-    tests = EvalScenes(run.config, game, episodes)
-    evaluations = tests.play(student)
-    if scenes:
-        evaluations |= _held_out_scenes(run, student, episodes)
-    else:
-        evaluations |= thirds(tests.play_random_levels(student, levels, HELD_OUT_EPISODES, HELD_OUT_SEED))
+    unseen = held_out and bool(game.task(run.config.scored()).held_out)
+    played = EvalScenes(run.config, game, episodes, unseen).play(student)
+    if held_out:
+        played = {
+            label if label == TRAINING_SCENE else f"{HELD_OUT}{label}": result for label, result in played.items()
+        }
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
-    return rows_of(run.config, evaluations, about), learning_curve(run, agent)
-
-
-def _held_out_scenes(run: RunFolder, student: Any, episodes: int) -> dict[str, Evaluation]:
-    scenes = EvalScenes(run.config, build.find_game(run.config.minigame), episodes, held_out=True)
-    played = scenes.play(student, [label for label in scenes.scenes if label != TRAINING_SCENE])
-    return {f"{HELD_OUT}{label}": evaluation for label, evaluation in played.items()}
-
-
-def thirds(evaluation: Evaluation) -> dict[str, Evaluation]:
-    """Return what came of the levels with the lowest, the middle and the highest third of θ's first column, by name.
-
-    In the games of the study this is how far off the ball begins, farthest first; of a mixture, which program.
-    """
-    first = evaluation.levels["theta"][:, 0]  # [L] in [-1, 1]
-    third = np.minimum((1.5 * (first + 1)).astype(int), len(THIRDS) - 1)[evaluation.level]  # [E]
-    return {name: _part(evaluation, third == k) for k, name in enumerate(THIRDS) if (third == k).any()}
-
-
-def _part(evaluation: Evaluation, chosen: np.ndarray) -> Evaluation:
-    names = ("returns", "success", "lengths", "level")
-    return replace(evaluation, **{name: getattr(evaluation, name)[chosen] for name in names})
+    return rows_of(run.config, played, about), learning_curve(run, agent)
 
 
 def learning_curve(run: RunFolder, agent: str) -> list[Point]:
-    """Return the mean return over all scenes after each evaluation of a run's training."""
+    """Return the mean success over the test scenes after each evaluation of a run's training."""
     table = read_columns(run.metrics.path)
-    scenes = np.stack([values for name, values in table.items() if name.startswith("eval/")])  # [S, U]
+    named = {name.removeprefix("eval_success/"): value for name, value in table.items() if "eval_success/" in name}
+    scenes = np.stack([values for label, values in named.items() if label != TRAINING_SCENE])  # [S, U]
     tested = np.flatnonzero(np.isfinite(scenes).all(0))
     columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
     about = (run.config.minigame, agent, run.config.seed)

@@ -63,14 +63,14 @@ class Row(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point of a learning curve: the mean return over all scenes of a minigame after so much training."""
+    """A point of a learning curve: the mean success over the test scenes of a minigame after so much training."""
 
     game: str
     agent: str
     seed: int
     env_steps: int
     seconds: float
-    mean_return: float
+    success: float  # between 0 and 1
     simulator: str  # as in `Row`
 
     def key(self) -> tuple[str, str, int, int]:

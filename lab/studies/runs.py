@@ -52,7 +52,6 @@ class StudyConfig(Checked):
     """What is typed after the name of any study."""
 
     games: tuple[str, ...] = setting((), "minigames instead of the study's own")
-    seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1", most=10_000)
     hours: float = setting(LONGEST, "stop after so long; called again, it goes on", ">0", most=1_000_000)
     launch: LaunchConfig = group(LaunchConfig, "who trains the runs", prefix="")
 

@@ -4,7 +4,7 @@ Cells are success rates for the studies of curricula, goal differences per episo
 rows `fast` and `thesis` stand beside published results of Google Research Football (GRF):
 
     python -m lab.studies.tables curricula                          # of lab/studies/results/curricula.csv
-    python -m lab.studies.tables rare --results runs/curricula/results
+    python -m lab.studies.tables tuning --results runs/curricula/results
     python -m lab.studies.tables fast --page BENCHMARK.md           # between <!-- study: fast --> and <!-- end -->
 
 Read next: `lab/studies/rows.py`, what a row holds; `regista.experiments.run.results`, how intervals are estimated.
@@ -18,9 +18,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lab.studies import budgets
 from lab.studies.curricula import COMPARISONS
-from lab.studies.measuring import HELD_OUT, TEAM, THIRDS
-from lab.studies.rows import RESULTS, TRAIN, Row, check_present, load, played_on
+from lab.studies.measuring import TEAM
+from lab.studies.rows import RESULTS, TRAIN, Point, Row, check_present, load, played_on
 from regista.experiments.run import arguments, significance
 from regista.experiments.run import results as estimate
 from regista.experiments.run.arguments import positional
@@ -41,7 +42,7 @@ NOTE = (
 class TablesConfig:
     """What is typed after `python -m lab.studies.tables`."""
 
-    name: str = positional("curricula, rare, ablations, tuning, fast or thesis", default="")
+    name: str = positional("curricula, ablations, tuning, fast or thesis", default="")
     results: Path = setting(RESULTS, "folder of the CSV files of studies")
     page: Path | None = setting(None, "write the tables into this page instead of printing them")
 
@@ -64,6 +65,11 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
     rows = load(results / f"{name}.csv")
     check_present(results / f"{name}.csv", rows)
     text = tables(rows, name) if rows else f"{results / name}.csv has no rows."
+    points = load(results / f"{name}_curves.csv", Point) if name == "curricula" else []
+    if points:
+        text = f"{text}\n\n{budgets.section(points)}"
+        if page is not None:
+            budgets.draw(points)
     if page is None:
         return print(text)
     begin, end, old = f"<!-- study: {name} -->", "<!-- end -->", page.read_text() if page.exists() else "# Results\n"
@@ -89,13 +95,13 @@ def tables(rows: Sequence[Row], name: str) -> str:
 
 def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method."""
-    found = unique([row.scene for row in rows])
-    scenes = [*(third for third in THIRDS if third in found), *(scene for scene in found if scene not in THIRDS)]
+    scenes = unique([row.scene for row in rows])
     known, scores = [row.result() for row in rows], held_out_scores(rows, name)
     first, *others = scores
     gains = gains_of(scores)
     marks = dict(zip(others, significance.marks(list(gains.values())), strict=True))
-    table = [["method", *scenes, "held-out mean", f"minus {first}", "runs", "env steps"]]
+    mean = "held-out mean" if COMPARISONS[name].held_out else "validation mean"
+    table = [["method", *scenes, mean, f"minus {first}", "runs", "env steps"]]
     for method, mine in scores.items():
         cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]
         gain = f"{percent(gains[method], '+')} {marks[method]}".rstrip() if method in gains else ""
@@ -104,8 +110,8 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
 
 
 def held_out_scores(rows: Sequence[Row], name: str) -> dict[str, estimate.Scores]:
-    """Return the success rates on held-out levels of each method of a study that has rows, in the study's order."""
-    held_out = [row.result() for row in rows if row.scene.startswith(HELD_OUT)]
+    """Return the success rates on all scenes but random levels, of each method with rows, in the study's order."""
+    held_out = [row.result() for row in rows if row.scene != TRAIN]
     mine = {method: [row for row in held_out if row.method == method] for method in COMPARISONS[name].variants}
     return {method: estimate.scores(results, method) for method, results in mine.items() if results}
 

@@ -1,0 +1,119 @@
+"""Does a curriculum pay early, late or never? Differences to domain randomization after parts of the budget.
+
+`python -m lab.studies.tables curricula` prints the table; `python -m lab.studies curricula --publish` draws the
+picture, too. Rates are those of evaluations during training, on the games' test scenes: held-out scenes are evaluated
+once, at the end. Read next: `lab/studies/tables.py`, the tables of held-out scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lab.studies.curricula import COMPARISONS
+from lab.studies.rows import Point, played_on
+from lab.studies.runs import ROOT
+from regista.experiments.pictures import plots
+from regista.experiments.run import significance
+from regista.experiments.run.report import as_markdown
+from regista.experiments.run.results import unique
+from ued.statistics import Difference, bootstrap
+
+PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
+PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
+
+
+def section(points: Sequence[Point]) -> str:
+    """Return the table of differences by budget with its legend, in Markdown."""
+    first, *others = methods(points)
+    gains = {(name, part): gain(points, name, first, part) for name in others for part in PARTS}
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
+    budget = max(point.env_steps for point in points) / 1e6
+    table = [["method", *(f"{part * budget:.0f}M steps" for part in PARTS)]]
+    for name in others:
+        table.append([name, *(cell(gains[name, part], marks[name, part]) for part in PARTS)])
+    games, runs = len({point.game for point in points}), len(rates(points, first, 1.0))
+    about = (
+        f"Success on test scenes, mean over {games} games, minus {first}, in percentage points; 95% bootstrap "
+        f"intervals over {runs} runs."
+    )
+    legend = significance.legend([found.p for found in gains.values()])
+    return f"{as_markdown(table)}\n\n{about} {legend} Measured on {played_on(points)}."
+
+
+def methods(points: Sequence[Point]) -> list[str]:
+    """Return the methods that have points, in the order of the study."""
+    found = {point.agent for point in points}
+    return [name for name in COMPARISONS["curricula"].variants if name in found]
+
+
+def gain(points: Sequence[Point], name: str, first: str, part: float) -> Difference:
+    """Return the difference of two methods after a part of the budget."""
+    rng = np.random.default_rng(0)
+    mine, base = (bootstrap(rates(points, agent, part), rng) for agent in (name, first))
+    return (mine - base).difference()
+
+
+def rates(points: Sequence[Point], agent: str, part: float) -> np.ndarray:
+    """Return the success rates `[R, G]` of a method on all games after a part of the budget.
+
+    A run is a seed with its students of all games; seeds that lack one are left out.
+    """
+    games = unique([point.game for point in points])
+    found: dict[tuple[int, str], list[Point]] = {}
+    for point in points:
+        if point.agent == agent:
+            found.setdefault((point.seed, point.game), []).append(point)
+    whole = [seed for seed in sorted({seed for seed, _ in found}) if all((seed, game) in found for game in games)]
+    return np.array([[nearest(found[seed, game], part).success for game in games] for seed in whole])
+
+
+def nearest(curve: Sequence[Point], part: float) -> Point:
+    """Return the evaluation of a run nearest to a part of its budget: methods evaluate at slightly different steps."""
+    budget = max(point.env_steps for point in curve)
+    return min(curve, key=lambda point: abs(point.env_steps - part * budget))
+
+
+def cell(found: Difference, mark: str) -> str:
+    """Return a difference in percentage points with its interval and its mark."""
+    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
+    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
+
+
+def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
+    """Draw success on the test scenes over training steps: a panel for each game, means and intervals over runs."""
+    games, names = unique([point.game for point in points]), methods(points)
+    with plots.style():
+        import matplotlib.pyplot as plt
+
+        rows = -(-len(games) // 4)
+        figure, grid = plt.subplots(rows, 4, figsize=(11, 2.6 * rows), layout="constrained", sharey=True, squeeze=False)
+        for axes, game in zip(grid.flat, games, strict=False):
+            mine = [point for point in points if point.game == game]
+            for name in names:
+                draw_method(axes, mine, name)
+            axes.set_title(game)
+            axes.set_ylim(0, 1)
+            plots.shorten_steps(axes)
+        for axes in grid.flat[len(games) :]:
+            axes.set_visible(False)
+        for row in grid:
+            row[0].set_ylabel("success on test scenes")
+        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(names))
+        plots.save(figure, path)
+
+
+def draw_method(axes: plots.Axes, points: Sequence[Point], name: str) -> None:
+    """Draw the mean over a method's runs of one game, with the band of its 95% interval."""
+    budget, rng = max(point.env_steps for point in points), np.random.default_rng(0)
+    parts = np.linspace(0, 1, 11)
+    found = [bootstrap(mine, rng).interval() for part in parts if len(mine := rates(points, name, part))]
+    if not found:
+        return
+    color = plots.colour(name)
+    axes.plot(budget * parts, [at.estimate for at in found], color=color, label=plots.title(name))
+    if found[0].known:
+        low, high = ([at[k] for at in found] for k in (1, 2))
+        axes.fill_between(budget * parts, low, high, color=color, alpha=0.2, lw=0)
