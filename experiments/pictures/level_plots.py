@@ -25,17 +25,23 @@ if TYPE_CHECKING:
 
 CELL = 1.0  # m, on a pitch
 CELLS = 100  # along the longer side of other painters' bounds
+MOST_LEVELS = 5000  # of a run and period
 MOST_CHOICES = 2  # bar charts next to the pitches
 
 
 def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.ndarray]:
-    """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates."""
+    """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates.
+
+    Of more than `MOST_LEVELS` levels it returns at most so many, evenly spaced: a density needs no more, and a long run
+    has hundreds of thousands.
+    """
     table = read_levels(run, "update", "theta/")
     columns = [column for name, column in table.items() if name.startswith("theta/")]
     if not columns:
         return [np.zeros((0, 0)) for _ in periods]
-    theta = np.stack(columns, 1)
-    return [theta[within(table["update"], period)] for period in periods]
+    found = [np.flatnonzero(within(table["update"], period)) for period in periods]
+    kept = [rows[:: -(-len(rows) // MOST_LEVELS) or 1] for rows in found]
+    return [np.stack([column[rows] for column in columns], 1) for rows in kept]
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:

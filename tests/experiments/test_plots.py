@@ -193,3 +193,14 @@ def test_several_runs_are_one_recording(runs, tmp_path):
     assert set(found) == {"dr-0", "dr-1", "paired-0", "paired-1"}
     table = read_columns(runs["paired"][1] / "metrics.csv")
     assert found["paired-1"] == dict(zip(table["env_steps"], table["return/student"], strict=True))
+
+
+def test_of_a_long_run_evenly_spaced_levels_are_drawn(runs, monkeypatch):
+    monkeypatch.setattr(level_plots, "MOST_LEVELS", 40)
+    run = runs["dr"][0]
+    whole, half = level_plots.read_periods(run, [(0.0, 1.0), (0.5, 1.0)])
+    monkeypatch.undo()
+    every, second = level_plots.read_periods(run, [(0.0, 1.0), (0.5, 1.0)])
+    assert len(every) == 300 and len(second) > 140
+    np.testing.assert_array_equal(whole, every[::8])
+    np.testing.assert_array_equal(half, second[::4])
