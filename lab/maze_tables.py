@@ -93,13 +93,15 @@ def level_result(row: Mapping[str, str]) -> LevelResult:
 
 
 def summary(study: Study) -> Table:
-    """Return a row for each method: test mazes, random mazes and their worst tenth, and the published mean."""
+    """Return a row for each method: test mazes at the end and in the last quarter of training, and random mazes."""
     common = [name for name in study.mazes if study.theirs("dr", name) is not None]
-    heads = ["all test mazes", "IQM", "minus DR", f"{len(common)} mazes", "published", "random mazes", "worst tenth"]
-    table = [["method", *heads, "minus DR"]]
-    on_tests, on_worst = test_gains(study), worst_gains(study)
-    marks = iter(significance.marks([*on_tests.values(), *on_worst.values()]))
-    marked = [{name: points(gain, next(marks)) for name, gain in gains.items()} for gains in (on_tests, on_worst)]
+    table = [
+        ["method", "all test mazes", "IQM", "minus DR", "last quarter", "minus DR"]
+        + [f"{len(common)} mazes", "published", "random mazes", "worst tenth", "minus DR"]
+    ]
+    found = (test_gains(study), late_gains(study), worst_gains(study))
+    marks = iter(significance.marks([gain for gains in found for gain in gains.values()]))
+    on_tests, late, on_worst = ({name: points(gain, next(marks)) for name, gain in gains.items()} for gains in found)
     for name in study.methods:
         mine, few = scores(study, name, study.mazes), scores(study, name, common)
         theirs = [study.theirs(name, maze) for maze in common]
@@ -108,15 +110,36 @@ def summary(study: Study) -> Table:
                 plots.title(name),
                 percent(estimate.mean_score(mine)),
                 percent(estimate.iqm_score(mine)),
-                marked[0].get(name, ""),
+                on_tests.get(name, ""),
+                percent(bootstrap(late_rates(study, name), np.random.default_rng(0)).interval()),
+                late.get(name, ""),
                 percent(estimate.mean_score(few)),
                 "" if None in theirs else f"{np.mean(theirs):.0%}",  # type: ignore[arg-type]
                 percent(estimate.level_rate(study.random(name))),
                 percent(estimate.level_cvar(study.random(name))),
-                marked[1].get(name, ""),
+                on_worst.get(name, ""),
             ]
         )
     return table
+
+
+def late_rates(study: Study, method: str) -> np.ndarray:
+    """Return the share of test mazes solved by each run `[R]`, the mean of the evaluations in its last quarter.
+
+    A single evaluation is noisy: a policy wins a maze always or never, and that changes between two evaluations.
+    """
+    runs: dict[str, list[tuple[int, float]]] = {}
+    for row in study.curves:
+        if row["method"] == method:
+            runs.setdefault(row["seed"], []).append((int(row["env_steps"]), float(row["solved"])))
+    ends = {seed: max(steps for steps, _ in curve) for seed, curve in runs.items()}
+    return np.array([np.mean([r for at, r in curve if at > 0.74 * ends[seed]]) for seed, curve in runs.items()])
+
+
+def late_gains(study: Study) -> dict[str, Difference]:
+    """Return the difference of each method to DR in the last quarter of training."""
+    base = late_rates(study, "dr")
+    return {name: difference(late_rates(study, name), base) for name in study.methods if name != "dr"}
 
 
 def test_gains(study: Study) -> dict[str, Difference]:
@@ -135,10 +158,11 @@ def worst_gains(study: Study) -> dict[str, Difference]:
 
 def note(study: Study) -> str:
     """Return what stands below the summary."""
-    gains = [*test_gains(study).values(), *worst_gains(study).values()]
+    gains = [gain for gains in (test_gains, late_gains, worst_gains) for gain in gains(study).values()]
     counts = [len(study.random(name)) for name in study.methods]
     sizes = [
         estimate.detectable_score([scores(study, name, study.mazes) for name in study.methods]),
+        detectable([late_rates(study, name) for name in study.methods]),
         detectable([np.array([row.cvar10 for row in study.random(name)]) for name in study.methods]),
     ]
     seen = significance.visible([100 * size for size in sizes], counts, "{:.0f} points")
@@ -209,7 +233,7 @@ def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
     return estimate.scores([row for row in study.tests if row.scene in chosen], method)
 
 
-def difference(mine: Sequence[float], base: Sequence[float]) -> Difference:
+def difference(mine: Sequence[float] | np.ndarray, base: Sequence[float] | np.ndarray) -> Difference:
     """Estimate the difference of two methods' means, resampling whole runs of both."""
     rng = np.random.default_rng(0)
     one, other = (bootstrap(np.array(values), rng) for values in (mine, base))

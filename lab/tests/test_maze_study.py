@@ -30,9 +30,11 @@ def stored(tmp_path, trained_here, monkeypatch):
         monkeypatch.setattr(mazes, name, value)
     monkeypatch.setattr(maze_tables, "ROWS", tmp_path)
     monkeypatch.setitem(mazes.PARTS, "tiny", part)
-    assert mazes.main(["train", "tiny", "--out", str(tmp_path), "--processes", "1"]) == 0
-    assert mazes.main(["rows", "tiny", "--out", str(tmp_path)]) == 0
-    assert mazes.main(["rows", "tiny", "--out", str(tmp_path)]) == 0  # replaces its own rows
+    words = ["tiny", "--out", str(tmp_path), "--processes", "1"]
+    assert mazes.main([*words, "--seeds", "1"]) == 0
+    assert {row["seed"] for row in read(tmp_path / "maze_levels.csv")} == {"0"}
+    assert mazes.main(words) == 0  # the second seed
+    assert mazes.main(words) == 0  # nothing
     (tmp_path / "maze_published.csv").write_text(
         "walls,env_steps,runs,method,maze,solved\n25 blocks,1,10,dr,Maze,0.5\n25 blocks,1,10,dr,Labyrinth,0.2\n"
     )
@@ -51,7 +53,7 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
     assert len({(row["method"], row["seed"], row["maze"]) for row in trained}) == len(trained)
     assert {row["maze"] for row in trained} >= {"Maze", "FourRooms", "Labyrinth"}
     runs = {("dr", "0"), ("dr", "1"), ("mine", "0"), ("mine", "1")}
-    assert {(row["method"], row["seed"]) for row in levels} > runs  # and baselines
+    assert {(row["method"], row["seed"]) for row in levels} == runs  # without baselines
     mine = [row for row in curves if (row["method"], row["seed"]) == ("dr", "1")]
     assert mine[-1]["env_steps"] == mine[-1]["trained_steps"] == "2048"
     replayed = [row for row in curves if row["method"] == "mine"][-1]
@@ -60,6 +62,9 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
     assert study.methods == ["dr", "mine"]
     head, dr, mine = maze_tables.summary(study)
     assert dr[head.index("published")] == "35%" and mine[head.index("published")] == ""
+    late = maze_tables.late_rates(study, "dr")
+    last = [float(row["solved"]) for row in curves if row["method"] == "dr" and int(row["env_steps"]) == 2048]
+    np.testing.assert_allclose(late, last)  # evaluations after 256, 1024 and 2048 steps
     cells = {row[0]: row for row in maze_tables.by_maze(study)[1:]}
     assert cells["Maze"][1].endswith("(50%)") and "(" not in cells["FourRooms"][1]
     table = maze_tables.equal_steps(study, 1024)
