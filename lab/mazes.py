@@ -63,7 +63,7 @@ PARTS = {
     "recent": Part(
         "maze",
         "25 blocks",
-        3,
+        5,
         BUDGET,
         {
             "mna": "--method robust_plr --plr.score mna",
@@ -77,7 +77,7 @@ PARTS = {
     "sixty": Part(
         "maze60",
         "60 blocks uniform",
-        3,
+        5,
         BUDGET,
         {
             "dr": "--method dr",
