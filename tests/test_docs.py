@@ -88,7 +88,7 @@ class Reader:
 
     def read(self, block):
         """Do what a block shows."""
-        assert block.language in LANGUAGES | {"text", ""}, block
+        assert block.language in LANGUAGES | {"text", "bibtex", ""}, block
         if block.where:
             write(Path(block.names[0]), block.text)
         elif block.language == "python":
