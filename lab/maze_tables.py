@@ -26,6 +26,14 @@ from ued.core.task import TRAINING_SCENE
 from ued.statistics import Difference, Interval, bootstrap, detectable
 
 PAGE, PICTURE = Path("docs/benchmarks/maze.md"), Path("docs/pictures/maze_curves.png")
+TITLES = {  # of rows that are no method's name
+    "paired_steps": "PAIRED, steps",
+    "paired_direct": "PAIRED, direct",
+    "accel_empty": "ACCEL from empty mazes",
+    "mna": "PLR⊥, score MNA",
+    "general_sfl": "SFL, generalized learnability",
+    "published_plr": "PLR⊥, temperature 0.1",
+}
 PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
 EQUAL = 10_000_000  # student steps at which methods are compared
 
@@ -107,7 +115,7 @@ def summary(study: Study) -> Table:
         theirs = [study.theirs(name, maze) for maze in common]
         table.append(
             [
-                plots.title(name),
+                title(name),
                 percent(estimate.mean_score(mine)),
                 percent(estimate.iqm_score(mine)),
                 on_tests.get(name, ""),
@@ -171,7 +179,7 @@ def note(study: Study) -> str:
 
 def by_maze(study: Study) -> Table:
     """Return a row for each maze, a column for each method: ours with its interval, then the published rate."""
-    table = [["maze", *map(plots.title, study.methods)]]
+    table = [["maze", *map(title, study.methods)]]
     for maze in study.mazes:
         cells = []
         for name in study.methods:
@@ -193,7 +201,7 @@ def equal_steps(study: Study, steps: int = EQUAL) -> Table:
         trained, simulated = (np.mean([int(row[key]) for row in runs]) for key in ("trained_steps", "env_steps"))
         gain = points(gains[name], marks[name]) if name in gains else ""
         told = percent(bootstrap(np.array(solved[name]), np.random.default_rng(0)).interval())
-        table.append([plots.title(name), f"{trained / 1e6:.1f}M", f"{simulated / 1e6:.1f}M", told, gain])
+        table.append([title(name), f"{trained / 1e6:.1f}M", f"{simulated / 1e6:.1f}M", told, gain])
     return table
 
 
@@ -240,6 +248,11 @@ def difference(mine: Sequence[float] | np.ndarray, base: Sequence[float] | np.nd
     return (one - other).difference()
 
 
+def title(row: str) -> str:
+    """Return what tables and legends call a row."""
+    return TITLES.get(row) or plots.title(row)
+
+
 def percent(found: Interval) -> str:
     """Return a rate with its interval."""
     return f"{found.estimate:.0%}" + (f" [{100 * found.low:.0f}, {100 * found.high:.0f}]" if found.known else "")
@@ -280,7 +293,7 @@ def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, 
     count = min(map(len, runs))
     steps, solved = (np.array([[float(row[k]) for row in run[:count]] for run in runs]) for k in (key, "solved"))
     color = plots.colour(name)
-    axes.plot(steps.mean(0), solved.mean(0), color=color, label=plots.title(name))
+    axes.plot(steps.mean(0), solved.mean(0), color=color, label=title(name))
     end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
     if end.known:
         axes.vlines(steps[:, -1].mean(), end.low, end.high, color=color, alpha=0.6)
