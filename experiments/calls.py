@@ -37,8 +37,14 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
         settings: any setting listed by `regista train --help all`, such as `total_env_steps`, `num_envs`,
             `ppo=PPOConfig(...)`, or those of a method, `accel=ACCELConfig(...)`.
 
-    Ctrl-C saves and returns. Raises `UsageError` for unknown names, and
-    `CommandError` if the folder holds a run with other settings.
+    Ctrl-C saves and returns.
+
+    Returns:
+        the run folder.
+
+    Raises:
+        UsageError: unknown names.
+        CommandError: if the folder holds a run with other settings.
     """
     from regista.experiments.commands.train import train as train_run
     from regista.experiments.run.launch.signals import StopRequest
@@ -63,11 +69,24 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
-    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row.
-    With `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
-    Raises `CommandError` for runs of several tasks or without a checkpoint, `UsageError` without runs, and `ValueError`
-    for numbers that are too small. Evaluating executes the file of a Python task, so a task that only the run folder
-    names raises `CommandError` unless `trusted`.
+    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row. With
+    `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
+
+    Args:
+        runs: a run folder, a folder of runs, or several of either.
+        episodes: on each test scene, for each run.
+        levels: random levels; 0: none.
+        level_episodes: on each of them.
+        trusted: whether a Python task that only the run folder names may be imported, which executes its file.
+
+    Returns:
+        tables of returns and successes with 95% intervals; `text()` prints them.
+
+    Raises:
+        CommandError: runs of several tasks, runs without a checkpoint, or a task that only the run folder names, unless
+            `trusted`.
+        UsageError: without runs.
+        ValueError: numbers that are too small.
     """
     from regista.experiments.commands.evaluate import check_levels
 
@@ -108,8 +127,15 @@ def compare(
 
     Runs train in parallel, one per core, in processes that import the file of the task: where that file itself calls
     `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
-    `regista compare` are written. Ctrl-C saves and returns the runs so far. Raises `UsageError` for unknown names,
-    `ValueError` for numbers that are too small, and `CommandError` if the folder holds runs with other settings.
+    `regista compare` are written. Ctrl-C saves and returns the runs so far.
+
+    Returns:
+        all runs and the tables of their evaluation, as `load_comparison` returns them.
+
+    Raises:
+        UsageError: unknown names.
+        ValueError: numbers that are too small.
+        CommandError: if the folder holds runs with other settings.
     """
     from regista.experiments.commands import compare as command
 
@@ -164,7 +190,13 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
         task: as for `train`, or the path of a .scenic program.
         n, seed: number of random levels, and their seed.
 
-    Raises `UsageError` for an unknown name, `ScenicError` for an invalid program, `ValueError` unless `n` is positive.
+    Returns:
+        what `regista inspect` prints, as text and as data.
+
+    Raises:
+        UsageError: an unknown name.
+        ScenicError: an invalid program.
+        ValueError: unless `n` is positive.
     """
     from regista.experiments.commands.inspect import render_theta
     from regista.experiments.pictures.task_view import describe_task

@@ -49,7 +49,10 @@ class PPO(Resumable):
         """Update on the steps whose `train` mask is set; return the means of the losses over all minibatches.
 
         The mask does not change the size of minibatches. `env_steps` so far anneal the learning rate; `advantages`
-        default to `gae`; `regularizer` is another policy to stay close to. Raises FloatingPointError for bad gradients.
+        default to `gae`; `regularizer` is another policy to stay close to.
+
+        Raises:
+            FloatingPointError: gradients that are not finite.
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
