@@ -93,17 +93,23 @@ def evaluate(
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, got {episodes}")
     check_levels(levels, level_episodes)
+    folders = _folders(runs, trusted)
+    config = folders[0].config
+    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
+    return Evaluator(scenes, levels, level_episodes).report(folders)
+
+
+def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[RunFolder]:
+    """Return the runs to evaluate, of one game, whose code may run if they are `trusted`."""
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = open_runs(map(Path, paths))
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
     warn_of_mixtures(folders)
-    config = folders[0].config
-    for name in [config.minigame, *(name for run in folders for name in own_names(run.config))] if trusted else ():
+    for name in (name for run in folders for name in (run.config.minigame, *own_names(run.config)) if trusted):
         trust.allow(name)
-    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
-    return Evaluator(scenes, levels, level_episodes).report(folders)
+    return folders
 
 
 def compare(
@@ -129,9 +135,6 @@ def compare(
     `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
     `regista compare` are written. Ctrl-C saves and returns the runs so far.
 
-    Returns:
-        all runs and the tables of their evaluation, as `load_comparison` returns them.
-
     Raises:
         UsageError: unknown names.
         ValueError: numbers that are too small.
@@ -140,16 +143,9 @@ def compare(
     from regista.experiments.commands import compare as command
 
     game, chosen = _game(task), _seeds(seeds)
-    config = command.CompareConfig(
-        minigame=game.name,
-        methods=tuple(map(build.find_method, methods)),
-        seeds=len(chosen),
-        first_seed=chosen.start,
-        episodes=episodes,
-        levels=levels,
-        out=None if out is None else Path(out),
-        train=_start(game, settings),
-    )
+    config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, methods)), episodes=episodes)
+    config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=_start(game, settings))
+    config = config if out is None else replace(config, out=Path(out))
     command.run(config, game, most=1)  # processes that evaluate would import the caller's script
     return load_comparison(command.folder_of(config, game))
 

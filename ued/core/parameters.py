@@ -188,9 +188,7 @@ class Column(NamedTuple):
 
 @dataclass(frozen=True)
 class Seeds:
-    """Levels that are seeds alone, as in Procgen: `count` of them, `first`, `first + 1`, ...
-
-    The only column of θ, "seed", selects one of them, which is passed to `reset(seed=)`.
+    """Levels that are seeds alone, as in Procgen: `first`, `first + 1`, ..., `count` of them, for `reset(seed=)`.
 
     Raises:
         ValueError: seeds outside [0, 2^31).

@@ -30,7 +30,11 @@ from ued.learning.student import Student
 
 
 class PPO(Resumable):
-    """Improves one student from its rollouts. `generator` shuffles the minibatches."""
+    """Improves one student from its rollouts. `generator` shuffles the minibatches.
+
+    Raises:
+        FloatingPointError: in `learn`, for gradients that are not finite.
+    """
 
     state_fields = ("student", "optimizer", "generator", "updates")
 
@@ -50,9 +54,6 @@ class PPO(Resumable):
 
         The mask does not change the size of minibatches. `env_steps` so far anneal the learning rate; `advantages`
         default to `gae`; `regularizer` is another policy to stay close to.
-
-        Raises:
-            FloatingPointError: gradients that are not finite.
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)
