@@ -6,7 +6,7 @@ Read next: `commands.train`, the same on the command line; `loaded`, results as 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.loaded import ComparisonData, load_comparison
+from regista.experiments.pictures import plots
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import UsageError, nearest
@@ -57,6 +58,8 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
         train_run(run, stop)
+    with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
+        plots.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
     return path
 
 
