@@ -7,6 +7,7 @@ repository to a page with its text. Read next: `mkdocs.yml`.
 
 from __future__ import annotations
 
+import json
 import posixpath
 import re
 from collections.abc import Iterator
@@ -101,12 +102,19 @@ def _uri(path: str) -> str:
     return path if path.endswith(".png") else f"source/{path.lstrip('.')}.md"  # what begins with a dot is left out
 
 
+def _cells(notebook: str) -> str:
+    """Return the text and the code of a notebook, without its outputs."""
+    said = [(cell["cell_type"] == "code", "".join(cell["source"])) for cell in json.loads(notebook)["cells"]]
+    return "\n\n".join(text if code else "# " + text.replace("\n", "\n# ") for code, text in said)
+
+
 def _shown(config: MkDocsConfig, uri: str, path: str) -> File:
     """Return a picture as it is, or a page with the text of a file, which a search does not find."""
     if not uri.startswith("source/"):
         return File.generated(config, uri, abs_src_path=str(ROOT / path))
-    kind = {".py": "python", ".sh": "sh", ".csv": "text"}.get(Path(path).suffix, "text")
+    kind = {".py": "python", ".ipynb": "python", ".sh": "sh", ".csv": "text"}.get(Path(path).suffix, "text")
     text = (ROOT / path).read_text()
+    text = _cells(text) if path.endswith(".ipynb") else text
     return File.generated(
         config, uri, content=f"---\nsearch:\n  exclude: true\n---\n# `{path}`\n\n`````{kind}\n{text}\n`````\n"
     )

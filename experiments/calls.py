@@ -6,7 +6,7 @@ Read next: `commands.train`, the same on the command line; `loaded`, results as 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.loaded import ComparisonData, load_comparison
+from regista.experiments.pictures import plots
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import UsageError, nearest
@@ -37,8 +38,14 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
         settings: any setting listed by `regista train --help all`, such as `total_env_steps`, `num_envs`,
             `ppo=PPOConfig(...)`, or those of a method, `accel=ACCELConfig(...)`.
 
-    Ctrl-C saves and returns. Raises `UsageError` for unknown names, and
-    `CommandError` if the folder holds a run with other settings.
+    Ctrl-C saves and returns.
+
+    Returns:
+        the run folder.
+
+    Raises:
+        UsageError: unknown names.
+        CommandError: if the folder holds a run with other settings.
     """
     from regista.experiments.commands.train import train as train_run
     from regista.experiments.run.launch.signals import StopRequest
@@ -51,6 +58,8 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     run = RunFolder.create_or_extend(path, config)
     with run.locked(), StopRequest() as stop:
         train_run(run, stop)
+    with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
+        plots.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
     return path
 
 
@@ -63,28 +72,47 @@ def evaluate(
 ) -> Report:
     """Evaluate the students of runs of one task and a random policy on its tests; return tables of the results.
 
-    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row.
-    With `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
-    Raises `CommandError` for runs of several tasks or without a checkpoint, `UsageError` without runs, and `ValueError`
-    for numbers that are too small. Evaluating executes the file of a Python task, so a task that only the run folder
-    names raises `CommandError` unless `trusted`.
+    A folder of runs, such as that of `regista compare`, stands for all of them; runs of one method are one row. With
+    `levels` random levels, `level_episodes` on each, the report includes the success rate on the worst tenth.
+
+    Args:
+        runs: a run folder, a folder of runs, or several of either.
+        episodes: on each test scene, for each run.
+        levels: random levels; 0: none.
+        level_episodes: on each of them.
+        trusted: whether a Python task that only the run folder names may be imported, which executes its file.
+
+    Returns:
+        tables of returns and successes with 95% intervals; `text()` prints them.
+
+    Raises:
+        CommandError: runs of several tasks, runs without a checkpoint, or a task that only the run folder names, unless
+            `trusted`.
+        UsageError: without runs.
+        ValueError: numbers that are too small.
     """
     from regista.experiments.commands.evaluate import check_levels
 
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, got {episodes}")
     check_levels(levels, level_episodes)
+    folders = _folders(runs, trusted)
+    config = folders[0].config
+    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
+    return Evaluator(scenes, levels, level_episodes).report(folders)
+
+
+def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[RunFolder]:
+    """Return the runs to evaluate, of one game, whose code may run if they are `trusted`."""
     paths = [runs] if isinstance(runs, str | Path) else list(runs)
     folders = open_runs(map(Path, paths))
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
     warn_of_mixtures(folders)
-    config = folders[0].config
-    for name in [config.minigame, *(name for run in folders for name in own_names(run.config))] if trusted else ():
+    for name in (name for run in folders for name in (run.config.minigame, *own_names(run.config)) if trusted):
         trust.allow(name)
-    scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
-    return Evaluator(scenes, levels, level_episodes).report(folders)
+    return folders
 
 
 def compare(
@@ -108,22 +136,19 @@ def compare(
 
     Runs train in parallel, one per core, in processes that import the file of the task: where that file itself calls
     `compare`, the call belongs below `if __name__ == "__main__":`. Progress and tables are printed, and the files of
-    `regista compare` are written. Ctrl-C saves and returns the runs so far. Raises `UsageError` for unknown names,
-    `ValueError` for numbers that are too small, and `CommandError` if the folder holds runs with other settings.
+    `regista compare` are written. Ctrl-C saves and returns the runs so far.
+
+    Raises:
+        UsageError: unknown names.
+        ValueError: numbers that are too small.
+        CommandError: if the folder holds runs with other settings.
     """
     from regista.experiments.commands import compare as command
 
     game, chosen = _game(task), _seeds(seeds)
-    config = command.CompareConfig(
-        minigame=game.name,
-        methods=tuple(map(build.find_method, methods)),
-        seeds=len(chosen),
-        first_seed=chosen.start,
-        episodes=episodes,
-        levels=levels,
-        out=None if out is None else Path(out),
-        train=_start(game, settings),
-    )
+    config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, methods)), episodes=episodes)
+    config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=_start(game, settings))
+    config = config if out is None else replace(config, out=Path(out))
     command.run(config, game, most=1)  # processes that evaluate would import the caller's script
     return load_comparison(command.folder_of(config, game))
 
@@ -164,7 +189,13 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
         task: as for `train`, or the path of a .scenic program.
         n, seed: number of random levels, and their seed.
 
-    Raises `UsageError` for an unknown name, `ScenicError` for an invalid program, `ValueError` unless `n` is positive.
+    Returns:
+        what `regista inspect` prints, as text and as data.
+
+    Raises:
+        UsageError: an unknown name.
+        ScenicError: an invalid program.
+        ValueError: unless `n` is positive.
     """
     from regista.experiments.commands.inspect import render_theta
     from regista.experiments.pictures.task_view import describe_task

@@ -41,10 +41,18 @@ class RunData:
     name: str
 
     def columns(self, table: str = "metrics") -> dict[str, np.ndarray]:
-        """Return a table by column, arrays `[rows]`: `metrics` or `levels`. This needs no pandas.
+        """Return a table by column, without pandas.
 
-        Numbers are float64, NaN where not available; `source` and `program` of levels are text. A table without rows
-        is empty. Raises `UsageError` for another table, `CommandError` for a damaged one.
+        Args:
+            table: `metrics` or `levels`.
+
+        Returns:
+            arrays `[rows]`: float64, NaN where not available; `source` and `program` of levels are text. A table
+            without rows is empty.
+
+        Raises:
+            UsageError: another name of a table.
+            CommandError: a damaged table.
         """
         from ued.levels.table import read_levels
 
@@ -60,22 +68,38 @@ class RunData:
             raise CommandError(str(error)) from error
 
     def metrics(self) -> DataFrame:
-        """Return metrics.csv, one row per update. Raises `CommandError` without pandas."""
+        """Return metrics.csv, one row per update.
+
+        Raises:
+            CommandError: without pandas.
+        """
         return _pandas().DataFrame(self.columns("metrics"))
 
     def levels(self) -> DataFrame:
-        """Return the table of levels, one row per playing of a level. Raises `CommandError` without pandas."""
+        """Return the table of levels, one row per playing of a level.
+
+        Raises:
+            CommandError: without pandas.
+        """
         return _pandas().DataFrame(self.columns("levels"))
 
     def events(self) -> DataFrame:
-        """Return events.csv, one row per warning; empty without one. Raises `CommandError` without pandas."""
+        """Return events.csv, one row per warning; empty without one.
+
+        Raises:
+            CommandError: without pandas.
+        """
         frame = _pandas().DataFrame(
             read_rows(self.path / "events.csv"), columns=["update", "env_steps", "event", "text"]
         )
         return frame.astype({"update": float, "env_steps": float})
 
     def figure(self) -> Figure:
-        """Return the learning curves. Raises `CommandError` without a finished update."""
+        """Return the learning curves.
+
+        Raises:
+            CommandError: without a finished update.
+        """
         return _figure({self.name: [self.path]})
 
 
@@ -100,15 +124,27 @@ class ComparisonData:
         return self._joined("levels")
 
     def results(self) -> DataFrame:
-        """Return results.csv: one row per run and test scene. Raises `CommandError` before the evaluation."""
+        """Return results.csv: one row per run and test scene.
+
+        Raises:
+            CommandError: before the evaluation.
+        """
         return self._written("results.csv")
 
     def table(self) -> DataFrame:
-        """Return table.csv: every number of the tables, with intervals. Raises `CommandError` before the evaluation."""
+        """Return table.csv: every number of the tables, with intervals.
+
+        Raises:
+            CommandError: before the evaluation.
+        """
         return self._written("table.csv")
 
     def figure(self) -> Figure:
-        """Return the learning curves of all methods. Raises `CommandError` without a finished update."""
+        """Return the learning curves of all methods.
+
+        Raises:
+            CommandError: without a finished update.
+        """
         from ued.methods import METHODS
 
         paths: dict[str, list[Path]] = {}
@@ -133,7 +169,11 @@ class ComparisonData:
 
 
 def load_run(path: str | Path) -> RunData:
-    """Return the settings and tables of a run folder. Raises `CommandError` for a folder without a run."""
+    """Return the settings and tables of a run folder.
+
+    Raises:
+        CommandError: a folder without a run.
+    """
     run = RunFolder.open(Path(path))
     return RunData(run.path, run.config, run.name)
 
@@ -141,7 +181,8 @@ def load_run(path: str | Path) -> RunData:
 def load_comparison(path: str | Path) -> ComparisonData:
     """Return the runs and tables in the folder of `regista compare`, or in another folder of runs.
 
-    Raises `CommandError` for a folder without runs, or whose runs have no checkpoint yet.
+    Raises:
+        CommandError: a folder without runs, or whose runs have no checkpoint yet.
     """
     runs = open_runs([Path(path)])
     return ComparisonData(Path(path), tuple(RunData(run.path, run.config, run.name) for run in runs))

@@ -2,7 +2,7 @@
 
 A page has a place for each table, `<!-- table: NAME -->` to `<!-- end -->`; what stands between is replaced. Columns of
 the files of trained runs: `ended/WORD` are shares of the episodes; `distance/A to B` and `keeper/A to B` are shares of
-the goals by the distance of the last kick from the goal and by the keeper's distance from his line, in m.
+the goals by the distance of the last kick from the goal and by the keeper's distance from its line, in m.
 """
 
 from __future__ import annotations
@@ -143,10 +143,10 @@ def policies(rows: Rows) -> str:
         table.append([*line, number(found["both"])])
     about = (
         "Policies trained with DR in our simulator, `scoring,checkpoints`, academy levels with `-p jitter=1`, all with "
-        f"`--engine-spread 0.15`; {seeds(rows)}, {per_run(rows)}, actions sampled. Nothing was searched on these "
+        f"`--engine-spread 0.15`; {seeds(rows)}, {per_run(rows)}, actions sampled. No setting was tuned on these "
         f"seeds. Ratio: mean goals in GRF divided by mean goals in our simulator. {OVER_RUNS}."
     )
-    return f"{as_markdown(table)}\n\n{about}\n\n**{'; '.join(verdicts(rows))}.**"
+    return f"{as_markdown(table)}\n\n{about}"
 
 
 # ---------------------------------------------------------------- exploits
@@ -166,7 +166,7 @@ def exploited(rows: Rows) -> list[str]:
     if min(sum(int(row["goals"]) for row in side) for side in sides) < FEW:
         return [f"fewer than {FEW} goals"]
     found = []
-    for name, limits, word in (("distance", FAR, "from {} m"), ("keeper", OUT, "keeper {} m off his line")):
+    for name, limits, word in (("distance", FAR, "from {} m"), ("keeper", OUT, "keeper {} m off its line")):
         ours, grf = (pooled(side, name, limits) for side in sides)
         found += [f"**{word.format(w)}**" for w in ours if ours[w] > EXPLOIT and grf[w] < HARDLY]
     return found
@@ -174,23 +174,21 @@ def exploited(rows: Rows) -> list[str]:
 
 def exploits(rows: Rows) -> str:
     """Return where goals come from in both engines."""
-    names = [" / ".join(shares(np.zeros(1), limits)) for limits in (FAR, OUT)]
-    table = [
-        ["game", "engine", "goals", f"last kick from, m: {names[0]}", f"keeper off his line, m: {names[1]}", "exploit"]
-    ]
+    kinds = (("distance", FAR), ("keeper", OUT))
+    far, out = (" / ".join(shares(np.zeros(1), limits)) for _, limits in kinds)
+    head = ["game", "goals, ours", "GRF", f"last kick from, m, ours: {far}", "GRF"]
+    table = [[*head, f"keeper off its line, m, ours: {out}", "GRF", "exploit"]]
     for game in unique(rows, "game"):
-        for engine in ENGINES:
-            mine = chosen(rows, game=game, engine=engine)
-            cells = []
-            for name, limits in (("distance", FAR), ("keeper", OUT)):
-                of = pooled(mine, name, limits)
-                cells.append(" / ".join(f"{100 * share:.0f}" for share in of.values()) if sum(of.values()) else "–")
-            flag = ", ".join(exploited(chosen(rows, game=game))) or "none" if engine == "ours" else ""
-            goals = sum(int(row["goals"]) for row in mine)
-            table.append([game if engine == "ours" else "", engine, str(goals), *cells, flag])
+        sides = [chosen(rows, game=game, engine=engine) for engine in ENGINES]
+        cells = [str(sum(int(row["goals"]) for row in side)) for side in sides]
+        for name, limits in kinds:
+            for side in sides:
+                of = pooled(side, name, limits).values()
+                cells.append(" / ".join(f"{100 * share:.0f}" for share in of) if sum(of) else "–")
+        table.append([game, *cells, ", ".join(exploited(chosen(rows, game=game))) or "none"])
     about = (
         "Goals of the policies above, both representations, in percent of the goals by the distance of the last kick "
-        "from the middle of the goal and by the keeper's distance from his line. An exploit makes more than "
+        "from the middle of the goal and by the keeper's distance from its line. An exploit makes more than "
         f"{EXPLOIT:.0%} of our goals and less than {HARDLY:.0%} of GRF's."
     )
     return f"{as_markdown(table)}\n\n{about}"
@@ -213,7 +211,7 @@ def defense(rows: Rows) -> str:
             "game",
             "goal difference, ours, by seed",
             "GRF, by seed",
-            "GRF − ours",
+            "GRF minus ours",
             "ours: " + " / ".join(words),
             "GRF",
         ]
@@ -231,8 +229,9 @@ def defense(rows: Rows) -> str:
         table.append([game, *scores, f"{number(gap, '+')} {mark}".rstrip(), *ends])
     about = (
         f"Policies trained with DR in our simulator for {steps(rows)} env steps, `features`, rewarded for goals; "
-        f"{seeds(rows)}, {per_run(rows)}, actions sampled. How episodes end is in percent. Nothing was searched. Over "
-        f"all {len(rows) // 2} runs, GRF − ours is {number(gaps(rows), '+')} (95% CI: bootstrap over runs)."
+        f"{seeds(rows)}, {per_run(rows)}, actions sampled. How episodes end is in percent. A goal difference is -1 if "
+        "the defense concedes and +1 if it scores. No setting was tuned on these seeds. Over "
+        f"all {len(rows) // 2} runs, GRF minus ours is {number(gaps(rows), '+')} (95% CI: bootstrap over runs)."
     )
     legend = significance.sentences(significance.legend([gap.p for gap in found.values()]))
     return f"{as_markdown(table)}\n\n{about} {legend}".rstrip()
@@ -254,9 +253,11 @@ def scenes(rows: Rows) -> str:
     ends = [percent(over_scenes(rows, f"endings_agree{limit}", np.mean)) for limit in ("", "_limit")]
     table.append(["endings that agree", *ends])
     for what in ("ball", "players"):
-        for step in (10, 20, 40):
-            cells = [number(over_scenes(rows, f"{what}_{step}{limit}", np.median)) for limit in ("", "_limit")]
-            table.append([f"{what} apart after {step} steps, median m", *cells])
+        cells = [
+            "; ".join(number(over_scenes(rows, f"{what}_{step}{limit}", np.median)) for step in (10, 20, 40))
+            for limit in ("", "_limit")
+        ]
+        table.append([f"{what} apart after 10, 20 and 40 steps, median m", *cells])
     about = (
         f"Scenes of 2 to 11 players a side, drawn with seed {rows[0]['seed']}; the same actions in both engines, 4 "
         "episodes of each scene in each engine. GRF and itself, with different seeds, is the limit. No law was derived "
@@ -284,9 +285,9 @@ def programs(rows: Rows) -> str:
         rates = [percent(wilson(int(row["goals"]), int(row["episodes"]))) for row in mine]
         table.append([name, "a team" if known[name].is_team else "one", *rates, f"{100 * known[name].published:.0f}%"])
     about = (
-        f"{rows[0]['episodes']} episodes of each program in each engine on the same levels, {seeds(rows)}; Wilson's "
-        f"95% CI. Rank correlation of ours with GRF over {len(table) - 1} programs: {number(ranks(rows))} (95% CI: "
-        "bootstrap over programs)."
+        f"Scripted Scenic programs, without training. {rows[0]['episodes']} episodes of each program in each engine on "
+        f"the same levels, {seeds(rows)}; Wilson's 95% CI. Rank correlation of ours with GRF over {len(table) - 1} "
+        f"programs: {number(ranks(rows))} (95% CI: bootstrap over programs)."
     )
     return f"{as_markdown(table)}\n\n{about}"
 
@@ -301,7 +302,7 @@ def converse(rows: Rows) -> str:
             table.append([game, seed, *rates])
     about = (
         f"PPO trained in GRF for {steps(rows)} env steps, `simple115`, `scoring,checkpoints`, the academy's fixed "
-        f"start; {per_run(rows)}, actions sampled. Nothing was searched. Wilson's 95% CI, over a run's episodes."
+        f"start; {per_run(rows)}, actions sampled. No setting was tuned. Wilson's 95% CI, over a run's episodes."
     )
     return f"{as_markdown(table)}\n\n{about}"
 
@@ -320,7 +321,7 @@ def academy(rows: Rows) -> str:
         )
     about = (
         "PPO trained in our simulator on the academy's levels without jitter, `simple115`, `scoring,checkpoints`, 128 "
-        f"environments; {seeds(rows)}, {per_run(rows)}, actions sampled. Nothing was searched. {OVER_RUNS}; of one run "
+        f"environments; {seeds(rows)}, {per_run(rows)}, actions sampled. No setting was tuned. {OVER_RUNS}; of one run "
         "over its episodes. Published: mean goal difference of the thesis's runs in GRF with 95% CI. Empty cells mean "
         "not available."
     )
@@ -399,7 +400,7 @@ def filled(text: str, folder: Path = RESULTS) -> str:
         if not (rows := files[name]):
             return f"{match[1]}{NOTHING} `python -m {command}` makes this table.\n{match[3]}"
         made = f"Simulator {', '.join(unique(rows, 'simulator'))}; `python -m {command}`."
-        return f"{match[1]}{table(rows)}\n\n{made}\n{match[3]}"
+        return f"{match[1]}{table(rows)} {made}\n{match[3]}"
 
     return PLACE.sub(place, text)
 

@@ -43,8 +43,10 @@ def load(
     parameters that override those of the program. `model` is a module whose names replace those of the program's own
     `model` statement or of the domain's default model.
 
-    Raises ScenicError, with a place in the text, for any error in the program; ValueError or TypeError for an
-    invalid argument.
+    Raises:
+        ScenicError: any error in the program; it has a place in the text.
+        ValueError: an argument with an invalid value.
+        TypeError: an argument of an invalid type.
     """
     text, file, folder = text_of(source)
     mode = load_mode(domain, dialect_of(text, file, dialect))

@@ -3,6 +3,7 @@
 Trainings are cut to a few steps. The pages on adding something are carried out by `test_contributing`.
 """
 
+import inspect
 import io
 import os
 import re
@@ -160,12 +161,6 @@ def test_links_lead_somewhere(name):
     assert dead_links(ALL[name]) == []
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_pages_name_versions_and_no_commits(name):
-    """Results belong to a version of the simulator: of a commit nobody knows what it plays."""
-    assert re.findall(r"\b(?=[0-9]*[a-f])(?=[a-f]*[0-9])[0-9a-f]{7,40}\b", ALL[name].read_text()) == []
-
-
 @pytest.mark.parametrize("name", PAGES)
 def test_every_picture_names_the_command_that_makes_it(name):
     text = PAGES[name].read_text()
@@ -184,6 +179,23 @@ def test_the_site_is_built_without_a_complaint(tmp_path):
     fetched = r'<(?:script|link|img|iframe)[^>]*(?:src|href)="(?:https?:)?//[^"]*"'
     for page in (tmp_path / "site").rglob("*.html"):
         assert re.findall(fetched, page.read_text()) == [], page.name
+        assert "javascripts/iframe-worker.js" in page.read_text(), f"{page.name}: no search in a folder"
+    index = (tmp_path / "site" / "search" / "search_index.js").read_text()
+    assert index.startswith("var __index = {") and "howto/coming-from.html" in index
+    api = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", (tmp_path / "site" / "api.html").read_text()))
+    assert re.search(
+        r"Returns: Type Description Path the run folder\. Raises: Type Description UsageError unknown names", api
+    )
+    assert re.search(r"-&gt; int .{,600}Returns: Type Description int the seed of an episode", api)
+
+
+def test_summaries_that_return_become_sections():
+    sections = runpy.run_path(str(DOCS / "sections.py"))["with_returns"]
+    assert sections("Return x: `[k]`.\n\nMore.") == "More.\n\nReturns:\n    : x: `[k]`."
+    raises = "Raises:\n    ValueError: no."
+    assert sections(f"Play; return y.\n\n{raises}") == f"Play; return y.\n\nReturns:\n    : y.\n\n{raises}"
+    for kept in ("Learn nothing.", "Return x.\n\nReturns:\n    z."):
+        assert sections(kept) == kept
 
 
 def test_every_page_is_in_the_contents():
@@ -200,3 +212,12 @@ def test_python_has_every_name_that_is_offered():
     whole = {"ued.config", *(row.module for row in ued.METHODS.values())}  # all that is in these is shown
     missing = [name for name, home in homes.items() if home not in shown or (name not in shown and home not in whole)]
     assert missing == []
+
+
+def test_the_table_of_classes_is_whole():
+    import ued
+
+    table = (DOCS / "api.md").read_text().partition("## ")[0]
+    shown = set(re.findall(r"\[`(\w+)`\]\[", table))
+    classes = {name for name in ued.__all__ if inspect.isclass(getattr(ued, name)) and not name.endswith("Config")}
+    assert classes - shown == set()

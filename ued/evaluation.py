@@ -56,7 +56,9 @@ def evaluate(
     plays a random level. Actions are sampled from the policy, or are its most likely ones if `greedy`. The environments
     are reset, so use a copy of those of a training run (`upomdp.copy()`).
 
-    Raises `ValueError` for fewer than one episode or no level, `RuntimeError` for an episode that never ends.
+    Raises:
+        ValueError: fewer than one episode or no level.
+        RuntimeError: an episode that never ends.
     """
     return Schedule(upomdp, episodes, seed, levels).play(student, greedy)
 

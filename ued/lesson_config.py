@@ -101,7 +101,11 @@ class LessonsConfig(Checked):
         self.lessons()
 
     def lessons(self) -> tuple[Lesson, ...]:
-        """Return the lessons of the plan. Raises ValueError for a plan without lessons, or with one that never ends."""
+        """Return the lessons of the plan.
+
+        Raises:
+            ValueError: a plan without lessons, or with a lesson that never ends.
+        """
         plan = tuple(map(lesson_of, self.plan))
         if not plan:
             raise ValueError(f"plan must have at least one lesson, {FORM}")

@@ -24,7 +24,11 @@ def most_workers() -> int:
 
 @dataclass(frozen=True)
 class FootballConfig:
-    """The agents' observations, rewards and players. Raises ValueError for an unknown name."""
+    """The agents' observations, rewards and players.
+
+    Raises:
+        ValueError: an unknown name.
+    """
 
     representation: str = field(
         default="features", metadata={"help": "observation: features, simple115, smm, smm_stacked or raw"}

@@ -72,7 +72,11 @@ class FootballEnv(gymnasium.Env):
         self.theta_space, self.parameters = self.batch.theta_space, self.batch.parameters
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a match; raises `ued.core.upomdp.ThetaError` for an invalid θ."""
+        """Start a match.
+
+        Raises:
+            ued.core.upomdp.ThetaError: an invalid θ.
+        """
         super().reset(seed=seed)
         options = options or {}
         if "theta" in options:
@@ -123,7 +127,8 @@ class FootballEnv(gymnasium.Env):
     def set_state(self, state: dict[str, Any]) -> Any:
         """Restore what `get_state` returned; return the observation of that state.
 
-        Raises ValueError for a state of another match: see `FootballVectorEnv.set_state`.
+        Raises:
+            ValueError: a state of another match: see `FootballVectorEnv.set_state`.
         """
         return self._first(self.batch.set_state(state))
 

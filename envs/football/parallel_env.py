@@ -75,7 +75,11 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start a match; raises `ued.core.upomdp.ThetaError` for an invalid θ."""
+        """Start a match.
+
+        Raises:
+            ued.core.upomdp.ThetaError: an invalid θ.
+        """
         observation, _ = self.match.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
         return self._apart(observation), self._infos({"ended": ""})
@@ -83,7 +87,9 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
     def step(self, actions: dict[str, int]) -> tuple[dict, dict, dict, dict, dict]:
         """Step the match by 0.1 s, with an action for each agent.
 
-        Raises RuntimeError before `reset` or after the end, ValueError unless there is one action for each agent.
+        Raises:
+            RuntimeError: before `reset` or after the end.
+            ValueError: unless there is one action for each agent.
         """
         if not self.agents:
             raise RuntimeError("no match is running; call reset() before step()")
@@ -105,7 +111,8 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
     def state(self) -> np.ndarray:
         """Return all agents' observations in one array, for centralized critics: vectors concatenated, images stacked.
 
-        Raises NotImplementedError for "raw" observations.
+        Raises:
+            NotImplementedError: for "raw" observations.
         """
         if self.state_space is None:
             raise NotImplementedError("representation 'raw' has no state() array; each dict has the full state")

@@ -67,10 +67,13 @@ class FootballVectorEnv(UPOMDP):
     - `info["records"]`: the values recorded in the step, by name: `[N]`, vectors `[N, 2]`, NaN where none was recorded
       (None for values that are not numbers).
 
-    Raises `scenic_lite.ScenicError` for a broken program, `lineup.NotAMatchError` for one that does not describe a
-    match; `step` raises ScenicError if the program fails at run time: that match begins its next episode, and the
-    others have completed the step. A UserWarning names each line that is probably a mistake (`Program.warnings`) or
-    that would fail in any match that reaches it.
+    A UserWarning names each line that is probably a mistake (`Program.warnings`) or that would fail in any match that
+    reaches it.
+
+    Raises:
+        scenic_lite.ScenicError: a broken program. `step` raises it if the program fails at run time: that match begins
+            its next episode, and the others have completed the step.
+        lineup.NotAMatchError: a program that does not describe a match.
     """
 
     seed_is_luck = True  # θ fixes the scene; all draws during a match, also by the program, are luck
@@ -154,7 +157,11 @@ class FootballVectorEnv(UPOMDP):
         self._initial_states.prefetch(levels)
 
     def sample_theta(self, count: int) -> np.ndarray:
-        """Draw valid θ `[count, D]` uniformly. Raises ScenicError with the rejection report if none is found."""
+        """Draw valid θ `[count, D]` uniformly.
+
+        Raises:
+            ScenicError: with the rejection report, if none is found.
+        """
         return self.program.sample_theta(count, self.np_random)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> Any:
@@ -271,8 +278,9 @@ class FootballVectorEnv(UPOMDP):
     def set_state(self, state: dict[str, Any]) -> Any:
         """Restore what `get_state` returned; return the observations of that state.
 
-        Raises `StateError` for a state that does not fit (another number of matches, program or representation, or
-        invalid values: see `state`); the environment is then unchanged.
+        Raises:
+            StateError: a state that does not fit (another number of matches, program or representation, or invalid
+                values: see `state`); the environment is then unchanged.
         """
         batch = self._batch
         pairs = {

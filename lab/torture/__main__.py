@@ -2,7 +2,7 @@
 
     python -m lab.torture [--minutes 10] [--report runs/torture.json] [--only states code]
     python -m lab.torture --merge one.json two.json    # add reports of suites that ran beside each other
-    python -m lab.torture --page                       # write what the report counts into RELIABILITY.md
+    python -m lab.torture --page                       # write what the report counts into docs/torture.md
 
 Each part does rounds of so many attempts, every round with a seed of its own; the part that has had least of the time
 is next. The report is written after each round, and a suite that was stopped goes on with the seeds that follow; a new
@@ -39,11 +39,12 @@ from tests.scenic_lite.dynamics.hostile import attack as attack_code
 from ued.core.files import write_whole
 
 LIFE = Path(__file__).with_name("life.json")  # the report that the page quotes
-PAGE = Path(__file__).resolve().parents[2] / "RELIABILITY.md"
-HEAD = "| what | how many | what became of them | harm, mended | harm |\n|---|---|---|---|---|\n"
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "torture.md"
+HEAD = "| what | how many | what became of them | harm, fixed | harm |\n|---|---|---|---|---|\n"
 CHECKED = " with bounds checks" if os.environ.get("NUMBA_BOUNDSCHECK") == "1" else ""
 # What lies before a file in a report that goes into the repository, and is nobody's business there.
-FOLDERS = re.compile(rf"{re.escape(str(PAGE.parent))}/|{re.escape(tempfile.gettempdir())}/tmp\w+/")
+FOLDERS = re.compile(rf"{re.escape(str(ROOT))}/|{re.escape(tempfile.gettempdir())}/tmp\w+/")
 EMPTY: dict[str, Any] = {"rounds": 0, "seconds": 0.0, "counts": {}, "harm": []}
 
 
@@ -88,7 +89,7 @@ def main(argv: list[str]) -> int:
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--mended", nargs="+", default=[], metavar="ROW", help="the harm in these rows is mended")
     parser.add_argument("--merge", nargs="+", type=Path, default=[], help="reports begun from the page's: add the rest")
-    parser.add_argument("--page", action="store_true", help="write the report's table into RELIABILITY.md")
+    parser.add_argument("--page", action="store_true", help="write the report's table into docs/torture.md")
     typed = parser.parse_args(argv)
     begun = next((path for path in (typed.report, LIFE) if path.exists()), None)
     report: dict[str, Any] = json.loads(begun.read_text()) if begun else {}

@@ -195,8 +195,11 @@ class Program:
     def sample_theta(self, n: int, rng: np.random.Generator) -> np.ndarray:
         """Draw theta [n, D] of n valid scenes, uniformly by rejection.
 
-        A soft requirement is active in its share of the scenes, drawn once for each. Raises ScenicError of kind
-        `rejection` with the report if no draw is valid, of another kind if a requirement fails in a scene.
+        A soft requirement is active in its share of the scenes, drawn once for each.
+
+        Raises:
+            ScenicError: of kind `rejection` with the report if no draw is valid, of another kind if a requirement
+                fails in a scene.
         """
         if n < 0:
             raise ValueError(f"a number of scenes is 0 or more, not {n}")
@@ -252,9 +255,11 @@ class Program:
         """Return the rows of theta [N, D] of described scenes, valid or not: the inverse of `instantiate`.
 
         `description` is like `{"ego": (30, 5), "keeper": (98, 0, 1.57)}`. A key is an object (its label or index), a
-        parameter or a draw. An object takes (x, y), (x, y, heading in radians) or a dict of properties; each number
-        or text may be an array [N], each position one [N, 2]. `default` [D] or [N, D] gives the remaining draws.
-        Raises ScenicError naming undetermined draws, or a value for which no θ was found.
+        parameter or a draw. An object takes (x, y), (x, y, heading in radians) or a dict of properties; each number or
+        text may be an array [N], each position one [N, 2]. `default` [D] or [N, D] gives the remaining draws.
+
+        Raises:
+            ScenicError: naming undetermined draws, or a value for which no θ was found.
         """
         if not isinstance(description, Mapping):
             raise TypeError(f"scenes are described like {{'ego': (30, 5)}}, not by {description!r:.80}")

@@ -11,6 +11,7 @@ import ued
 from regista.experiments.commands.compare import CompareConfig
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError, UsageError
+from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.table import read_columns
 from ued import METHODS, PPOConfig
 
@@ -70,6 +71,11 @@ def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
     assert [(run.name, run.config.seed) for run in comparison.runs] == [("dr", 3), ("dr", 4), ("plr", 3), ("plr", 4)]
     assert (tmp_path / "both" / "table.csv").exists()
     assert regista.load_comparison(tmp_path / "both").runs == comparison.runs
+
+
+def test_a_run_trained_from_python_is_finished(run):
+    """A comparison keeps it, and starts no process for it."""
+    assert RunFolder.open(run).finished()
 
 
 def test_tables_of_a_comparison_are_frames(comparison):

@@ -156,8 +156,9 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         `level_dtype(D)`, has its own seed; `options["visit"]` is the number of this visit, which determines its luck.
         `info["theta"]` and `info["level_seed"]` identify the level.
 
-        Raises `ued.core.upomdp.ThetaError` for a wrong shape, NaN, or an entry outside [-1, 1]; ValueError for a θ that
-        is not a valid level.
+        Raises:
+            ued.core.upomdp.ThetaError: a wrong shape, NaN, or an entry outside [-1, 1].
+            ValueError: a θ that is not a valid level.
         """
         if seed is not None:
             self._streams = np.random.default_rng(seed)
@@ -282,7 +283,8 @@ class GymUPOMDP(UPOMDP):
             noise to θ; what an environment draws from a second seed, under this key of the reset's options; or what
             `luck(env, seed)` does after each reset: if it returns an observation, this is the first one.
 
-    Exceptions in an environment are raised as a `LevelError`, which reports the level.
+    Raises:
+        LevelError: an exception in an environment; it reports the level.
     """
 
     theta_map: ThetaMap
@@ -344,7 +346,11 @@ class GymUPOMDP(UPOMDP):
         return gymnasium.vector.AsyncVectorEnv(slots, context=START_METHOD, autoreset_mode=AutoresetMode.DISABLED)
 
     def theta_of(self, values: Any) -> np.ndarray:
-        """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other names."""
+        """Return the θ `[D]` of values by name, or of a family's level.
+
+        Raises:
+            ValueError: for other names.
+        """
         return self.theta_map.theta(values)
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:

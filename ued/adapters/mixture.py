@@ -35,7 +35,8 @@ class Mixture(UPOMDP):
     (`core.parts`), those of the mixture know them, and convolutions find their images. Where `only` is the index of
     a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
 
-    Raises `ValueError` for members that do not go together.
+    Raises:
+        ValueError: members that do not go together.
     """
 
     def __init__(self, members: Sequence[UPOMDP], names: Sequence[str], only: int | None = None) -> None:

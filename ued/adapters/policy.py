@@ -47,7 +47,10 @@ class LoadedPolicy:
         """Return an action for an observation, or actions `[N, ...]` for observations `[N, *shape]`.
 
         For a team, return an action for each agent, `[A, ...]`. Actions are sampled from the policy, or the most likely
-        ones if `greedy`. Raises `ValueError` for another shape.
+        ones if `greedy`.
+
+        Raises:
+            ValueError: an observation of another shape.
         """
         seen = np.asarray(self._flat(observation))
         single = seen.shape == self.shape
@@ -77,9 +80,11 @@ def load_policy(
     """Return the first student of a run folder or a checkpoint as a policy for one or many environments.
 
     Pass the `observation_space` of your environment if it is a `Dict` or similar without images, since training
-    flattened it; a checkpoint knows those with images. Raises `CheckpointError` for a checkpoint without a student or
-    without saved spaces. A network of the user (`PPOConfig.network`) is code that the checkpoint only names: unless
-    `trusted`, `OwnCodeError`.
+    flattened it; a checkpoint has saved those with images.
+
+    Raises:
+        CheckpointError: a checkpoint without a student or without saved spaces.
+        OwnCodeError: unless `trusted`, a network of the user (`PPOConfig.network`): code that the checkpoint names.
     """
     path = Path(path)
     file = path / "checkpoint.pt" if path.is_dir() else path

@@ -44,8 +44,9 @@ class VectorUPOMDP(UPOMDP):
         seed_episodes: whether `reset(seed=)` gets a seed for each environment; otherwise levels are θ alone.
         luck: whether what `reset(seed=)` draws is luck, new in each episode, and not a part of the level.
 
-    Raises `ValueError` for a vector environment of another size, of observations that are no vectors or images, or
-    that cannot be reset in part.
+    Raises:
+        ValueError: a vector environment of another size, of observations that are no vectors or images, or that
+            cannot be reset in part.
     """
 
     theta_map: ThetaMap
@@ -82,7 +83,11 @@ class VectorUPOMDP(UPOMDP):
         self._its_own: Any = None  # those of the batch, which may have begun other episodes
 
     def theta_of(self, values: Any) -> np.ndarray:
-        """Return the θ `[D]` of values by name, or of a family's level. Raises `ValueError` for other names."""
+        """Return the θ `[D]` of values by name, or of a family's level.
+
+        Raises:
+            ValueError: for other names.
+        """
         return self.theta_map.theta(values)
 
     # ------------------------------------------------------------ the environments

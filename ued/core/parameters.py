@@ -121,7 +121,8 @@ class Choice:
         values: the options, all different.
         weights: relative probabilities of the values in random levels, positive numbers; None: uniform.
 
-    Raises `ValueError` without values, for equal values, and for weights that do not match them.
+    Raises:
+        ValueError: without values, for equal values, and for weights that do not match them.
     """
 
     def __init__(self, *values: Any, weights: Sequence[float] | None = None) -> None:
@@ -187,10 +188,10 @@ class Column(NamedTuple):
 
 @dataclass(frozen=True)
 class Seeds:
-    """Levels that are seeds alone, as in Procgen: `count` of them, `first`, `first + 1`, ...
+    """Levels that are seeds alone, as in Procgen: `first`, `first + 1`, ..., `count` of them, for `reset(seed=)`.
 
-    The only column of θ, "seed", selects one of them, which is passed to `reset(seed=)`.
-    Raises `ValueError` for seeds outside [0, 2^31).
+    Raises:
+        ValueError: seeds outside [0, 2^31).
     """
 
     count: int

@@ -42,8 +42,9 @@ class Task:
         success_word: what tables call successful episodes.
         about: what the test scenes are, by name: a sentence each, for listings.
 
-    Raises ValueError for parts of other types, and for names of scenes or baselines that are no single line of text or
-    that are the training distribution's.
+    Raises:
+        ValueError: for parts of other types, and for names of scenes or baselines that are no single line of text or
+            that are the training distribution's.
     """
 
     make: Make

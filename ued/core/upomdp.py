@@ -251,8 +251,9 @@ class UPOMDP(LevelSpace, VectorEnv):
     def set_level_state(self, state: Any, *names: str) -> None:
         """Restore what `level_state` returned.
 
-        Raises ValueError, and changes nothing, unless the state has these entries and `names`, and levels of this dtype
-        for all environments.
+        Raises:
+            ValueError: unless the state has these entries and `names`, and levels of this dtype for all
+                environments; nothing is changed.
         """
         missing = [name for name in (*LEVEL_STATE, *names) if not (isinstance(state, dict) and name in state)]
         if missing:
@@ -291,10 +292,15 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Start the environments `where` (bool `[N]`; None: all) on `levels` `[k]`, one for each.
 
         `visits` and `episodes`, numbers or `[k]`, are the number of this visit of the level and of its first episode;
-        the same level, visit and episode have the same luck in every environment.
-        An invalid level is replaced by a random valid one: `info["replaced"]` `[k]` is the mask of these,
-        `info["levels"]` `[k]` the levels played. Returns the observations of all N environments.
-        Raises `ThetaError` for an invalid θ, `ValueError` for a wrong number of levels or another mask.
+        the same level, visit and episode have the same luck in every environment. An invalid level is replaced by a
+        random valid one: `info["replaced"]` `[k]` is the mask of these, `info["levels"]` `[k]` the levels played.
+
+        Returns:
+            the observations of all N environments, and infos.
+
+        Raises:
+            ThetaError: an invalid θ.
+            ValueError: a wrong number of levels or another mask.
         """
         chosen = np.flatnonzero(self._mask(where))
         self._check_levels(levels, len(chosen))
@@ -309,7 +315,8 @@ class UPOMDP(LevelSpace, VectorEnv):
     def play_again(self, where: np.ndarray | None = None) -> Any:
         """Start the next episode of their levels in the environments `where` (bool `[N]`; None: all).
 
-        Returns the observations of all N environments.
+        Returns:
+            the observations of all N environments.
         """
         chosen = np.flatnonzero(self._mask(where))
         self.episodes[chosen] += 1
@@ -355,7 +362,11 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Start new episodes on random valid levels, or on `options["theta"]` `[N, D]`.
 
         `options["reset_mask"]` (bool `[N]`) selects the environments to reset. `seed` seeds the random stream of levels
-        and their seeds. Raises ValueError for other options, `ThetaError` for an invalid θ.
+        and their seeds.
+
+        Raises:
+            ValueError: other options.
+            ThetaError: an invalid θ.
         """
         if isinstance(seed, list):
             seeds = [number for number in seed if number is not None]
@@ -378,7 +389,11 @@ class UPOMDP(LevelSpace, VectorEnv):
         return self.reset_to_levels(levels, where)
 
     def step(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        """Step all environments; an environment whose episode ended starts its next one (see the class)."""
+        """Step all environments; an environment whose episode ended starts its next one (see the class).
+
+        Returns:
+            observations, rewards, terminated and truncated, `[N]` each, and infos.
+        """
         observations, rewards, terminated, truncated, info = self.advance(actions)
         ended = terminated | truncated
         if not ended.any():
@@ -396,6 +411,9 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Step all environments and restart none: an ended episode returns its last observation.
 
         The caller restarts them by `reset_to_levels`, `play_again` or `start_next`, or marks them `idle`.
+
+        Returns:
+            as `step`.
         """
         return self._advance(actions)
 
@@ -403,7 +421,10 @@ class UPOMDP(LevelSpace, VectorEnv):
         """Start the next episodes in the environments `where` (bool `[N]`).
 
         They play the levels that `level_sampler` returns, or without it the same ones. A level that it returns is a new
-        visit, whose number is drawn from the random stream of levels. Returns the observations of all N environments.
+        visit, whose number is drawn from the random stream of levels.
+
+        Returns:
+            the observations of all N environments.
         """
         if self.level_sampler is None:
             return self.play_again(where)

@@ -30,7 +30,11 @@ from ued.learning.student import Student
 
 
 class PPO(Resumable):
-    """Improves one student from its rollouts. `generator` shuffles the minibatches."""
+    """Improves one student from its rollouts. `generator` shuffles the minibatches.
+
+    Raises:
+        FloatingPointError: in `learn`, for gradients that are not finite.
+    """
 
     state_fields = ("student", "optimizer", "generator", "updates")
 
@@ -49,7 +53,7 @@ class PPO(Resumable):
         """Update on the steps whose `train` mask is set; return the means of the losses over all minibatches.
 
         The mask does not change the size of minibatches. `env_steps` so far anneal the learning rate; `advantages`
-        default to `gae`; `regularizer` is another policy to stay close to. Raises FloatingPointError for bad gradients.
+        default to `gae`; `regularizer` is another policy to stay close to.
         """
         config, device = self.config, self.student.device
         self._anneal(env_steps)

@@ -160,7 +160,12 @@ class Student(nn.Module):
         self.memory_width = self.actor_memory.width + (0 if self.shared else self.critic_memory.width)
 
     def load_state_dict(self, state_dict: Mapping[str, Any], strict: bool = True, assign: bool = False) -> Any:
-        """Load weights. Raises ValueError for weights that are not finite, RuntimeError for another network."""
+        """Load weights.
+
+        Raises:
+            ValueError: weights that are not finite.
+            RuntimeError: another network.
+        """
         for name, weights in state_dict.items():
             if not (isinstance(weights, Tensor) and weights.isfinite().all()):
                 raise ValueError(f"the student's {name} is not finite")

@@ -50,7 +50,8 @@ class Adversary(Resumable):
         context_size: size of the context if it is not a random vector; see `propose`.
         program_parameters: for a mixture, the columns of each program.
 
-    Raises `ValueError` without free parameters (D = 0).
+    Raises:
+        ValueError: without free parameters (D = 0).
     """
 
     state_fields = ("network", "optimizer", "generator", "scale")
@@ -139,7 +140,8 @@ class Adversary(Resumable):
     def load_state_dict(self, state: dict[str, Any]) -> None:
         """Restore the state of `state_dict`.
 
-        Raises `ValueError` for another kind of adversary, another distribution, or other columns.
+        Raises:
+            ValueError: the state of another kind of adversary, distribution, or columns.
         """
         if "network" not in state:
             raise ValueError("the saved adversary builds levels (builder = steps), this one chooses them in one step")

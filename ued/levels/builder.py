@@ -57,8 +57,9 @@ class Builder(Resumable):
         config: its network and learning, see `AdversaryConfig.steps`.
         generator: random generator of weights, samples and minibatches.
 
-    Raises `ValueError` for a builder without steps or actions, whose observations are no vectors, or whose levels need
-    more memory than this machine has.
+    Raises:
+        ValueError: a builder without steps or actions, whose observations are no vectors, or whose levels need more
+            memory than this machine has.
     """
 
     state_fields = ("ppo", "scale")
@@ -154,7 +155,11 @@ class Builder(Resumable):
         )
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore the state of `state_dict`. Raises `ValueError` for another kind of adversary, or of other levels."""
+        """Restore the state of `state_dict`.
+
+        Raises:
+            ValueError: the state of another kind of adversary, or of other levels.
+        """
         if "ppo" not in state:
             raise ValueError("the saved adversary chooses levels in one step (builder = direct), this one builds them")
         own, saved = (

@@ -47,8 +47,12 @@ def read_levels(run: str | Path, *names: str) -> Columns:
         names: the wanted columns; `"theta/"` stands for all that begin with it. None: all. Columns that the table does
             not have are missing in the result.
 
-    Numbers are float64, nan where not available; `source` and `program` are strings. Raises `FileNotFoundError` without
-    a table, `ValueError` for a damaged one, `ModuleNotFoundError` for levels.parquet without PyArrow.
+    Numbers are float64, nan where not available; `source` and `program` are strings.
+
+    Raises:
+        FileNotFoundError: without a table.
+        ValueError: a damaged table.
+        ModuleNotFoundError: levels.parquet without PyArrow.
     """
     path = table_of(run)
     if not path.exists():
@@ -94,8 +98,12 @@ def read_level(run: str | Path, id: int, visit: int | None = None) -> np.ndarray
         id: the number of the level.
         visit: the number of a visit of it; None: any, since all visits have the same level.
 
-    In a mixture of programs, θ determines the program. Raises `FileNotFoundError` without such a table, `KeyError` for
-    a level that is not in it, `ValueError` for a damaged row.
+    In a mixture of programs, θ determines the program.
+
+    Raises:
+        FileNotFoundError: without such a table.
+        KeyError: a level that is not in it.
+        ValueError: a damaged row.
     """
     return read_visit(run, id, visit)[0]
 

@@ -29,7 +29,8 @@ TRIES = 8  # to edit a level into a valid one
 class ACCEL(Method):
     """Trains one student on replayed levels, which evolve; see `Method` for the arguments.
 
-    Raises `ValueError` where the environment has no free parameters, or no simplest levels to begin with.
+    Raises:
+        ValueError: where the environment has no free parameters, or no simplest levels to begin with.
     """
 
     curriculum: ACCELCurriculum

@@ -33,7 +33,8 @@ LATER = np.triu(np.ones((BLOCK, BLOCK), bool))  # [BLOCK, BLOCK] whether an epis
 class ALPGMM(Method):
     """Trains one student on levels of high learning progress; see `Method` for the arguments.
 
-    Raises `ValueError` where the environment has no free parameters.
+    Raises:
+        ValueError: where the environment has no free parameters.
     """
 
     curriculum: ALPGMMCurriculum
@@ -59,7 +60,8 @@ class ALPGMMCurriculum(Resumable):
         config: how often mixtures are fitted, how much is random.
         seed: of all draws.
 
-    Raises `ValueError` where the environment has no free parameters.
+    Raises:
+        ValueError: where the environment has no free parameters.
     """
 
     state_fields = ("pool", "rng", "theta", "returns", "progress", "unfitted", "mixture")

@@ -39,8 +39,9 @@ MOST_ENTRIES = 1024  # of an observation: a pixel says too little of a state for
 class CENIE(Method):
     """Trains one student on replayed levels, by regret and novelty; see `Method` for the arguments.
 
-    Raises `ValueError` where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
-    has nothing to edit.
+    Raises:
+        ValueError: where the observations of an agent are more than 1,024 numbers, as images are, and where ACCEL
+            has nothing to edit.
     """
 
     curriculum: CENIECurriculum
@@ -106,7 +107,8 @@ class CENIECurriculum(ACCELCurriculum):
     def update(self, records: np.ndarray) -> dict[str, float]:
         """Score levels and store them as ACCEL, with their novelty; fit the mixture if it is due.
 
-        Raises `ValueError` if the trainer has not filled in the novelty.
+        Raises:
+            ValueError: if the trainer has not filled in the novelty.
         """
         novelty = novelty_of(records)
         if np.isnan(novelty).any():
@@ -119,7 +121,11 @@ class CENIECurriculum(ACCELCurriculum):
 
 
 def pair_columns(upomdp: UPOMDP) -> int:
-    """Return the number of columns of a state-action pair of one agent. Raises `ValueError` for images."""
+    """Return the number of columns of a state-action pair of one agent.
+
+    Raises:
+        ValueError: for images.
+    """
     shape = dense_space(upomdp.agent_observation_space).shape or ()
     size, actions = math.prod(shape), upomdp.agent_action_space
     if size > MOST_ENTRIES:

@@ -30,7 +30,8 @@ from ued.methods.method import Method
 class Lessons(Method):
     """Trains one student on the lessons of a plan; see `Method` for the arguments.
 
-    Raises `ValueError` for lessons that do not fit the parameters of the environment.
+    Raises:
+        ValueError: lessons that do not fit the parameters of the environment.
     """
 
     curriculum: LessonCurriculum
@@ -60,7 +61,8 @@ class LessonCurriculum(Resumable):
         seed: of the draws.
         budget: of the run, whose `spent` counts steps. A trainer of your own sets it; episodes need none.
 
-    Raises `ValueError` for lessons that do not fit the space, and for a share of a run of unknown length.
+    Raises:
+        ValueError: lessons that do not fit the space, and for a share of a run of unknown length.
     """
 
     state_fields = ("rng", "lesson", "part", "began", "episodes", "recent")
@@ -92,7 +94,11 @@ class LessonCurriculum(Resumable):
         return self.regions[self.lesson].towards(self.regions[self.lesson + 1], self.part / self.config.increments)
 
     def propose(self, count: int) -> np.ndarray:
-        """Draw `count` levels uniformly from the region. Raises `ThetaError` if it has no valid level."""
+        """Draw `count` levels uniformly from the region.
+
+        Raises:
+            ThetaError: if it has no valid level.
+        """
         where = f"the lesson {self.plan[self.lesson].text!r}"
         records = make_records(self.dtype, self.region.sample(self.space, count, self.rng, where), Origin.PROPOSED)
         records["stage"] = self.stage

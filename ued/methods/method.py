@@ -82,7 +82,8 @@ class Method:
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
         """Add a learner with environments of its own, which starts on the levels of the queue; see `Learner`.
 
-        Raises `RoomError` if the machine has too little memory.
+        Raises:
+            RoomError: if the machine has too little memory.
         """
         index = len(self.learners)
         if not scripted:
@@ -170,7 +171,11 @@ class Method:
         }
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError for another number of agents."""
+        """Restore what `state_dict` returned.
+
+        Raises:
+            ValueError: another number of agents.
+        """
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.load_state_dict(saved)
         self.curriculum.load_state_dict(state["curriculum"])
@@ -185,7 +190,9 @@ class Method:
     def load_students(self, state: dict[str, Any]) -> None:
         """Restore only the students of a state, to play them; the environments may differ.
 
-        Raises ValueError for students of another number of agents, RuntimeError for other observations or actions.
+        Raises:
+            ValueError: students of another number of agents.
+            RuntimeError: other observations or actions.
         """
         for learner, saved in zip(self.learners, state["learners"], strict=True):
             learner.check_agents(saved)

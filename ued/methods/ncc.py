@@ -140,7 +140,11 @@ class LearnedBuffer(LevelBuffer):
         return kept
 
     def load_state_dict(self, state: dict[str, Any]) -> None:
-        """Restore what `state_dict` returned. Raises ValueError if y is of another number of levels."""
+        """Restore what `state_dict` returned.
+
+        Raises:
+            ValueError: if y is of another number of levels.
+        """
         super().load_state_dict(state)
         for name in ("y", "mean", "square"):
             if len(getattr(self.ascent, name)) != len(self):

@@ -35,9 +35,11 @@ class Paired(Method):
 
     By default regret is a population's (appendix of the paper): the best episode of any student minus the mean of all.
     The regret of Algorithm 1, the best episode of the antagonist minus the mean of the protagonist, is
-    `roles="dennis2020"`; docs/methods.md compares the roles.
-    The antagonist plays in a copy of the environments. Raises `ValueError` where the environment has no free
-    parameters, `NotImplementedError` for a scripted antagonist where the environment has none.
+    `roles="dennis2020"`; docs/methods.md compares the roles. The antagonist plays in a copy of the environments.
+
+    Raises:
+        ValueError: where the environment has no free parameters.
+        NotImplementedError: a scripted antagonist where the environment has none.
     """
 
     def setup(self, config: PairedConfig | None, seed: int) -> None:

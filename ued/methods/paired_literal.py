@@ -28,7 +28,8 @@ from ued.methods.paired import PairedCurriculum
 class PairedLiteral(Method):
     """Trains a protagonist on -regret, an antagonist and an adversary on regret; see `Method` for the arguments.
 
-    Raises `ValueError` where the environment has no free parameters, and for normalized rewards.
+    Raises:
+        ValueError: where the environment has no free parameters, and for normalized rewards.
     """
 
     def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:

@@ -1,0 +1,107 @@
+"""Pages read as one text: American spelling, standard words, lengths, and a command beside every generated table.
+
+Only patterns with few false positives are forbidden; code, names of files and quoted output are left out. Read next:
+`test_docs`, which runs what pages show.
+"""
+
+import re
+
+import pytest
+
+from tests.pages import ROOT, blocks, prose
+
+MOST = {"README": 60, "RESULTS": 150, "TRANSFER": 120, "BENCHMARK": 120, "RELIABILITY": 30, "CHANGELOG": 100}  # lines
+PAGES = {name: ROOT / f"{name}.md" for name in MOST} | {
+    path.relative_to(ROOT).as_posix(): path for path in sorted((ROOT / "docs").rglob("*.md"))
+}
+READMES = (
+    *("CONTRIBUTING.md", "SECURITY.md", "ued/README.md", "envs/football/README.md", "envs/football/DYNAMICS.md"),
+    *("envs/grf/README.md", "lab/README.md", "lab/grf/data/README.md"),
+)
+
+BRITISH = (  # stems of words that are spelled otherwise in American English
+    *("behaviour", "colour", "favour", "neighbour", "honour", "labour"),
+    *("centre", "metre\\b", "metres\\b", "licence", "defence", "offence", "grey", "programme\\b", "catalogue"),
+    *("learnt", "burnt", "spelt", "whilst", "artefact", "judgement", "practis", "analys(?:e|ed|ing)\\b"),
+    *("labelled", "labelling", "modelled", "modelling", "travelled", "cancelled", "signalled"),
+    "(?:random|organ|general|optim|maxim|minim|normal|initial|recogn|summar|real|penal|visual|parallel|custom|priorit|"
+    "standard|regular|emphas|util|stabil|vector|discret|special|serial|final|local|factor|character|categor)is(?:e|ing|at|er)",
+)
+IDIOMS = (  # how this project must not speak: shared words in place of those of the field
+    (r"told", "specify, report"),
+    (r"anew", "again"),
+    (r"mended", "fixed"),
+    (r"(?:uniform|same) keys", "random policy, same actions"),
+    (r"(?:is|was|are|were|not|un) ?paid|paid for|pays? (?:for|where)", "rewarded"),
+    (r"of whom|from whom", "a plain sentence"),
+    (r"he|him|his", "it: a policy, an agent, a player"),
+    (r"what is (?:hard|rare|easy|held out|learned)", "a noun: hard levels"),
+    (r"nothing was searched", "no setting was tuned"),
+    (r"nobody else|somebody (?:else|should)", "another user"),
+)
+ENGINES = r"\| ?(?:here|there) ?\||\((?:here|there) [\d`]|goals (?:here|there)\b|\bin the engine there\b"
+HASH = r"\b(?=[0-9]*[a-f])(?=[a-f]*[0-9])[0-9a-f]{7,40}\b"
+
+GENERATED = re.compile(r"^<!-- (?!end)[\w: ]+ -->\n(.*?)^<!-- end -->", re.M | re.S)
+COMMAND = re.compile(r"(?:python -m|regista|make) \w")
+
+
+def said(text):
+    """Return the prose of a page: without blocks, code, targets of links and comments."""
+    text = re.sub(r"<!--.*?-->", "", prose(text), flags=re.S)
+    return re.sub(r"\]\([^)]*\)", "]", re.sub(r"`[^`\n]+`", "``", text))
+
+
+def found(pattern, text):
+    """Return what a page says that matches, with the words around it."""
+    return [text[max(0, match.start() - 30) : match.end() + 30] for match in re.finditer(pattern, text, re.I)]
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_are_in_american_english(name):
+    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", said(PAGES[name].read_text())) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_pages_use_the_words_of_the_field(name):
+    text = said(PAGES[name].read_text())
+    said_so = {better: found(rf"\b(?:{idiom})\b", text) for idiom, better in IDIOMS}
+    assert {better: words for better, words in said_so.items() if words} == {} and found(ENGINES, text) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_numbers_are_written_in_one_way(name):
+    """`84%`, not `84 %`; `0.39`, not `.39`."""
+    text = said(PAGES[name].read_text())
+    assert found(r"\d[ \u00a0]%", text) + found(r"(?<![\w.…/)])\.\d", text) == []
+
+
+@pytest.mark.parametrize("name", [*PAGES, *READMES])
+def test_pages_name_versions_and_no_commits(name):
+    """Results belong to a version of the simulator: of a commit nobody knows what it plays."""
+    assert found(HASH, (PAGES.get(name) or ROOT / name).read_text()) == []
+
+
+@pytest.mark.parametrize("name", MOST)
+def test_pages_stay_short(name):
+    assert len(PAGES[name].read_text().splitlines()) <= MOST[name]
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_generated_table_names_its_command(name):
+    """In the table, in its section, or in a block at the head of the page."""
+    text = PAGES[name].read_text()
+    head = " ".join(block.text for block in blocks(text.partition("\n## ")[0]))
+    for table in GENERATED.finditer(text):
+        section = text[text.rfind("\n## ", 0, table.start()) :].partition(table[0])
+        after = re.split(r"^##", section[2], maxsplit=1, flags=re.M)[0]
+        assert COMMAND.search("\n".join((head, section[0], table[1], after))), table[0][:80]
+
+
+def test_the_patterns_find_what_they_are_for():
+    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", "randomisation, a metre, greyish") != []
+    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", "parameters of a precise likelihood, otherwise realistic") == []
+    assert found(ENGINES, "0.28 (there 0.25)") and not found(ENGINES, "there are 3 (here is why)")
+    assert found(HASH, "of 24e2dca") and not found(HASH, "1000000 defaced")
+    table = "## A\n\n<!-- x: y -->\n| a |\n<!-- end -->\n"
+    assert not COMMAND.search(table) and len(GENERATED.findall(table)) == 1
