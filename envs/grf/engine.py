@@ -1,4 +1,4 @@
-"""Google Research Football (GRF) as the engine of a batch: we run the program and the agents, GRF plays the football.
+"""Google Research Football (GRF) as the engine of a batch: we run the program and the agents, GRF plays the match.
 
     begin_row     behaviors and agents choose the players' actions                                  in our kernels
     Workers       Google Research Football plays them                                               in its processes
@@ -186,7 +186,7 @@ def check_keepers(lineup: Lineup) -> None:
 
 
 def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
-    """Tell the workers that an environment has been closed."""
+    """Report to the workers that an environment has been closed."""
     workers.forget(list(played.values()))
     played.clear()
     workers.leave()
