@@ -116,7 +116,7 @@ class GrfEngine:
         self._workers.forget(gone)
 
     def _scene(self, start: np.ndarray, index: int) -> dict[str, Any]:
-        """Return what the worker needs to set up match number `index` from its initial record MATCH."""
+        """Return the settings for the worker to set up match number `index` from its initial record MATCH."""
         agents = [self._agents_of(team, int(start["control"][team])) for team in (LEFT, RIGHT)]
         self._controllers[index] = agents
         ball = [float(start["ball"]["x"]) / UNIT_X, float(start["ball"]["y"]) / UNIT_Y]

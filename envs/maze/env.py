@@ -1,4 +1,4 @@
-"""Mazes as a UPOMDP: N agents, each in a maze of its own, stepped as one batch.
+"""Mazes as a UPOMDP: N agents in N mazes, stepped as one batch.
 
 Read next: `levels`, the space of mazes; `dynamics`, a step; `rollout`, whole rollouts at once.
 """

@@ -49,7 +49,7 @@ class NamedMaze(NamedTuple):
         draw: samples the maze of an episode.
         side: its inner side S.
         max_steps: its time limit.
-        about: what it is, and its source.
+        about: its description and source.
         see_through: whether agents see through walls, provided that they do in training.
     """
 

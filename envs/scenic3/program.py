@@ -172,11 +172,11 @@ class ScenicProgram:
         values = DefaultIdentityDict()
         with seeded(_seed_of(theta)), suppress(RejectionException):
             self._sample(theta, values)
-        told: dict[str, Any] = {draw.name: math.nan for draw in self.draws}
+        described: dict[str, Any] = {draw.name: math.nan for draw in self.draws}
         for node in self._nodes():
             for draw in [self.draws[column] for column in self._columns.get(id(node), ()) if node in values]:
-                told[draw.name] = _component(values[node], draw)
-        return told
+                described[draw.name] = _component(values[node], draw)
+        return described
 
     def theta_of(self, values: Mapping[str, float]) -> np.ndarray:
         """Return the θ `[D]` of values by name. Raises `ValueError` for unknown names and for values without a θ."""

@@ -222,9 +222,9 @@ class ScenicUPOMDP(UPOMDP):
         for index in playing:
             self.workers[index].step(actions[index])
         for index in playing:
-            seen, rewards[index], terminated[index], truncated[index], told = self.workers[index].answer()
+            seen, rewards[index], terminated[index], truncated[index], result = self.workers[index].answer()
             self._observations[index] = seen
-            success[index], endings[index] = float(told.get("success", np.nan)), told.get("ending", "")
+            success[index], endings[index] = float(result.get("success", np.nan)), result.get("ending", "")
         info: dict[str, Any] = {"success": success}
         if (terminated | truncated).any():
             info["ending"] = endings

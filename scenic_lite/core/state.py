@@ -36,7 +36,7 @@ class Requirement:
 
 
 class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ from which it was made; the region knows the inverse.
+    """A point drawn from one region, and the columns of θ that determine it; the region has the inverse map.
 
     `whole` is the region in the program, if only a part of it is used.
     """

@@ -1,7 +1,7 @@
 """Program: the layout of θ, and scenes, validity and samples from it; the interface of this package.
 
     program = load("free.scenic")                         the text is walked once
-    theta, scenes = program.sample(256, rng)              [256, D] valid ones, and what they describe
+    theta, scenes = program.sample(256, rng)              [256, D] valid θ, and their scenes
     scenes = program.instantiate(theta)                   the same scenes: θ determines a scene
     scenes.positions, scenes.ok                           [256, O, 2], [256]
 

@@ -75,7 +75,7 @@ class SlideOut(NamedTuple):
 
 
 class KickOut(NamedTuple):
-    """Kick-outs: to whom, and when."""
+    """Kick-outs: their receiver and their time."""
 
     free: float = 10.0  # m from the nearest opponent: a free teammate
     least: float = 8.0  # m to a free teammate

@@ -28,7 +28,7 @@ class Owned(NamedTuple):
 class Chase(NamedTuple):
     """Parameters of the estimate which player is first at the ball."""
 
-    over_heads: float = 1.3  # m, height of a ball in flight that nobody reaches
+    over_heads: float = 1.3  # m, height of a ball in flight that no player reaches
     caught_at: float = 0.9  # m, height at which players reach it as it comes down
     landed: float = 0.6  # share of its speed that a ball keeps after landing
 

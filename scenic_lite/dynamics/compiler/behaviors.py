@@ -144,7 +144,7 @@ def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
 
 
 def renew(c: Compilation, agents: list[Instance]) -> None:
-    """Clear the actions of all objects at the start of a step; in dialect 2 at its end, after other objects read them."""
+    """Clear the actions of all objects when a step begins; in dialect 2 when it ends, after others have read them."""
     for agent in agents:
         lately = ("object", agent.label, LATELY[c.program.dialect])
         if c.program.dialect == 2:
