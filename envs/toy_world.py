@@ -29,7 +29,7 @@ def toy_world(timestep: float = 1.0) -> World:
 
 
 def properties(instance: Instance, fields: dict[str, Value]) -> dict[str, Value]:
-    """Return where an object is; it has no speed of its own. Its x is what the program wrote, for nothing moves it."""
+    """Return the properties of an object; its speed is 0. Its x is the value in the program, since x never changes."""
     x = instance.properties["position"].x
     at = Vector(x if isinstance(x, int) else fields["x"], fields["y"])
     still: dict[str, Any] = {"velocity": Vector(0, 0), "speed": 0.0, "angularSpeed": 0.0}

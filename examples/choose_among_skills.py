@@ -2,8 +2,8 @@
 
     python examples/choose_among_skills.py --env-steps 300000
 
-PLR replays what can be learned now. Each line tells, for every skill, its share of the levels and how often they ended
-with a goal.
+PLR replays the levels with the highest learning potential. Each line reports, for every skill, its share of the levels
+and their success rate.
 """
 
 import argparse
@@ -21,7 +21,7 @@ EVERY = 10  # updates between two lines
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--env-steps", type=int, default=300_000)
-wanted = parser.parse_args().env_steps
+budget = parser.parse_args().env_steps
 torch.set_num_threads(1)
 
 members = []
@@ -31,15 +31,15 @@ for name in SKILLS:
 skills = Mixture(members, SKILLS)
 method = PLR(skills, PPOConfig(), PLRConfig(score="positive_value_loss"), seed=0)
 seen = []
-while method.env_steps < wanted:
+while method.env_steps < budget:
     method.update()
     seen.append(method.last)
-    if method.updates % EVERY == 0 or method.env_steps >= wanted:
+    if method.updates % EVERY == 0 or method.env_steps >= budget:
         program = skills.program_of(np.concatenate([levels.theta for levels in seen]))
         goal = np.concatenate([levels.returns["student"] for levels in seen]) > 0
-        told = [
+        info = [
             f"{name} {np.mean(program == k):4.0%}, goals {goal[program == k].mean():4.0%}"
             for k, name in enumerate(SKILLS)
         ]
-        print(f"{method.env_steps:8d} steps  " + "  ".join(told), flush=True)
+        print(f"{method.env_steps:8d} steps  " + "  ".join(info), flush=True)
         seen = []

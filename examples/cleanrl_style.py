@@ -1,8 +1,8 @@
-"""Robust PLR with a trainer of one's own: PPO in one file, in the style of CleanRL, on poles of a teacher's choice.
+"""Robust PLR with your own trainer: PPO in one file, in the style of CleanRL, on CartPole levels of a curriculum.
 
     python examples/cleanrl_style.py --env-steps 200000
 
-What the curriculum needs from the loop is marked (1) to (4).
+The four lines that connect the curriculum to the training loop are marked (1) to (4).
 """
 
 import argparse
@@ -35,7 +35,7 @@ optimizer = torch.optim.Adam([*actor.parameters(), *critic.parameters()], 2.5e-3
 
 records = curriculum.propose(N)  # (1) levels to begin with
 obs, _ = envs.reset_to_levels(records["level"])
-visits = 0  # of levels: the same level at another visit has other luck
+visits = 0  # of levels: each visit of a level has its own random seed
 steps, total_return, total_value, returns = np.zeros(N), np.zeros(N), np.zeros(N), []
 for update in range(1, updates + 1):
     data = {name: torch.zeros(T, N) for name in ("action", "log_prob", "value", "reward", "done", "train")}
@@ -46,12 +46,12 @@ for update in range(1, updates + 1):
             policy, data["value"][t] = Categorical(logits=actor(data["obs"][t])), critic(data["obs"][t])[:, 0]
             data["action"][t] = action = policy.sample()
             data["log_prob"][t] = policy.log_prob(action)
-        data["train"][t] = torch.as_tensor(records["train"])  # (2) robust PLR learns from replayed levels alone
+        data["train"][t] = torch.as_tensor(records["train"])  # (2) robust PLR trains on replayed levels only
         obs, reward, terminated, truncated, _ = envs.advance(action.numpy())
         done = terminated | truncated
         data["reward"][t], data["done"][t] = torch.as_tensor(reward), torch.as_tensor(done)
         steps, total_return, total_value = steps + 1, total_return + reward, total_value + data["value"][t].numpy()
-        if done.any():  # (3) what came of these levels, and the next ones for the environments that are through
+        if done.any():  # (3) record the results of finished levels, and reset to the next levels
             records["returns"][done, 0, 0], records["mean_value"][done, 0, 0] = (
                 total_return[done],
                 (total_value / steps)[done],

@@ -1,11 +1,11 @@
-"""A program of Scenic 3 as a task: drive behind a car that will stop, and stop behind it, with any method.
+"""A Scenic 3 program as a task for any method: follow a car that will brake, and stop behind it.
 
     regista inspect examples/driving.scenic --engine scenic3 --mode-2d     # what is random in it
     regista train examples/driving.py:driving --method plr --num-envs 4
     regista train examples/driving.py:driving --method paired --num-envs 4
 
-needs `pip install 'regista[scenic3]'`. The program, `driving.scenic`, says what happens on the road; `Driver` says what
-the agent sees, does, and is paid for. As a script it trains PLR and tests what came of it.
+It requires `pip install 'regista[scenic3]'`. The program `driving.scenic` defines the traffic; `Driver` defines the
+agent's observations, actions and rewards. Run as a script, this file trains PLR and evaluates the policy.
 """
 
 import argparse
@@ -22,7 +22,7 @@ PEDALS = ((0.0, 1.0), (0.0, 0.3), (0.0, 0.0), (0.5, 0.0))  # throttle and brake 
 
 
 class Driver(Role):
-    """Sees the gap, its own speed and the other's; is to come to a stand behind the other, soon and whole."""
+    """Observes the gap and both speeds; must stop close behind the other car, quickly and without a crash."""
 
     observation_space = Box(-np.inf, np.inf, (3,), np.float32)
     action_space = Discrete(len(PEDALS))
@@ -47,7 +47,7 @@ class Driver(Role):
 
 
 def make(num_envs: int) -> ScenicUPOMDP:
-    """Make roads to train on, each in a process of its own."""
+    """Make training environments, each in its own process."""
     return ScenicUPOMDP(ScenicProgram(PROGRAM, mode_2d=True), Driver(), num_envs)
 
 

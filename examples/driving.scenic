@@ -1,4 +1,4 @@
-# A car ahead drives at a pace of its own, and stops for no reason that one could see: how soon, and how hard, is θ.
+# A car ahead drives at its own speed and brakes without warning; θ sets when it brakes, and how hard.
 param map = localPath('straight_road.xodr')
 param map_options = {'useCache': False, 'writeCache': False}
 param render = False
@@ -18,5 +18,5 @@ force = Range(0.2, 1)                             # of its brakes
 ego = new Car at (20, -1.85), with velocity (speed, 0)
 lead = new Car ahead of ego by gap, with velocity (pace, 0), with behavior Stopping(pace, after, force)
 
-require speed * speed / 10 < gap + pace * after + pace * pace / (14 * force)      # or nobody could stop in time
+require speed * speed / 10 < gap + pace * after + pace * pace / (14 * force)      # stopping in time is possible
 terminate when lead.position.x > 580

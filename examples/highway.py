@@ -1,10 +1,10 @@
-"""A driving task: highway-env's parking lot and highway, whose lanes, traffic and goals are the parameters.
+"""A driving task: highway-env's highway; the parameters are the number of lanes and cars, and their density.
 
     regista train examples/highway.py:highway --method paired
     regista inspect examples/highway.py:highway --png highway.png
 
-needs `pip install highway-env`. What `put` returns is given to `reset` as its options, as highway-env wants it.
-`roads.py` is the same with MetaDrive.
+It requires `pip install highway-env`. `put` returns the `options` for `reset`, which is how highway-env sets its
+configuration. `roads.py` does the same with MetaDrive.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import ued
 
 
 def put(env: gymnasium.Env, values: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of `reset` that put one level into an environment."""
+    """Return the options of `reset` that apply one level to an environment."""
     cars = {"lanes_count": values["lanes"], "vehicles_count": values["cars"], "vehicles_density": values["density"]}
     return {"config": {**cars, "duration": 20, "offscreen_rendering": True}}
 
@@ -30,7 +30,7 @@ def road() -> gymnasium.Env:
 
 
 def make(num_envs: int) -> ued.GymUPOMDP:
-    """Make highways to train on: no road of one lane is full."""
+    """Make training environments; a valid level has at most 8 cars per lane."""
     kinds = {"lanes": ued.Integer(1, 4), "cars": ued.Integer(2, 20), "density": ued.LogRange(0.5, 2.0)}
     return ued.GymUPOMDP(road, put, kinds, num_envs, valid=lambda level: level["cars"] <= 8 * level["lanes"])
 

@@ -1,9 +1,9 @@
-"""MuJoCo's hopper on other planets: gravity and the mass of its torso are the parameters, with any method.
+"""MuJoCo's hopper on other planets, with any method; the parameters are gravity and the mass of the torso.
 
     regista train examples/hopper.py:hopper --method plr
     regista compare examples/hopper.py:hopper --methods dr plr accel --seeds 3
 
-needs `pip install 'gymnasium[mujoco]'`. As a script it trains PLR from Python and tests what came of it.
+It requires `pip install 'gymnasium[mujoco]'`. Run as a script, this file trains PLR and evaluates the policy.
 """
 
 import argparse
@@ -15,7 +15,7 @@ import ued
 
 
 def put(env: gymnasium.Env, values: dict[str, float]) -> None:
-    """Put one level into an environment."""
+    """Apply one level to an environment."""
     model = env.unwrapped.model
     model.opt.gravity[2] = -values["gravity"]
     torso = model.body("torso").id
@@ -25,7 +25,7 @@ def put(env: gymnasium.Env, values: dict[str, float]) -> None:
 
 
 def make(num_envs: int) -> ued.GymUPOMDP:
-    """Make hoppers to train on."""
+    """Make training environments."""
     ranges = {"gravity": ued.Range(3.0, 15.0), "mass": ued.LogRange(0.5, 2.0)}
     return ued.GymUPOMDP(lambda: gymnasium.make("Hopper-v5", render_mode="rgb_array"), put, ranges, num_envs)
 

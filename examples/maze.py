@@ -1,4 +1,4 @@
-"""The maze benchmark from Python: train on random mazes, then play mazes of other kinds and sizes.
+"""The maze benchmark from Python: train on random mazes, then evaluate on test mazes of other kinds and sizes.
 
     python examples/maze.py --method accel --env-steps 1_000_000
 

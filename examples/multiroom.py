@@ -1,10 +1,10 @@
-"""PLR over seeds, Procgen's setting, on MiniGrid: 200 mazes of two rooms, each of which is its seed.
+"""PLR over seeds, as in Procgen, on MiniGrid: 200 mazes of two rooms, each defined by a seed.
 
     pip install minigrid
     python examples/multiroom.py --method plr
 
-`reset(seed=)` lays out the rooms. `Seeds(200)` makes levels of 200 seeds: every episode of a level plays the same
-rooms, so what PLR replays is what it scored. The test is on seeds that are not among them.
+`reset(seed=)` generates the rooms. `Seeds(200)` is a level space of 200 seeds: every episode of a level has the same
+rooms, so PLR replays the levels that it scored. The test uses other seeds.
 """
 
 import argparse
@@ -17,19 +17,19 @@ TRAINING, TEST = ued.Seeds(200), ued.Seeds(1000, first=10_000)
 
 
 def room() -> gymnasium.Env:
-    """Make one environment; the goal's text has no fixed size, so that the image alone is seen."""
+    """Make one environment that observes only the image: the mission text has no fixed size."""
     from minigrid.wrappers import ImgObsWrapper
 
     return ImgObsWrapper(gymnasium.make("MiniGrid-MultiRoom-N2-S4-v0"))
 
 
 def make(num_envs: int = 16) -> ued.GymUPOMDP:
-    """Make rooms to train on."""
+    """Make training environments."""
     return ued.GymUPOMDP(room, None, TRAINING, num_envs)
 
 
 def make_new(num_envs: int = 16) -> ued.GymUPOMDP:
-    """Make rooms of other seeds."""
+    """Make test environments with unseen seeds."""
     return ued.GymUPOMDP(room, None, TEST, num_envs)
 
 

@@ -1,9 +1,9 @@
-"""Levels of your own that are no vectors of numbers: walls, a start and a goal, with PLR, ACCEL and PAIRED.
+"""Your own levels that are not vectors of numbers: walls, a start and a goal, with PLR, ACCEL and PAIRED.
 
     python examples/own_levels.py --method accel --env-steps 200000
 
-`Mazes` says how a maze is drawn, changed a little, and written as a code; that is all that PLR and ACCEL need of levels
-of your own. PAIRED also needs `parameters`, which say what the columns of a code are.
+`Mazes` defines how to sample, mutate and encode a maze; PLR and ACCEL require nothing else. PAIRED also requires
+`parameters`, which describe the columns of the code.
 """
 
 import argparse
@@ -22,7 +22,7 @@ MOVES = np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])  # up, down, left, right
 
 
 class Maze(NamedTuple):
-    """One level: which cells are walls `[SIDE, SIDE]`, where the walker begins, where the goal is."""
+    """One level: the walls `[SIDE, SIDE]` bool, and the cells of start and goal."""
 
     walls: np.ndarray
     start: tuple[int, int]
@@ -32,22 +32,22 @@ class Maze(NamedTuple):
 class Mazes:
     """Mazes as levels: a `ued.LevelFamily`."""
 
-    size = SIDE * SIDE + 2  # a cell each, then the places of start and goal
-    parameters: ClassVar = {  # optional, for adversaries: what the columns of a code are
+    size = SIDE * SIDE + 2  # one entry per cell, then the positions of start and goal
+    parameters: ClassVar = {  # optional, for adversaries: the columns of a code
         **{f"wall {cell}": ued.Choice(False, True, weights=(5, 1)) for cell in range(SIDE * SIDE)},
         "start": ued.Choice(*range(SIDE * SIDE)),
         "goal": ued.Choice(*range(SIDE * SIDE)),
     }
 
     def sample(self, rng: np.random.Generator) -> Maze:
-        """Put up to MOST_WALLS walls anywhere, start and goal in free cells."""
+        """Draw up to MOST_WALLS walls anywhere, and start and goal in free cells."""
         cells = rng.permutation(SIDE * SIDE)
         walls = np.zeros(SIDE * SIDE, bool)
         walls[cells[2 : 2 + rng.integers(MOST_WALLS + 1)]] = True
         return Maze(walls.reshape(SIDE, SIDE), divmod(int(cells[0]), SIDE), divmod(int(cells[1]), SIDE))
 
     def mutate(self, level: Maze, rng: np.random.Generator) -> Maze:
-        """Build or tear down one wall, or move the goal to a free cell."""
+        """Add or remove one wall, or move the goal to a free cell."""
         walls, cell = level.walls.copy(), tuple(rng.integers(SIDE, size=2).tolist())
         if cell in (level.start, level.goal):
             return level
@@ -57,12 +57,12 @@ class Mazes:
         return level._replace(walls=walls)
 
     def encode(self, level: Maze) -> np.ndarray:
-        """Return walls as ±1, and two places between -1 and 1."""
+        """Return the walls as ±1, and both positions in [-1, 1]."""
         places = [(2 * (y * SIDE + x) + 1) / SIDE**2 - 1 for y, x in (level.start, level.goal)]
         return np.concatenate([np.where(level.walls.ravel(), 1.0, -1.0), places])
 
     def decode(self, code: np.ndarray) -> Maze:
-        """Return the maze of a code, without walls at start and goal."""
+        """Return the maze that a code describes, without walls at start and goal."""
         start, goal = (divmod(int((place + 1) / 2 * SIDE**2), SIDE) for place in code[-2:])
         walls = code[:-2].reshape(SIDE, SIDE) > 0
         walls[start] = walls[goal] = False
@@ -70,7 +70,7 @@ class Mazes:
 
 
 class MazeEnv(gymnasium.Env):
-    """Walk to the goal, for a reward of 1 - 0.9 t / LONGEST. Observed are walls, walker and goal, a plane each."""
+    """Reach the goal for a reward of 1 - 0.9 t / LONGEST. The observation has planes for walls, agent and goal."""
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 8}  # noqa: RUF012
     observation_space = Box(0, 255, (SIDE, SIDE, 3), np.uint8)
@@ -107,17 +107,17 @@ class MazeEnv(gymnasium.Env):
 
 
 def put(env: gymnasium.Env, level: Maze) -> None:
-    """Put a level into an environment."""
+    """Apply a level to an environment."""
     env.unwrapped.maze = level
 
 
 def is_maze(level: Maze) -> bool:
-    """Return whether a level can be played; an adversary may propose others."""
+    """Return whether a level is valid; an adversary may propose invalid ones."""
     return level.start != level.goal
 
 
 def make(num_envs: int = 32) -> ued.GymUPOMDP:
-    """Make mazes to train on."""
+    """Make training environments."""
     return ued.GymUPOMDP(lambda: MazeEnv("rgb_array"), put, Mazes(), num_envs, valid=is_maze)
 
 

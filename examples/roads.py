@@ -1,11 +1,11 @@
-"""A driving task in a physics engine: MetaDrive's car on bends, whose radius, lanes and traffic are the parameters.
+"""A driving task in a physics engine: MetaDrive's car on bends; the parameters are radius, lanes and traffic.
 
     regista train examples/roads.py:roads --method plr --num-envs 4
     regista inspect examples/roads.py:roads
 
-needs `pip install metadrive-simulator`, which fetches 100 MB of pictures and shapes when it is first used. A process
-holds one simulation, so each environment has a process. What MetaDrive calls a seed is the number of one of its
-scenarios: where the other cars are. So `seed_episodes` makes such a number of a level's own seed.
+It requires `pip install metadrive-simulator`, which downloads 100 MB of assets at its first use. A process can hold one
+simulation only, so each environment runs in its own process. A MetaDrive seed is the index of a scenario (the positions
+of the other cars), so `seed_episodes` maps a level's seed to such an index.
 """
 
 import argparse
@@ -16,11 +16,11 @@ import gymnasium
 
 import ued
 
-SCENARIOS = 1000  # ways in which cars may be placed
+SCENARIOS = 1000  # placements of the other cars
 
 
 class Arrival(gymnasium.Wrapper):
-    """Says that an episode succeeds where the car arrives, whatever it was paid on its way; `reset` has no options."""
+    """Reports success if the car arrives, whatever its return; `reset` drops `options`, which MetaDrive rejects."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         return self.env.reset(seed=seed)
@@ -31,15 +31,15 @@ class Arrival(gymnasium.Wrapper):
 
 
 def road() -> gymnasium.Env:
-    """Make one car."""
+    """Make one environment."""
     from metadrive.envs.metadrive_env import MetaDriveEnv
 
-    quiet = {"log_level": 50, "num_scenarios": SCENARIOS, "store_map": False}  # a road is made anew for each episode
+    quiet = {"log_level": 50, "num_scenarios": SCENARIOS, "store_map": False}  # each episode builds its road
     return Arrival(MetaDriveEnv({**quiet, "map_config": {"type": "pg_map_file", "config": []}, "horizon": 400}))
 
 
 def put(env: gymnasium.Env, values: dict[str, Any]) -> None:
-    """Put one level into an environment: a straight road, a bend to the left, one to the right."""
+    """Apply one level to an environment: a straight road, a bend to the left, a bend to the right."""
     bend = {"id": "C", "pre_block_socket_index": 0, "length": 30.0, "radius": values["radius"], "angle": 90.0}
     straight = {"id": "S", "pre_block_socket_index": 0, "length": 40.0}
     config = env.unwrapped.config  # type: ignore[attr-defined]
@@ -49,12 +49,12 @@ def put(env: gymnasium.Env, values: dict[str, Any]) -> None:
 
 
 def scenario(seed: int) -> int:
-    """Return the number of a scenario for a level's seed."""
+    """Return the index of a scenario for a level's seed."""
     return seed % SCENARIOS
 
 
 def make(num_envs: int) -> ued.GymUPOMDP:
-    """Make cars to train on."""
+    """Make training environments."""
     kinds = {"radius": ued.LogRange(15, 60), "lanes": ued.Integer(1, 3), "traffic": ued.Range(0.0, 0.3)}
     return ued.GymUPOMDP(road, put, kinds, num_envs, vectorization="async", seed_episodes=scenario)
 

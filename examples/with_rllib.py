@@ -1,10 +1,10 @@
-"""Domain randomization by RLlib's PPO: each episode is on a level of its own.
+"""Domain randomization with RLlib's PPO: each episode plays a new random level.
 
     pip install 'ray[rllib]' torch
     python examples/with_rllib.py --env-steps 100000
 
-RLlib wants single environments and makes its batches itself: `UPOMDPWrapper` draws a level whenever it is reset, and a
-curriculum comes by `CurriculumWrapper`, as in `with_stable_baselines3.py`.
+RLlib takes single environments and batches them itself. `UPOMDPWrapper` samples a level at each reset;
+`CurriculumWrapper` takes levels from a curriculum instead, as in `with_stable_baselines3.py`.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""ALP-GMM with Stable-Baselines3, whose trainer knows nothing of levels: the environments ask for them.
+"""ALP-GMM with Stable-Baselines3: the environments request levels from the curriculum, so the trainer is unchanged.
 
 python examples/with_stable_baselines3.py --env-steps 100000
 """
@@ -22,7 +22,7 @@ def set_pole(env, values):
     env.unwrapped.length, env.unwrapped.gravity = values["length"], values["gravity"]
 
 
-torch.set_num_threads(1)  # small networks: threads only get in the way
+torch.set_num_threads(1)  # small networks train faster on one thread
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
 parser.add_argument("--env-steps", type=int, default=100_000)
 curriculum = ALPGMMCurriculum(ThetaSpace(len(RANGES)), ALPGMMConfig(fit_every=100), seed=0)

@@ -1,10 +1,10 @@
-"""A team trained by TorchRL: MAPPO around a minigame as PettingZoo has it.
+"""A team trained with TorchRL: MAPPO on a minigame as a PettingZoo environment.
 
     pip install 'regista[pettingzoo]' torchrl
     python examples/with_torchrl.py --env-steps 200000
 
-A match at a time: this shows how the pieces fit, not how fast they can be. `regista train --control closest2 --critic
-central` does the same on a native batch, a hundred times faster, with every curriculum.
+It plays one match at a time and serves as an example of the interface, not of speed. `regista train --control closest2
+--critic central` does the same on a native batch, a hundred times faster, with every curriculum.
 """
 
 import argparse
@@ -24,14 +24,14 @@ TEAM = "agent"  # TorchRL groups agents by their names up to the number
 
 
 def make_env(game, control):
-    """Make agents that move players by `control`, and the return of each episode so far."""
+    """Make a match whose agents move the players of `control`, with a running sum of rewards."""
     match = minigames.parallel_env(game, control=control)
     env = PettingZooWrapper(match, categorical_actions=True, use_mask=False)
     return TransformedEnv(env, RewardSum([env.reward_key], [(TEAM, "episode_reward")]))
 
 
 def make_networks(env):
-    """Make one policy for all agents, who see what is theirs, and a critic that sees what all see."""
+    """Make a policy that all agents share, with local observations, and a critic that observes all of them."""
     agents, features = env.observation_spec[TEAM, "observation"].shape[-2:]
     shape = {"n_agent_inputs": features, "n_agents": agents, "share_params": True, "depth": 2, "num_cells": 64}
     policy = MultiAgentMLP(n_agent_outputs=ACTIONS, centralized=False, **shape)
@@ -48,9 +48,9 @@ def make_networks(env):
 
 
 def make_loss(env, actor, critic):
-    """Make PPO's clipped loss, told where in the team's data it finds what it needs."""
-    normalised = {"normalize_advantage": True, "normalize_advantage_exclude_dims": (1,)}  # each agent's own
-    loss = ClipPPOLoss(actor, critic, clip_epsilon=0.2, entropy_coeff=0.01, **normalised)
+    """Make PPO's clipped loss, with the keys of the team's data."""
+    normalized = {"normalize_advantage": True, "normalize_advantage_exclude_dims": (1,)}  # each agent's own
+    loss = ClipPPOLoss(actor, critic, clip_epsilon=0.2, entropy_coeff=0.01, **normalized)
     loss.set_keys(
         reward=env.reward_key,
         action=env.action_key,
@@ -63,7 +63,7 @@ def make_loss(env, actor, critic):
 
 
 def learn(loss, optimizer, batch):
-    """Take the steps `[T]` of a rollout in, several times, in minibatches."""
+    """Update on the steps `[T]` of a rollout for several epochs, in minibatches."""
     with torch.no_grad():
         loss.value_estimator(batch, params=loss.critic_network_params, target_params=loss.target_critic_network_params)
     for _ in range(EPOCHS):
@@ -78,7 +78,7 @@ def learn(loss, optimizer, batch):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--game", default="3v2FourBehaviors", help="a minigame's name")
-    parser.add_argument("--control", default="closest2", help="whom the agents move")
+    parser.add_argument("--control", default="closest2", help="players that the agents move")
     parser.add_argument("--env-steps", type=int, default=200_000, help="steps to train for")
     arguments = parser.parse_args()
     torch.manual_seed(0)

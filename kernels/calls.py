@@ -14,7 +14,7 @@ def compiles() -> bool:
 
 
 def overload_of(function: Any, arguments: tuple[Any, ...]) -> Any:
-    """Return the machine code of a kernel for arguments of these types, which calls without inferring types again."""
+    """Return a kernel's machine code for arguments of these types; calling it skips type inference."""
     if not hasattr(function, "get_overload"):
         return function
     types = tuple(map(numba.typeof, arguments))

@@ -1,7 +1,7 @@
 """`kernel`: the decorator that compiles all of Regista's Numba functions and caches the machine code.
 
-Numba's own cache looks only at the file in which a function stands: edit a constant or a callee in another file and it
-serves stale code. So the cache folder is named by a digest of every source file that a kernel can see. A file with
+Numba's own cache checks only the file that defines a function: after an edit of a constant or a callee in another file
+it serves stale code. So a digest of every source file that a kernel can see names the cache folder. A file with
 kernels must therefore import only other files with kernels and files without imports of their own; any other import
 would make an unrelated edit recompile the football simulator.
 Read next: `regista.envs.football.simulator`, the largest user.
@@ -32,11 +32,11 @@ import numpy as np
 
 ROOT = Path(__file__).parents[2].resolve()  # a checkout, or site-packages
 PACKAGES = ("regista/kernels", "scenic_lite", "regista/envs")
-RECORDS = "ued/core/compiled.py"  # of compiled rollouts: kernels know their fields by name, without importing them
+RECORDS = "ued/core/compiled.py"  # of compiled rollouts: kernels read their fields without importing this file
 KNOWN_INSIDE = (
     (0, 61),
     (0, 69),
-)  # from the first version to before the second: those whose internals `numba_linking` uses
+)  # Numba versions whose internals `numba_linking` supports: the first is included, the second is not
 # `numba_linking` saves half of the first compilation, but relies on Numba's private classes: 0 disables it.
 LINKING = os.environ.get("REGISTA_NUMBA_LINKING", "1") != "0"
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}  # `_nrt`: no reference counting
@@ -48,7 +48,7 @@ _IMPORT = re.compile(r"^(?:from|import)\s+([\w.]+)(?:\s+import\s+(\([^)]*\)|.*))
 
 
 def kernel(function: Callable | None = None, *, parallel: bool = False, inline: bool = False) -> Any:
-    """Compile a function with Numba, strictly (no fast-math, so that one and two threads agree), and cache it.
+    """Compile a function with Numba, without fast-math (so that one and two threads agree), and cache it.
 
     Kernels create no arrays, so they skip reference counting, which would cost a tenth of their time. Kernels never
     raise: with `error_model="numpy"` a division by zero gives inf or nan, as in C. With `NUMBA_DISABLE_JIT=1` the
@@ -70,7 +70,7 @@ def kernel(function: Callable | None = None, *, parallel: bool = False, inline: 
 
 
 def linked() -> bool:
-    """Return whether kernels are compiled by `numba_linking`, which shows its progress; otherwise by Numba alone."""
+    """Return whether `numba_linking`, which shows progress, compiles kernels; if not, Numba alone does."""
     return LINKING and KNOWN_INSIDE[0] <= numba.version_info[:2] < KNOWN_INSIDE[1]
 
 
@@ -86,7 +86,7 @@ def _dispatcher(function: Callable, options: dict[str, Any]) -> Any:
 
 
 def compiled(function: Any) -> bool:
-    """Return whether calling the kernel is quick: it runs uncompiled, or is in memory or in the cache."""
+    """Return whether a call needs no compilation: the kernel runs as Python, or is in memory or in the cache."""
     if not hasattr(function, "signatures") or function.signatures:
         return True
     folder = Path(function.stats.cache_path)
@@ -95,7 +95,7 @@ def compiled(function: Any) -> bool:
 
 
 def sources() -> list[Path]:
-    """List the files with kernels, files of ours that those import, and `RECORDS`: what compiled code depends on."""
+    """List the sources of compiled code: files with kernels, files of this project that they import, and `RECORDS`."""
     texts = {path: path.read_text() for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
     seen: set[Path] = set()
     pending = [path for path in (ROOT / RECORDS,) if path.is_file()]
@@ -135,7 +135,7 @@ def digest() -> str:
 def _cache_folder() -> Path:
     """Create the cache folder of this digest in NUMBA_CACHE_DIR, else in the user's cache, else in a temporary folder.
 
-    Cached code is executed. So a folder that another user could write into is not used.
+    Cached code is executed, so a folder that another user could write into is rejected.
     """
     user_cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "regista"
     chosen = os.environ.get("NUMBA_CACHE_DIR")

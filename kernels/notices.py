@@ -1,7 +1,8 @@
-"""Messages on stderr while kernels are compiled or another process compiles them: what, how far, for how long.
+"""Progress messages on stderr while this or another process compiles kernels: name, progress and elapsed time.
 
-On a terminal this is one line, redrawn by a thread and removed at the end; elsewhere one plain line of each kind. Work
-of less than a second is silent, so kernels from the cache are. Read next: `kernels.numba_linking`, which reports here.
+On a terminal a thread redraws one line and removes it at the end; elsewhere each kind of message is printed once. Work
+shorter than a second prints nothing, so loading from the cache is silent. Read next: `kernels.numba_linking`, which
+reports its work to this module.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def _write(text: str) -> None:
 
 
 class _Work:
-    """What the compiler is doing; the outermost of nested pieces of work is shown.
+    """The compiler's current work; of nested pieces of work the outermost is shown.
 
     `entries`: names of the programs to compile, if they are known. `usual`: seconds that they usually take, or 0.
     """
@@ -47,11 +48,11 @@ class _Work:
         self.began = time.monotonic()
         self.entry = ""  # the program being compiled
         self.reached: set[Callable] = set()  # its functions
-        self.waiting: float | None = None  # since when another process compiles
-        self.generating = False  # machine code: all functions have been read
+        self.waiting: float | None = None  # when this process started to wait for another one that compiles
+        self.generating = False  # all functions have been read, and machine code is generated
 
     def line(self) -> str:
-        """Return the line for a terminal, empty while nothing is compiled."""
+        """Return the line for a terminal; it is empty while nothing is compiled."""
         now = time.monotonic()
         if self.waiting is not None:
             return f"{WAITING}, {now - self.began:.0f} s"
@@ -65,7 +66,7 @@ class _Work:
         return ", ".join([*words, f"{now - self.began:.0f} s"])
 
     def plain(self) -> str:
-        """Return the line for anything but a terminal, empty while there is nothing to say."""
+        """Return the line for outputs other than a terminal; it is empty if there is nothing to report."""
         if self.waiting is not None:
             return WAITING if time.monotonic() - self.waiting >= PATIENCE else ""
         about = f", about {self.usual} s" if self.usual else ""
@@ -73,12 +74,12 @@ class _Work:
 
 
 _compiled: set[Callable] = set()  # functions that this process has compiled, as parts of programs
-_work: _Work | None = None  # what is shown
+_work: _Work | None = None  # the work that is shown
 
 
 @contextmanager
 def at_work(entries: Sequence[str] = (), usual: int = 0) -> Iterator[_Work]:
-    """Show what is compiled inside the context; a context inside another one adds to what that one shows."""
+    """Show the compiler's work inside the context; nested contexts report to the outermost one."""
     global _work
     if _work is not None:
         yield _work
@@ -111,7 +112,7 @@ def _show(work: _Work, ended: threading.Event) -> None:
 
 
 def _forget() -> None:
-    """Show nothing in a forked process: its copy of the work has no thread."""
+    """Show nothing in a forked process, whose copy of the work has no thread."""
     global _work
     _work = None
 
@@ -121,7 +122,7 @@ os.register_at_fork(after_in_child=_forget)
 
 @contextmanager
 def compiling(function: Callable) -> Iterator[None]:
-    """Show that a program is compiled whose entry is this function."""
+    """Show that the program with this entry function is compiled."""
     with at_work() as work:
         work.entry, work.reached, work.generating = function.__name__, reached(function), False
         try:
@@ -133,7 +134,7 @@ def compiling(function: Callable) -> Iterator[None]:
 
 @contextmanager
 def waiting() -> Iterator[None]:
-    """Show that another process compiles, and this one waits for its result."""
+    """Show that this process waits for another one that compiles the kernels."""
     with at_work() as work:
         work.waiting = time.monotonic()
         try:
@@ -167,6 +168,6 @@ def reached(function: Callable) -> set[Callable]:
 
 
 def names_in(code: CodeType) -> set[str]:
-    """Return all names that the code, or code inside of it, reads."""
+    """Return all names that the code, including nested code, reads."""
     inside = [part for part in code.co_consts if isinstance(part, CodeType)]
     return {*code.co_names}.union(*map(names_in, inside))

@@ -1,8 +1,8 @@
-"""The cache of machine code: named by a file's path within Regista, not by its path on the disk.
+"""The cache of machine code: its entries are named by a file's path within Regista, not by its path on the disk.
 
 Numba names the folder after the path of the source file, so each clone and each environment would compile the same
-kernels again. The cache folder of `kernels.jit` is named by a digest of all sources, so equal copies of Regista can
-share it. Kernels of other projects are stamped by all that their code can see: Numba looks only at their own file.
+kernels again. A digest of all sources names the cache folder of `kernels.jit`, so equal copies of Regista share it.
+The stamp of a kernel of another project covers all code that it can see; Numba's stamp covers only its own file.
 Read next: `kernels.numba_linking`, whose kernels use this cache.
 """
 
@@ -40,7 +40,7 @@ class _PlaceWithin(_CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Callable, py_file: str) -> _PlaceWithin | None:
-        """Return the locator of a function, or None for a function outside Regista, whose place Numba chooses."""
+        """Return the locator of a function, or None outside Regista, where Numba chooses the folder."""
         within = _within(py_file)
         if not _config.CACHE_DIR or within is None:
             return None
@@ -74,7 +74,7 @@ def _digest(file: str) -> str:
 
 
 def stamp_of(function: Callable) -> str:
-    """Return a digest of the text and constants outside Regista that compiled code of a function sees, callees' too."""
+    """Return a digest of the source and constants outside Regista that a function's compiled code and callees use."""
     texts = []
     for each in reached(function):
         if _within(each.__code__.co_filename) is None:
@@ -84,7 +84,7 @@ def stamp_of(function: Callable) -> str:
 
 
 def _constant(value: Any) -> str:
-    """Return the value of a global that is compiled into a kernel; of a module, whose attributes may be, its digest."""
+    """Return the text of a global that is compiled into a kernel; for a module, the digest of its file."""
     if isinstance(value, ModuleType):
         file = str(getattr(value, "__file__", None))
         return _digest(file) if file.endswith(".py") else ""
@@ -101,31 +101,31 @@ class _KernelCacheImpl(CompileResultCacheImpl):
 
 
 class KernelCache(FunctionCache):
-    """Numba's cache of one function, placed by `_PlaceWithin`. A cache that cannot be read or written is no error."""
+    """Numba's cache of one function, placed by `_PlaceWithin`. Failing to read or write it raises no error."""
 
     _impl_class = _KernelCacheImpl
     _stamped = False
 
     def _stamp(self) -> None:
-        """Stamp a kernel outside Regista, before its first use: what it sees may be defined after it."""
+        """Stamp a kernel outside Regista at its first use: its callees may be defined after it."""
         this: Any = self
         if not self._stamped and not isinstance(this._impl.locator, _PlaceWithin):
             this._cache_file._source_stamp = (this._cache_file._source_stamp, stamp_of(this._py_func))
         self._stamped = True
 
     def holds(self, sig: Any, target_context: Any) -> bool:
-        """Return whether code for this signature is cached; damage is only found by loading it."""
+        """Return whether code for this signature is cached; only loading it detects damage."""
         this: Any = self  # Numba's own names for its files
         target_context.refresh()
         try:
             self._stamp()
             file = this._cache_file._load_index().get(this._index_key(sig, target_context.codegen()))
-        except Exception:  # what unpickling raises depends on the damage
+        except Exception:  # the type depends on the damage to the pickled index
             return False
         return file is not None and Path(this._cache_file._data_path(file)).exists()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the cached code, None if there is none or it is damaged, as after a loss of power."""
+        """Return the cached code, or None if it is missing or damaged, as after a power failure."""
         try:
             self._stamp()
             return super().load_overload(sig, target_context)
@@ -136,7 +136,7 @@ class KernelCache(FunctionCache):
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Cache the code, if the disk takes it."""
+        """Cache the code; print a line if the disk does not accept it."""
         try:
             super().save_overload(sig, data)
         except OSError as error:

@@ -5,7 +5,7 @@ so that a chain of n calls is optimized n times over, and wraps each function fo
 are only called by other kernels. So a `Kernel` has two forms: the part that other kernels link, which stays as Numba's
 front end produced it, and the program that it becomes when Python calls it. This saves half of the first compilation;
 the machine code of functions called from Python is the same.
-Read next: `kernels.jit`, which makes kernels; `kernels.notices`, what the user sees meanwhile.
+Read next: `kernels.jit`, which makes kernels; `kernels.notices`, which shows the progress.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from numba.core.types.functions import BaseFunction
 from regista.kernels import notices
 from regista.kernels.numba_cache import KernelCache
 
-# Compiler stages for what kernels never use: contexts, closures, exceptions, array expressions, source inlining.
+# Compiler stages for features that kernels never use: contexts, closures, exceptions, array expressions, inlining.
 NEEDLESS = {
     *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction", "InlineInlinables"),
     *("FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass", "InlineOverloads"),
@@ -38,7 +38,7 @@ GARBAGE = 100_000  # allocations less frees before young objects are collected; 
 
 
 class _PartLibrary(JITCodeLibrary):
-    """The code of one part, neither optimized nor compiled; it links all parts below it into one module."""
+    """The code of one part, neither optimized nor compiled; it links all parts that it needs into one module."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -131,13 +131,13 @@ class _PartCompiler(Compiler):
 
 
 def _run_pass(analysis: Any, _: int, step: Any, state: Any) -> None:
-    """Run one pass without Numba's report of it, which prints the types of all arguments."""
+    """Run one pass without Numba's event, which formats the types of all arguments."""
     step.analysis = analysis
     step.run_pass(state)
 
 
 class _ProgramCompiler(_PartCompiler):
-    """Numba's compiler, which also makes parts of the bodies of parallel loops and their wrappers."""
+    """Numba's compiler for programs; bodies of parallel loops and their wrappers become parts."""
 
     def compile_extra(self, func: Any) -> Any:
         library = self.state.library = _ProgramLibrary(self.state.targetctx.codegen().usual, func.__qualname__)
@@ -150,8 +150,8 @@ class _ProgramCompiler(_PartCompiler):
 def _in_haste() -> Iterator[None]:
     """Skip Numba's repeated work: typing of operators, coloring of errors that it discards, garbage collection."""
     operators: Any = BaseFunction
-    colours: Any = type(errors.termcolor())
-    typed, coloured, thresholds = operators.get_call_type, colours.errmsg, gc.get_threshold()
+    colors: Any = type(errors.termcolor())
+    typed, colored, thresholds = operators.get_call_type, colors.errmsg, gc.get_threshold()
     signatures: dict[Any, Any] = {}
 
     def typed_once(function: Any, context: Any, args: Any, kws: dict[str, Any]) -> Any:
@@ -161,17 +161,17 @@ def _in_haste() -> Iterator[None]:
         return signatures[key]
 
     with global_compiler_lock:
-        operators.get_call_type, colours.errmsg = typed_once, lambda _, message: message
+        operators.get_call_type, colors.errmsg = typed_once, lambda _, message: message
         gc.set_threshold(GARBAGE, *thresholds[1:])
         try:
             yield
         finally:
-            operators.get_call_type, colours.errmsg = typed, coloured
+            operators.get_call_type, colors.errmsg = typed, colored
             gc.set_threshold(*thresholds)
 
 
 class _Part(CPUDispatcher):
-    """A kernel as other kernels see it."""
+    """The form of a kernel that other kernels link."""
 
     def compile(self, sig: Any) -> Any:
         this: Any = self  # Numba's own name for it
@@ -199,7 +199,7 @@ class Kernel(CPUDispatcher):
         self._cache = KernelCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
-        """Load or compile the kernel; of programs that start together one compiles, and the others load its result."""
+        """Load or compile the kernel. Of several processes one compiles; the others wait and load its result."""
         name = f"{self.stats.cache_path}.{self.py_func.__qualname__}.lock"
         cached = sig in self.overloads or self._cache.holds(sig, self.targetctx)
         with nullcontext() if cached else _turn(name), _in_haste():
@@ -208,9 +208,9 @@ class Kernel(CPUDispatcher):
 
 @contextmanager
 def _turn(name: str) -> Iterator[None]:
-    """Hold the lock of this file; do without in a folder that is read-only or does not support locks.
+    """Hold a lock on this file, or none if the folder is read-only or does not support locks.
 
-    The lock of a process that is killed is free at once.
+    The operating system frees the lock of a process that is killed.
     """
     with ExitStack() as held:
         with suppress(OSError):
@@ -229,6 +229,6 @@ def _lock(file: IO[str]) -> None:
 
 
 def _unlock(file: IO[str]) -> None:
-    """Free the lock; closing the file is not enough, as a process forked meanwhile has it open, too."""
+    """Free the lock. Closing the file does not suffice: a process forked meanwhile has it open, too."""
     with suppress(OSError):
         fcntl.flock(file, fcntl.LOCK_UN)

@@ -1,9 +1,8 @@
 """Random numbers from the stream in a record's field `random`, the same for any number of threads.
 
-The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003): shifts and exclusive ors
-only, so that it runs uncompiled without overflow warnings. Streams start from SplitMix64 hashes of
-the seeds (Steele, Lea and Flood, OOPSLA 2014). Football matches and the virtual machine of behaviors
-(`dynamics.machine.vm`) draw from it.
+The generator is Marsaglia's xorshift64 (Journal of Statistical Software 8(14), 2003). It uses shifts and exclusive ors
+only, so uncompiled code raises no overflow warnings. Streams start from SplitMix64 hashes of the seeds (Steele, Lea
+and Flood, OOPSLA 2014). Football matches and the virtual machine of behaviors (`dynamics.machine.vm`) use it.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ def stream(seed: int) -> int:
 
 @kernel
 def start_of(seed):
-    """Return `stream` of a seed that is a uint64."""
+    """Return `stream(seed)` for a uint64 seed, inside kernels."""
     state = seed + _STEP
     state = (state ^ (state >> _30)) * _FACTORS[0]
     state = (state ^ (state >> _27)) * _FACTORS[1]

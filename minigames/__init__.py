@@ -1,4 +1,4 @@
-"""The minigames: Scenic programs as data. Importing this registers them with Gymnasium.
+"""The minigames: Scenic programs as data. Importing this package registers them with Gymnasium.
 
     import gymnasium
     from regista import minigames
@@ -6,9 +6,9 @@
     env = gymnasium.make("regista/1v1Free-v1")                        # one match
     envs = gymnasium.make_vec("regista/1v1Free-v1", num_envs=256)     # a native batch, a new level every episode
 
-    env = minigames.parallel_env("3v2FourBehaviors", control="all")   # a match by agents, as PettingZoo has it
+    env = minigames.parallel_env("3v2FourBehaviors", control="all")   # a PettingZoo environment
 
-A test scene is an environment, too: `regista/1v1Free_hard-v1`. `regista/minigames` is a link to this folder.
+Test scenes are environments, too: `regista/1v1Free_hard-v1`. `regista/minigames` is a link to this folder.
 Read next: `suites`.
 """
 

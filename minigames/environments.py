@@ -1,7 +1,7 @@
-"""Minigames and mazes as environments: importing this registers them with Gymnasium; PettingZoo's are made on demand.
+"""Minigames and mazes as environments: importing this registers Gymnasium ids; `parallel_env` makes PettingZoo's.
 
-Ids of minigames end in the version of the simulator. Of an older one Gymnasium says that it is deprecated, and which to
-use instead. Read next: `suites`, the rows that are registered; `envs.maze.gym_env`, mazes.
+Ids of minigames end in the version of the simulator. For an older version, Gymnasium reports that it is deprecated and
+names the current id. Read next: `suites`, the games that are registered; `envs.maze.gym_env`, mazes.
 """
 
 from typing import Any
@@ -27,17 +27,18 @@ gymnasium.register(
 
 
 def parallel_env(minigame: str, **settings: Any) -> Any:
-    """Make a minigame into a PettingZoo `ParallelEnv`; `settings` are those of `FootballParallelEnv`.
+    """Return a minigame as a PettingZoo `ParallelEnv`; `settings` are the arguments of `FootballParallelEnv`.
 
-    Agents move whom a team moves in the minigame, or all, unless `control` and `right_control` say otherwise. Raises
-    ValueError for an unknown name or a control mode that does not fit, ImportError without PettingZoo.
+    By default agents move the players of the minigame's team mode, or all players; `control` and `right_control`
+    override it. Raises ValueError for an unknown name or a control mode that does not fit, ImportError without
+    PettingZoo.
     """
     if minigame not in NAMED:
         raise ValueError(f"unknown minigame {minigame!r}; known are {', '.join(NAMED)}")
     try:
         from regista.envs.football.parallel_env import FootballParallelEnv
     except ImportError as error:
-        raise ImportError("a parallel_env needs PettingZoo: pip install 'regista[pettingzoo]'") from error
+        raise ImportError("parallel_env requires PettingZoo: pip install 'regista[pettingzoo]'") from error
     game = NAMED[minigame]
     control = game.team_control[0] if game.team_control else "all"
     return FootballParallelEnv(str(game.program), **{"control": control, **settings})

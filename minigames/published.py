@@ -1,4 +1,4 @@
-"""What others have measured on the minigames: `published.csv`, row by row. Read next: `suites`."""
+"""Published results on the minigames: the rows of `published.csv`. Read next: `suites`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from regista.minigames.suites import HERE
 
 
 class Published(NamedTuple):
-    """A goal difference per episode; `interval` is half of its 95% interval. None where a number is not known."""
+    """A mean goal difference per episode; `interval` is half the width of its 95% interval. None: not available."""
 
     game: str
     agent: str
@@ -25,14 +25,14 @@ class Published(NamedTuple):
 
 @cache
 def published() -> tuple[Published, ...]:
-    """Return all rows; the head of the file says what the names of agents mean."""
+    """Return all rows; the header of the file explains the names of agents."""
     with open(HERE / "published.csv", newline="") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         return tuple(_row(row) for row in rows)
 
 
 def find_published(game: str, agent: str, split: str = "train", control: str = "") -> Published | None:
-    """Return the row of an agent on a game, the first if no control mode is given; None if there is none."""
+    """Return the row of an agent on a game (without `control` the first one), or None if there is none."""
     rows = (row for row in published() if (row.game, row.agent, row.split) == (game, agent, split))
     return next((row for row in rows if control in ("", row.control)), None)
 

@@ -7,7 +7,7 @@ manual of the language. The packages, from the ground up:
     values      random expressions as graphs, and geometry in the plane
     core        scopes, types, budget: the basis of all other packages
     language    the chapters of the manual: classes, distributions, specifiers, operators, requirements, regions
-    evaluation  the tree walked once, on numbers and on random values alike
+    evaluation  one walk over the tree, for numbers and random values alike
     scene       θ → scenes, and back
     dynamics    behaviors and monitors: the compiler, the virtual machine
 

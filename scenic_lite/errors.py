@@ -1,4 +1,4 @@
-"""The exception of the language: what is wrong, where, and how to correct it.
+"""The exception of the language: the error, its place, and how to correct it.
 
 Read next: `syntax.lexer`, which raises the first of them.
 """

@@ -126,7 +126,7 @@ def is_plain(value: object) -> bool:
 
 
 def warn_of_overrides(state: LoadState, own: Source) -> None:
-    """Warn of a caller's parameter that the program never sets, if its name is similar to one that it does set."""
+    """Warn about a caller's parameter that the program never sets, if its name is similar to one that it sets."""
     unset = own.start
     known = {name for name, place in state.param_places.items() if place != unset}
     known |= state.domain.params if state.domain else frozenset()
@@ -173,7 +173,7 @@ def is_file(source: str) -> bool:
 
 
 def load_mode(domain: Domain | None, dialect: int) -> Mode:
-    """Return the mode of a load, which knows the language but nothing of a program yet."""
+    """Return the mode of a load, with the names of the language and without a program."""
     state = LoadState(domain, dialect)
     builtins = BUILTINS | {"globalParameters": Namespace("globalParameters", state.params)}
     handlers = Handlers(EXPRESSIONS | CALLS, STATEMENTS | IMPORTS, builtins, call, unpack)

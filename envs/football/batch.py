@@ -133,7 +133,7 @@ def begin_row(batch, actions, settings, code, index):
 
 @kernel(inline=True)
 def cast_of(settings):
-    """Return the program's objects as players, and what it reads of them."""
+    """Return the players of the program's objects, and which of their fields it reads."""
     return Cast(settings.object_to_player, settings.objects_read)
 
 
@@ -179,7 +179,7 @@ def finish_row(batch, outcome, seen, settings, index):
     for agent in range(num_agents(match)):
         outcome.agent_rewards[index, agent] = agent_reward(match, agent, settings.checkpoints)
         action = match.last_actions[agent]
-        outcome.agent_actions[index, agent] = max(action, NO_ACTION)  # GRF does not report what its AI wants
+        outcome.agent_actions[index, agent] = max(action, NO_ACTION)  # GRF does not report its AI's decisions
     outcome.terminated[index] = match.terminated
     outcome.truncated[index] = match.truncated
     outcome.success[index] = has_succeeded(match, settings.defending)

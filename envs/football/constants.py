@@ -67,14 +67,14 @@ _DIAGONAL = 0.7071067811865476
 DIRECTION_X = (0.0, -1.0, -_DIAGONAL, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL)
 DIRECTION_Y = (0.0, 0.0, _DIAGONAL, 1.0, _DIAGONAL, 0.0, -_DIAGONAL, -1.0, -_DIAGONAL)
 
-# How the agents of a team get their players: see `control_modes`
+# The control mode of a team: see `control_modes`
 NO_AGENTS, CLOSEST, ACTIVE, FIXED = range(4)
 CONTROL_MODES = ("closest1", "closest2", "closest3", "active", "all", "allNonGK", "none")  # or a number
 
 # Modes of the game
 NORMAL, KICK_OFF, GOAL_KICK, FREE_KICK, CORNER, THROW_IN, PENALTY = range(7)
 
-# What ended an episode; the last two: the program's `terminate`, a violated requirement of the program
+# The reason of an episode's end; the last two: the program's `terminate`, a violated requirement of the program
 RUNNING, GOAL, OUT_OF_PLAY, POSSESSION, DURATION, TERMINATED, REJECTED = range(7)
 
 # Faults found by a kernel; for a fault of the program, `scenic_lite.dynamics` reports which one

@@ -19,7 +19,7 @@ from ued.core.compiled import CompiledRollout
 
 
 class Engine(Protocol):
-    """What an engine does for a batch of matches."""
+    """The interface of an engine for a batch of matches."""
 
     def begin(self, batch: Batch, where: np.ndarray, luck: np.ndarray, settings: BatchSettings) -> None:
         """Reset the matches `where` (indices `[k]`) to the initial states in `batch.starts`.

@@ -1,4 +1,4 @@
-"""Refuses tampered checkpoints, with `limits`: the kinds of fields of a record, in place of bare types in its tables.
+"""The kinds of a record's fields, with limits instead of bare types; `limits` rejects tampered checkpoints by them.
 
 Importing it does not load Numba. Read next: `state`, the tables; `limits`, which checks records by them.
 """

@@ -20,7 +20,7 @@ from regista.kernels.jit import kernel
 def play_frames(match):
     """Simulate the frames of one step of 100 ms; the ball stops where it leaves the pitch.
 
-    A player far from the ball and from everybody else is only moved before a contact with the ball, when others may
+    A player far from the ball and from all other players is only moved before a contact with the ball, when others may
     read the player's position, and at the end: then by all skipped frames at once.
     """
     bits, crowd = reachable(match), crowded(match)

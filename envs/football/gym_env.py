@@ -140,5 +140,5 @@ class FootballEnv(gymnasium.Env):
 
 
 def is_there(value: Any) -> bool:
-    """Return whether anything was recorded: a missing vector or number is NaN, other values are None."""
+    """Return whether a value was recorded: a missing vector or number is NaN, another missing value is None."""
     return value is not None and not (isinstance(value, float | np.ndarray) and bool(np.isnan(value).any()))

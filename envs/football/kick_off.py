@@ -17,7 +17,7 @@ from regista.envs.football.control.control_modes import assign_agents
 from regista.envs.football.state import ENGINE, MATCH, NOBODY_YET
 from regista.kernels.rng import streams
 
-NO_KICK = 9.0  # s since the last kick, if nobody has kicked yet
+NO_KICK = 9.0  # s since the last kick, if there was none yet
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def kick_off(
     seeds: npt.ArrayLike,
     config: MatchConfig = MatchConfig(),
 ) -> np.ndarray:
-    """Make matches MATCH [N] about to begin: everyone stands, the ball is at rest and has no owner.
+    """Make matches MATCH [N] about to begin: all players stand, the ball is at rest and has no owner.
 
     `positions` [N, P, 2] and `ball` [N, 2] are in meters, `seeds` [N] start the random streams. Raises ValueError
     if the shapes disagree, there are more than 22 players, or a control mode does not fit the team.
@@ -171,7 +171,7 @@ def _nearest(positions: np.ndarray, ball: np.ndarray, teams: np.ndarray) -> np.n
 
 
 def _possession_share(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return both teams' share of possession [N, 2] at the start: the nearer one has it, neither if equally near."""
+    """Return both teams' share of possession [N, 2] at the start: the nearer team has it; neither if equally near."""
     lead = np.sign(right - left)[:, None] * np.array([1.0, -1.0])
     return NO_POSSESSION + 0.5 * (1.0 + np.nan_to_num(lead)) * (FULL_POSSESSION - NO_POSSESSION)
 

@@ -1,7 +1,7 @@
-"""Refuses tampered checkpoints: checks every field of a record from outside against its limits.
+"""Rejects tampered checkpoints: checks every field of an external record against its limits.
 
-Kernels check no bounds: an index out of range writes into the next match. So whatever loads a state from outside
-(`set_state`, and through it checkpoints and records of matches) checks all of it first, as words of 64 bits, against
+Kernels check no bounds: an index out of range writes into the next match. So all code that loads an external state
+(`set_state`, and through it checkpoints and records of matches) first checks all of it, as words of 64 bits, against
 the tables of `state`. Read next: `field_kinds`.
 """
 
@@ -35,7 +35,7 @@ class Limits:
         fields: the name of each field, its first byte, and its kind.
         counts: how many players and agents there are.
         given: one valid row, as words; its values are those of all rows where a kind is `given`.
-        random: names of fields for which it is not, since the program draws them.
+        random: names of fields that this does not apply to, since the program draws them.
 
     Attributes:
         masks, lows, highs: int64 `[W]`.

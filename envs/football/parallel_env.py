@@ -129,8 +129,8 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the same info for each agent."""
         theta = self.match.batch.levels["theta"][0]
-        told = {**info, "theta": theta.copy(), "ended": REASONS[info["ended"]]}
-        return {agent: dict(told) for agent in self.possible_agents}
+        shared = {**info, "theta": theta.copy(), "ended": REASONS[info["ended"]]}
+        return {agent: dict(shared) for agent in self.possible_agents}
 
     def _apart(self, observation: Any) -> dict[str, Any]:
         self._seen = [observation] if len(self.possible_agents) == 1 else list(observation)

@@ -19,10 +19,10 @@ from scenic_lite.dynamics.machine.bytecode import Code
 
 
 class Matches(NamedTuple):
-    """What is played."""
+    """The matches of a rollout, the pool of their initial states, and the program."""
 
     batch: Batch
-    pool: Pool  # initial states of the levels at hand
+    pool: Pool  # initial states of the prepared levels
     settings: BatchSettings
     code: Code  # of the program
 
@@ -54,7 +54,7 @@ def play_matches(rollout, matches, outcome, seen):
 
 @kernel
 def note_match(rollout, outcome, settings, e):
-    """Note the results of a step; a program that defines rewards leaves unknown whether its episodes succeed."""
+    """Record the results of a step; success is unknown (nan) if the program defines rewards."""
     rewards = rollout.steps.reward[rollout.counters[0].step, e]
     if len(rewards) > 1:
         copy(outcome.agent_rewards[e], rewards)
@@ -73,7 +73,7 @@ def has_failed(faults):
 
 @kernel
 def start_match(rollout, matches, e):
-    """Start the next episode of an environment, on another level if it took one."""
+    """Start the next episode of an environment, on the next level if it was assigned one."""
     row, batch, pool = rollout.envs.start[e], matches.batch, matches.pool
     if row >= 0:
         batch.starts[e] = pool.matches[row]

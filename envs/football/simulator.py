@@ -1,6 +1,6 @@
-"""One step of a match as a recipe: the decisions for all players, then ten stages of football.
+"""One step of a match: the decisions for all players, then ten stages of football.
 
-A step is a decision of 0.1 s. Each stage is in the module that it is imported from, and changes only the record MATCH.
+A step lasts 0.1 s and has one decision per player. Each stage is a function of another module and changes only MATCH.
 Read next: `state` for the record, then the stages in their order.
 """
 

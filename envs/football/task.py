@@ -1,4 +1,4 @@
-"""Football programs as a task: training environments, test scenes, how levels look, and policies for scale.
+"""Football programs as a task: training environments, test scenes, pictures of levels, and baseline policies.
 
 Read next: `ued.core.task`; `football.vector_env`, the environments.
 """
@@ -31,13 +31,13 @@ def football_task(
     config: FootballConfig = FootballConfig(),  # noqa: B008 (frozen)
     make: Callable[..., FootballVectorEnv] = FootballVectorEnv,
 ) -> Task:
-    """Make a training program and its test programs, by name, into a task.
+    """Return the task of a training program and its test programs by name.
 
     Args:
-        program: what students train on.
+        program: the training program.
         tests: programs of test scenes by name, with as many players; loaded when they are first used.
         held_out: the same for final tables.
-        config: what agents observe and control, and what they are rewarded for.
+        config: observations, control and rewards of the agents.
         make: called as `make(program, num_envs, config=config)`.
 
     Raises `NotAMatchError` for a program that describes no match.
@@ -79,7 +79,7 @@ def _shoot(upomdp: Any) -> ShootPolicy:
 
 
 def _built_in(upomdp: Any) -> ScriptedPolicy:
-    """Make the built-in AI, or what the program's behaviors do, a policy of the agents' players."""
+    """Return the policy that plays the agents' players by the program's behaviors, or by the built-in AI."""
     return ScriptedPolicy(_agents(upomdp))
 
 

@@ -51,7 +51,7 @@ class FootballVectorEnv(UPOMDP):
     Args:
         program: a compiled program, the path of one, or its text.
         num_envs: N.
-        config: observation, reward, and whom the agents move (see `control_modes`).
+        config: observation, reward, and the players that agents move (see `control_modes`).
 
     Actions are Google Research Football's 19; `observation` lists the observations. A match that ends by a goal, a
     possession change or out of play is terminated, as by the program's `terminate`; one that reaches `game_duration` or
@@ -305,8 +305,8 @@ class FootballVectorEnv(UPOMDP):
         """Return a copy in which the program's behaviors, or the built-in AI, play the agents' players.
 
         It begins new episodes of the same levels and ignores actions. Agents keep their players and observations;
-        `info["agent_actions"]` holds what was done for them: one action a step, the main one of a command of several
-        actions, and the nearest one to what the built-in AI does.
+        `info["agent_actions"]` holds one action per step for each: the main one of a command of several actions, or
+        the one nearest to the built-in AI's decision.
         """
         twin = self.copy()
         twin.scripted = True

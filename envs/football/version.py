@@ -14,7 +14,7 @@ Matches of Google Research Football (`engine = "grf"`) carry no number.
 from __future__ import annotations
 
 SIMULATOR_VERSION = 1
-UNNUMBERED = 0  # of files written before the simulator had a version
+UNNUMBERED = 0  # of files from an unnumbered simulator
 
 
 def simulator_name(version: int) -> str:

@@ -1,4 +1,4 @@
-"""Google Research Football (GRF) as the engine of a batch: we run the program and the agents, GRF plays the football.
+"""Google Research Football (GRF) as the engine of a batch: we run the program and the agents, GRF plays the match.
 
     begin_row     behaviors and agents choose the players' actions                                  in our kernels
     Workers       Google Research Football plays them                                               in its processes
@@ -116,7 +116,7 @@ class GrfEngine:
         self._workers.forget(gone)
 
     def _scene(self, start: np.ndarray, index: int) -> dict[str, Any]:
-        """Return what the worker needs to set up match number `index` from its initial record MATCH."""
+        """Return the settings for the worker to set up match number `index` from its initial record MATCH."""
         agents = [self._agents_of(team, int(start["control"][team])) for team in (LEFT, RIGHT)]
         self._controllers[index] = agents
         ball = [float(start["ball"]["x"]) / UNIT_X, float(start["ball"]["y"]) / UNIT_Y]
@@ -186,7 +186,7 @@ def check_keepers(lineup: Lineup) -> None:
 
 
 def _let_go(workers: Workers, played: dict[int, Episode]) -> None:
-    """Tell the workers that an environment has been closed."""
+    """Report to the workers that an environment has been closed."""
     workers.forget(list(played.values()))
     played.clear()
     workers.leave()

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Google Research Football 2.10.2 with a Python of its own, built from source on Debian 12 or a like system: about ten
-# minutes on two cores. It goes to $REGISTA_GRF_HOME, where Regista looks for it; its old packages touch nothing else.
+# Install Google Research Football 2.10.2 with its own Python, built from source on Debian 12 or a similar system, in
+# about ten minutes on two cores. The target is $REGISTA_GRF_HOME, where Regista finds it; other packages stay unchanged.
 #
 #     sh envs/grf/install.sh [--packages | --environment]      only the system's packages, or only the rest
 set -eu

@@ -1,7 +1,7 @@
 """From GRF's observations to our record of a match, so that all code based on MATCH works on both engines.
 
-Fields that GRF does not report keep their initial values: the facing of players who stand, and who lies on the ground.
-A requested kick follows from the actions, as in our simulator, and its end from the ball.
+Fields that GRF does not report keep their initial values: the facing of standing players, and players on the ground.
+A requested kick follows from the actions, as in our simulator, and its end from the ball's velocity.
 Read next: `regista.envs.football.state`, the record; `grf.worker`, GRF's record.
 """
 
@@ -170,7 +170,7 @@ def read_agents(match, seen, controllers):
 
 @kernel
 def _give(match, agent, player):
-    """Let an agent control a player, or nobody."""
+    """Let an agent control a player, or none."""
     if match.agents[agent] != NOBODY:
         match.players[match.agents[agent]].agent = NOBODY
     match.agents[agent] = player

@@ -1,8 +1,8 @@
 """Worker processes that run GRF: each plays some of the episodes of a batch.
 
-An episode is its scene, its seed and its actions: GRF repeats it from them bit for bit. So if the process that played
-an episode is gone (it died, hung, or sent an invalid answer, or the environment was copied or resumed), another
-process replays the episode and plays on.
+Scene, seed and actions determine an episode: GRF replays it bit for bit. So if the process that played an episode is
+gone (it died, hung, or sent an invalid answer, or the environment was copied or resumed), another process replays the
+episode and continues it.
 
 Environments share the processes, which end with the last environment that uses them.
 Read next: `grf.worker`, the process.
@@ -43,7 +43,7 @@ DEFAULT_HOME = Path("~/.local/share/regista/grf")
 
 
 class GrfError(RuntimeError):
-    """Google Research Football is not installed, or refuses a request; the message says what to do."""
+    """Google Research Football is not installed, or rejects a request; the message names the remedy."""
 
 
 class WorkerGoneError(Exception):
@@ -198,7 +198,7 @@ class WorkerProcess:
 class Workers:
     """A pool of processes; an episode's slot determines its process.
 
-    `begin` and `play` raise GrfError if GRF refuses a request, or if workers die repeatedly during the same request.
+    `begin` and `play` raise GrfError if GRF rejects a request, or if workers die repeatedly during the same request.
     """
 
     def __init__(self, python: Path, count: int) -> None:
@@ -271,7 +271,7 @@ class Workers:
     def _bring_back(
         self, waiting: dict[WorkerProcess, list[int]], episodes: Sequence[Episode], observed: np.ndarray
     ) -> dict[WorkerProcess, str]:
-        """Let workers begin or replay the episodes that they do not have; return those that died of it, and why."""
+        """Let workers begin or replay the episodes that they do not have; return failed workers, with reasons."""
         rounds = _Round()
         for process, indices in waiting.items():
             process.hold([episodes[i] for i in indices])

@@ -16,9 +16,9 @@ direction it faces, and is rewarded for reaching the goal early. Dynamics and vi
 | time limit | truncation, whose value is bootstrapped | DCD `handle_timelimits=true`; JaxUED, minimax: one `done` |
 
 Two things differ from the sources. Their agents have seven actions, four of which do nothing. In JaxUED and minimax an
-agent that reaches the goal stays in the cell before it. Here it moves onto the goal, as in MiniGrid. In both cases the
-episode is over.
+agent that reaches the goal stays in the cell before it. In this package it moves onto the goal, as in MiniGrid. In both
+cases the episode is over.
 
-Read next: `grid`, the arrays; `dynamics`, a step; `levels`, mazes as levels; `env`, the environment; `task`, what
-`regista train maze` trains on and is tested on.
+Read next: `grid`, the arrays; `dynamics`, a step; `levels`, mazes as levels; `env`, the environment; `task`, the
+training and test mazes of `regista train maze`.
 """

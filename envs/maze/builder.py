@@ -61,7 +61,7 @@ class MazeBuilder:
         return Sites(walls, nowhere, nowhere.copy(), np.full(count, self.steps), luck)
 
     def apply(self, levels: Sites, actions: np.ndarray) -> Sites:
-        """Place what is due in the cells `actions` `[n]`, in place."""
+        """Place the next wall, goal or agent of each maze in the cells `actions` `[n]`, in place."""
         if self.random_count and levels.step == 0:
             levels.limit = actions * self.num_walls // self.actions + 2
         first = levels.limit - 2 if self.goal_last else np.zeros_like(levels.limit)
@@ -91,7 +91,7 @@ class MazeBuilder:
 
 
 def direction(levels: Sites) -> np.ndarray:
-    """Return which way the agents face: int `[n]`."""
+    """Return the directions that the agents face: int `[n]`."""
     return levels.luck % DIRECTIONS
 
 

@@ -1,9 +1,9 @@
 """The test mazes that have one layout each, those of PAIRED, PLR⊥ and ACCEL.
 
-`.` is a cell, `#` a wall, `S` where the agent starts, `G` a place where the goal may be, one of them in each episode.
+`.` is a cell, `#` a wall, `S` the start of the agent, `G` a possible cell of the goal; each episode uses one of them.
 The border of walls is not drawn. The layouts of DCD (`envs/multigrid/maze.py`) and minimax (`maze_ood.py`) are the
 same. JaxUED has them, too, except for the corridors.
-Read next: `named_mazes`, which says what varies.
+Read next: `named_mazes`, which lists what varies.
 """
 
 SIXTEEN_ROOMS = """

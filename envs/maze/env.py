@@ -1,6 +1,6 @@
-"""Mazes as a UPOMDP: N agents, each in a maze of its own, stepped as one batch.
+"""Mazes as a UPOMDP: N agents in N mazes, stepped as one batch.
 
-Read next: `levels`, which mazes there are; `dynamics`, how they are stepped; `rollout`, whole rollouts at once.
+Read next: `levels`, the space of mazes; `dynamics`, a step; `rollout`, whole rollouts at once.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ MOST_CLOCK = 2**31  # of a state: the clock of an episode that is over runs on u
 
 
 class Mazes(UPOMDP):
-    """N partially observed mazes; see the package for what they are and where that comes from.
+    """N partially observed mazes; the package lists their properties and sources.
 
     Args:
         num_envs: N.
@@ -91,7 +91,7 @@ class Mazes(UPOMDP):
 
     @property
     def agents(self) -> Agents:
-        """Where the agents are, `[N]`; to be read only."""
+        """The positions of the agents, `[N]`; to be read only."""
         return self._agents
 
     @property
@@ -104,7 +104,7 @@ class Mazes(UPOMDP):
         return np.full(self._size, 1 / IMAGE_SCALE if self._settings.as_image else 1.0)
 
     def valid(self, theta: Any) -> np.ndarray:
-        """Return in which mazes of θ `[K, D]` start and goal differ: bool `[K]`."""
+        """Return whether start and goal differ in each maze of θ `[K, D]`: bool `[K]`."""
         return self._family.valid(check_theta(theta, self.theta_dim))
 
     def theta_of(self, maze: Maze) -> np.ndarray:
@@ -115,7 +115,7 @@ class Mazes(UPOMDP):
         return self._family.encode(maze)
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:
-        """Return what the mazes of θ `[K, D]` are, by name: walls, agent, goal, and the length of the shortest path."""
+        """Describe the mazes of θ `[K, D]` by name: walls, agent, goal, and the length of the shortest path."""
         layouts = self.layouts_of(theta)
         described = []
         for row, steps in zip(theta, path_lengths(layouts, self.width), strict=True):
@@ -191,7 +191,7 @@ class Mazes(UPOMDP):
         return images.reshape(-1, VIEW, VIEW, CHANNELS)
 
     def directions(self) -> np.ndarray:
-        """Return which way the agents face: 0 right, 1 down, 2 left, 3 up, int `[N]`."""
+        """Return the directions that the agents face: 0 right, 1 down, 2 left, 3 up, int `[N]`."""
         return self._agents.direction.copy()
 
     def render(self) -> tuple[np.ndarray, ...] | None:
@@ -203,7 +203,7 @@ class Mazes(UPOMDP):
         return tuple(draw_maze(grid, *agent, entries) for grid, agent, entries in rows)
 
     def seen(self) -> list[np.ndarray]:
-        """Return the entries of the grids that the agents see, of each of them an array."""
+        """Return one array per agent: the entries of the grid that it sees."""
         things = self.images()[..., 0].reshape(self.num_envs, CELLS)
         agents = zip(things, self._agents.at.tolist(), self._agents.direction.tolist(), strict=True)
         return [view_entries(at, direction, self.width)[view != UNSEEN] for view, at, direction in agents]

@@ -51,7 +51,7 @@ def simple_crossing(rng: np.random.Generator) -> Maze:
 
 
 def perfect_maze(side: int, rng: np.random.Generator) -> Maze:
-    """Sample a maze of S x S cells, S odd, in which exactly one way joins any two cells.
+    """Sample a maze of S x S cells, S odd, in which exactly one path connects any two cells.
 
     The cells in even rows and columns are joined along a random spanning tree by Kruskal's algorithm. Agent and goal
     are in two random corners (DCD `envs/multigrid/mst_maze.py`; minimax places them in any two cells).

@@ -22,7 +22,7 @@ BORDER = VIEW - 1
 
 
 class Layouts(NamedTuple):
-    """Mazes: what lies in their grids, and where agents start."""
+    """Mazes: the content of their grids, and the start of the agents."""
 
     grid: np.ndarray  # [K, W * W] uint8: EMPTY, WALL or GOAL
     start: np.ndarray  # [K] int64, an entry of the grid
@@ -30,7 +30,7 @@ class Layouts(NamedTuple):
 
 
 class Agents(NamedTuple):
-    """Where the agents are, and the steps since their episodes began."""
+    """Positions and directions of the agents, and the steps since their episodes began."""
 
     at: np.ndarray  # [N] int64, an entry of the grid
     direction: np.ndarray  # [N] int64
@@ -38,7 +38,7 @@ class Agents(NamedTuple):
 
 
 class Settings(NamedTuple):
-    """What all environments of a batch share."""
+    """Settings that all environments of a batch share."""
 
     width: int  # W
     max_steps: int

@@ -39,7 +39,7 @@ class MazeEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Start a maze; return what the agent sees, float32 `[F]`. Raises `ThetaError` for an invalid θ."""
+        """Start a maze; return the observation, float32 `[F]`. Raises `ThetaError` for an invalid θ."""
         super().reset(seed=seed)
         given = {**(options or {})}
         if "theta" in given:

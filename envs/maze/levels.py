@@ -7,7 +7,7 @@ uniform" 0 to 59 (`resample_n_clutter`). JaxUED draws walls in the same way, min
 uniform direction. As in these sources, some mazes have no path to the goal.
 
 An edit is one of ACCEL's in DCD (`AdversarialEnv.mutate_level`, editor "walls_none_goal"): a uniform cell becomes a
-wall, an empty cell or the goal. Several edits follow each other here; DCD's are made at once, in different cells.
+wall, an empty cell or the goal. Our edits are applied one after the other; DCD's at once, in different cells.
 
 An adversary builds mazes step by step (see `builder`), or chooses all cells at once. Read next: `builder`; `env`.
 """

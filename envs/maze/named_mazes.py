@@ -13,7 +13,7 @@ SimpleCrossing. All of this is in DCD's `envs/multigrid/{maze,mst_maze,crossing,
 layouts, with fixed directions in some. JaxUED allows 250 steps. In both, agents see through the walls of all mazes.
 
 Sources: PAIRED is Dennis et al. 2020, PLR⊥ Jiang et al. 2021, ACCEL Parker-Holder et al. 2022, MiniGrid
-Chevalier-Boisvert et al. 2023. Read next: `drawings`, `generators`; `task`, which tests students.
+Chevalier-Boisvert et al. 2023. Read next: `drawings`, `generators`; `task`, which evaluates students on them.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ class NamedMaze(NamedTuple):
         draw: samples the maze of an episode.
         side: its inner side S.
         max_steps: its time limit.
-        about: what it is, and its source.
-        see_through: whether agents see through walls, if they do where they train.
+        about: its description and source.
+        see_through: whether agents see through walls, provided that they do in training.
     """
 
     draw: DrawMaze
@@ -60,7 +60,7 @@ class NamedMaze(NamedTuple):
     see_through: bool = True
 
     def make(self, num_envs: int, config: MazeConfig = MazeConfig()) -> DrawnMazes:  # noqa: B008 (frozen)
-        """Make N environments of this maze, observed as `config` says, that can be drawn."""
+        """Make N environments of this maze that can be rendered, with the observations of `config`."""
         own = replace(config, side=self.side, max_steps=self.max_steps)
         return DrawnMazes(num_envs, self.draw, own, self.see_through, "rgb_array")
 

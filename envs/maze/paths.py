@@ -1,6 +1,6 @@
-"""Shortest paths: how many steps, turns included, an agent needs from anywhere to the goal.
+"""Shortest paths: the number of steps, turns included, from each cell and direction to the goal.
 
-Read next: `shortest_path`, a policy that takes them.
+Read next: `shortest_path`, a policy that follows them.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ UNREACHABLE = -1
 
 @kernel
 def steps_to_goal(grid, width, steps, queue):
-    """Write how many steps it takes from each entry of a grid `[W * W]`, facing each direction, to its goal.
+    """Write the number of steps from each entry of a grid `[W * W]`, for each direction, to the goal.
 
-    `steps` `[W * W, 4]` int64 is UNREACHABLE where no path leads there. A breadth-first search from the goal backwards;
+    `steps` `[W * W, 4]` int64 is UNREACHABLE without a path. A breadth-first search runs backwards from the goal;
     `queue` `[4 W * W]` int64 is its memory.
     """
     steps[:] = UNREACHABLE
@@ -46,7 +46,7 @@ def steps_to_goal(grid, width, steps, queue):
 
 @kernel
 def choose_shortest(agents, steps, width, actions):
-    """Write for each environment an action `[N]` that brings it nearer to the goal, a left turn where none does."""
+    """Write for each environment an action `[N]` that shortens the path to the goal; a left turn without a path."""
     for e in range(len(actions)):
         at, direction, best = agents.at[e], agents.direction[e], LEFT
         left, right = (direction + DIRECTIONS - 1) % DIRECTIONS, (direction + 1) % DIRECTIONS
@@ -60,7 +60,7 @@ def choose_shortest(agents, steps, width, actions):
 
 
 def path_lengths(layouts: Layouts, width: int) -> list[int]:
-    """Return how many steps it takes from the starts of mazes to their goals; UNREACHABLE where no path leads there."""
+    """Return the number of steps from start to goal of each maze; UNREACHABLE without a path."""
     entries = layouts.grid.shape[1]
     steps, queue = np.empty((entries, DIRECTIONS), np.int64), np.empty(DIRECTIONS * entries, np.int64)
     lengths = []

@@ -30,8 +30,8 @@ def draw_maze(grid: np.ndarray, at: int, direction: int, seen: np.ndarray) -> np
     Args:
         grid: `[W * W]`, see `grid`.
         at: the agent's entry of the grid.
-        direction: that it faces.
-        seen: the entries that it sees.
+        direction: the direction that the agent faces.
+        seen: the entries that the agent sees.
     """
     width = int(len(grid) ** 0.5)
     cells = np.where((grid == WALL)[:, None], WALL_COLOUR, FLOOR).astype(np.uint8)

@@ -13,7 +13,7 @@ from regista.kernels.rollout.play import act, choose_levels, copy, note
 
 @kernel
 def play_mazes(rollout, layouts, agents, pool, settings):
-    """Play mazes until the rollout is full or a level is needed; `pool` are the Layouts of the levels at hand."""
+    """Play mazes until the rollout is full or a level is needed; `pool` are the Layouts of the prepared levels."""
     envs = rollout.envs
     while act(rollout):
         for e in range(len(envs.action)):

@@ -1,4 +1,4 @@
-"""A policy that takes shortest paths, the upper bound of what students can reach. Read next: `paths`; `task`."""
+"""A policy that follows shortest paths: an upper bound on the return of students. Read next: `paths`; `task`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ued.core.baselines import Untrained
 
 
 class ShortestPath(Untrained):
-    """Take a shortest path to the goal: no policy is faster. It reads the mazes, which agents do not see.
+    """Follow a shortest path to the goal: no policy is faster. It reads the mazes, which agents do not observe.
 
     Args:
         mazes: the environments that it plays in; `within` makes the same policy for others.
@@ -31,7 +31,7 @@ class ShortestPath(Untrained):
         return ShortestPath(upomdp)
 
     def steps(self) -> np.ndarray:
-        """Return how many steps each agent needs to its goal, UNREACHABLE where no path leads there: int `[N]`."""
+        """Return the number of steps of each agent to its goal, UNREACHABLE without a path: int `[N]`."""
         grid, width = self.mazes.layouts.grid, self.mazes.width
         for e in np.flatnonzero((grid != self._seen).any(1)).tolist():
             steps_to_goal(grid[e], width, self._steps[e], self._queue)

@@ -1,10 +1,10 @@
-"""Mazes as a task: random mazes to train on, the benchmark's test mazes, pictures, policies for scale, settings.
+"""Mazes as a task: random mazes for training, the benchmark's test mazes, pictures, baseline policies, settings.
 
     regista train maze --method accel
     regista compare maze --methods dr plr accel
     regista compare maze60 --methods dr accel      # with 0 to 59 walls instead of 25
 
-Read next: `named_mazes`, what students are tested on; `ued.core.task`.
+Read next: `named_mazes`, the test mazes; `ued.core.task`.
 """
 
 from __future__ import annotations
@@ -56,9 +56,9 @@ DEFAULTS: dict[str, Any] = {
 
 
 def maze_task(config: MazeConfig = MazeConfig()) -> Task:  # noqa: B008 (frozen)
-    """Make random mazes and the benchmark's test mazes into a task; test mazes are seen as `config` says.
+    """Return the task of random mazes and the benchmark's test mazes, with the observations of `config`.
 
-    `PerfectMazeLarge`, whose episodes last up to 5,202 steps, is for final tables alone: `--held-out`.
+    `PerfectMazeLarge`, whose episodes last up to 5,202 steps, is for final tables only: `--held-out`.
     """
     return Task(
         partial(make_mazes, config=config),
@@ -73,7 +73,7 @@ def maze_task(config: MazeConfig = MazeConfig()) -> Task:  # noqa: B008 (frozen)
 
 
 def make_mazes(num_envs: int, config: MazeConfig = MazeConfig()) -> Mazes:  # noqa: B008 (frozen)
-    """Make N random mazes that can be drawn."""
+    """Make N random mazes that can be rendered."""
     return Mazes(num_envs, config, render_mode="rgb_array")
 
 

@@ -1,4 +1,4 @@
-"""What agents see: 5 x 5 cells ahead, as MiniGrid shows them (`MiniGridEnv.gen_obs`).
+"""The agents' view: 5 x 5 cells ahead, as in MiniGrid (`MiniGridEnv.gen_obs`).
 
 The view is turned so that the agent looks up from the middle of the lowest row. Cells have numbers 5 i + j, with column
 i from the left and row j from the top: the order of MiniGrid's `image[i, j]`. The agent's own cell is shown empty.
@@ -34,7 +34,7 @@ def image_shape(see_through: bool, as_image: bool) -> tuple[int, int, int]:
 
 @kernel
 def stride(direction, width):
-    """Return how far apart a cell and the next one in a direction are in the grid."""
+    """Return the offset in the grid between a cell and the next one in a direction."""
     if direction == 0:
         return 1
     if direction == 1:
@@ -44,7 +44,7 @@ def stride(direction, width):
 
 @kernel
 def entry(at, ahead, aside, i, j):
-    """Return the entry of the grid that column i and row j of a view show."""
+    """Return the entry of the grid in column i and row j of a view."""
     return at + (BORDER - j) * ahead + (i - MIDDLE) * aside
 
 
@@ -76,7 +76,7 @@ def _light(grid, at, ahead, aside, i, j, side, seen):
 
 @kernel
 def thing_at(grid, at, ahead, aside, i, j, seen):
-    """Return what a view shows in column i and row j: UNSEEN, EMPTY, WALL or GOAL."""
+    """Return the content of column i and row j of a view: UNSEEN, EMPTY, WALL or GOAL."""
     bit = VIEW * i + j
     if (seen >> bit) & 1 == 0:
         return UNSEEN
@@ -107,7 +107,7 @@ def write_image(layouts, agents, settings, e, image):
 
 @kernel
 def write_features(layouts, agents, settings, e, row):
-    """Write the features of environment e, `[F]`, without the direction; which cells are seen where F has room."""
+    """Write the features of environment e, `[F]`, without the direction; with 3 planes also which cells are seen."""
     grid, at = layouts.grid[e], agents.at[e]
     ahead, aside, seen = look(grid, at, agents.direction[e], settings)
     for i in range(VIEW):

@@ -4,8 +4,8 @@
 
     upomdp = ScenicUPOMDP(ScenicProgram("overtake.scenic", mode_2d=True), Driver(), num_envs=4)
 
-A program's random values become θ: `program`. What a task needs besides is a `Role`: observations, actions and
-rewards of the agent. Install it with `pip install 'regista[scenic3]'`.
+A program's random values become θ: see `program`. A task also needs a `Role`: observations, actions and rewards of the
+agent. Install it with `pip install 'regista[scenic3]'`.
 Read next: `columns`, random values; `program`, scenes; `episode`, a simulation driven step by step; `vector_env`.
 """
 

@@ -103,7 +103,7 @@ def _integer_part(draw: DiscreteRange) -> list[Part]:
 
 
 class Slices:
-    """A polygon, or several, cut into vertical slices: x by its share of the area, then y by its share of the slice."""
+    """One or several polygons in vertical slices: the share of the area gives x, the share of the slice gives y."""
 
     def __init__(self, region: PolygonalRegion) -> None:
         rings = [ring for shape in region.polygons.geoms for ring in (shape.exterior, *shape.interiors)]
@@ -165,7 +165,7 @@ def _in_rectangle(region: RectangularRegion, u: float, v: float) -> Vector:
 
 
 def _in_disc(region: CircularRegion, u: float, v: float) -> Vector:
-    """Map squares around the center to circles, preserving areas and neighborhoods (Shirley and Chiu 1997)."""
+    """Map squares around the center to circles; areas and neighborhoods are preserved (Shirley and Chiu 1997)."""
     a, b = 2 * u - 1, 2 * v - 1
     if a == b == 0:
         return _polar(region, 0.0, 0.0)

@@ -1,7 +1,7 @@
 """A simulation driven step by step: Scenic's simulators run to the end by themselves; this one waits for actions.
 
-The simulation runs in a greenlet, which has its own stack. When it is the agent's turn, the behavior that Scenic asks
-for actions switches back to the caller of `step`, and continues with the action of the next `step`. Scenic and its
+The simulation runs in a greenlet, which has its own stack. When Scenic requests the agent's actions from its behavior,
+the behavior switches back to the caller of `step`, and continues with the action of the next `step`. Scenic and its
 simulators need no change. Scenic's state is global: a process plays one episode at a time.
 Read next: `vector_env`, a process for each environment.
 """
@@ -29,12 +29,12 @@ Outcome = tuple[Any, float, bool, bool, dict[str, Any]]  # as `gymnasium.Env.ste
 
 
 class Role(ABC):
-    """What turns a program into a task: the agent's observations, actions and rewards. Subclass it.
+    """The agent of a task: its observations, actions and rewards. Subclass it.
 
     Attributes:
         observation_space: a vector or an image.
         action_space: of any kind.
-        max_steps: steps after which an episode is cut off; None: the program ends it.
+        max_steps: steps after which an episode is truncated; None: the program ends it.
         timestep: seconds of a step; None: the simulator's own.
     """
 
@@ -61,14 +61,14 @@ class Role(ABC):
 
     @abstractmethod
     def judge(self, simulation: Simulation) -> tuple[float, bool, bool | None]:
-        """Return the reward of the last step, whether the episode ends, and whether it is a success then.
+        """Return the reward of the last step, whether the episode ends, and whether it then succeeds.
 
-        It is also called once at the start, where its reward is ignored; success None: not known.
+        It is also called once at the start, where its reward is ignored; success None: unknown.
         """
 
 
 class _Played(Behavior):
-    """The agent's behavior: its actions come from outside in each step."""
+    """The agent's behavior: the caller of `step` supplies its actions."""
 
     episode: Episode
 

@@ -23,14 +23,14 @@ FIRST = ("position", "yaw", "pitch", "roll")  # of an object's properties: those
 
 
 class Place(NamedTuple):
-    """Where something stands: the line of a file, from 1; 0 if unknown."""
+    """A place in a program: the line of a file, from 1; 0 if unknown."""
 
     file: str
     line: int
 
 
 class Places:
-    """Records on which lines the values of a program are created, and in which order."""
+    """Records the lines on which the values of a program are created, and their order."""
 
     def __init__(self, file: str) -> None:
         self.file = file
@@ -88,7 +88,7 @@ def object_names(scenario: Scenario) -> dict[int, str]:
 
 
 def primitive_names(scenario: Scenario) -> dict[int, str]:
-    """Return a name for everything random, by its id: the first that leads to it."""
+    """Return a name for each random value, by its id: the first that leads to it."""
     held = {called: value for called, value in variables(scenario).items() if not isinstance(value, Object | Behavior)}
     names: dict[int, str] = {}
     for called, value in held.items():  # names of variables before names of properties

@@ -1,7 +1,7 @@
 """A Scenic 3 program, loaded by Scenic: its random values are the columns of θ; θ and a seed determine a scene.
 
-Everything that θ does not determine is drawn from the level's seed: columns excluded by name (such as colors),
-distributions without a known inverse, and draws during the simulation. So θ and seed reproduce the scene.
+All other random values are drawn from the level's seed: columns excluded by name (such as colors), distributions
+without a known inverse, and draws during the simulation. So θ and seed reproduce the scene.
 Read next: `columns`, the primitives; `episode`, which plays a scene.
 """
 
@@ -43,7 +43,7 @@ class Thing(NamedTuple):
 
 
 class Scenes(NamedTuple):
-    """Where the O objects of N scenes are: `positions` `[N, O, 2]`, `headings` `[N, O]` in radians, validity `[N]`."""
+    """The O objects of N scenes: `positions` `[N, O, 2]`, `headings` `[N, O]` in radians, validity `[N]`."""
 
     positions: np.ndarray
     headings: np.ndarray
@@ -75,7 +75,7 @@ class ScenicProgram:
 
     Attributes:
         draws: the D columns of θ.
-        by_seed: what the seed determines: names of excluded columns, and of everything else drawn in a scene.
+        by_seed: names of the values that the seed determines: excluded columns, and all other draws of a scene.
     """
 
     def __init__(
@@ -159,7 +159,7 @@ class ScenicProgram:
         return np.array(rows).reshape(count, self.dim), tries
 
     def instantiate(self, theta: np.ndarray) -> Scenes:
-        """Return where the objects of the scenes of θ `[N, D]` are; NaN for invalid rows."""
+        """Return the scenes of θ `[N, D]` with the objects' positions; NaN for invalid rows."""
         scenes = [self._try(row, _seed_of(row)) for row in theta]
         places = np.full((len(theta), len(self.scenario.objects), 3), np.nan)
         for places_of, scene in zip(places, scenes, strict=True):
@@ -172,11 +172,11 @@ class ScenicProgram:
         values = DefaultIdentityDict()
         with seeded(_seed_of(theta)), suppress(RejectionException):
             self._sample(theta, values)
-        told: dict[str, Any] = {draw.name: math.nan for draw in self.draws}
+        described: dict[str, Any] = {draw.name: math.nan for draw in self.draws}
         for node in self._nodes():
             for draw in [self.draws[column] for column in self._columns.get(id(node), ()) if node in values]:
-                told[draw.name] = _component(values[node], draw)
-        return told
+                described[draw.name] = _component(values[node], draw)
+        return described
 
     def theta_of(self, values: Mapping[str, float]) -> np.ndarray:
         """Return the θ `[D]` of values by name. Raises `ValueError` for unknown names and for values without a θ."""
@@ -191,7 +191,7 @@ class ScenicProgram:
         return check_theta(theta, self.dim)[0]
 
     def report(self, count: int, rng: np.random.Generator) -> Report:
-        """Return how many of so many uniform θ are valid, and which requirements the others violate."""
+        """Return how many of `count` uniform θ are valid, and which requirements the others violate."""
         reasons: Counter[str] = Counter()
         for row in rng.uniform(-1, 1, (count, self.dim)):
             if self._try(row, _seed_of(row)) is None:
@@ -217,7 +217,7 @@ class ScenicProgram:
             return self.scenario._makeSceneFromSample(sample)
 
     def _sample(self, theta: np.ndarray, values: DefaultIdentityDict) -> DefaultIdentityDict:
-        """Put a value for everything random into `values`, as `Samplable.sampleAll` does, primitives by θ `[D]`."""
+        """Sample all random values into `values`, as `Samplable.sampleAll` does; θ `[D]` determines the primitives."""
         shares = ((np.asarray(theta, float) + 1) / 2).tolist()
         for root in self.scenario.dependencies:
             self._fill(root, shares, values)
@@ -241,7 +241,7 @@ class ScenicProgram:
     # ------------------------------------------------------------ finding the columns
 
     def _nodes(self) -> Iterator[Samplable]:
-        """Yield everything random in a scene, dependencies first."""
+        """Yield all random values of a scene, dependencies first."""
         known: set[int] = set()
 
         def walk(node: Any) -> Iterator[Samplable]:
@@ -277,7 +277,7 @@ class ScenicProgram:
         self.by_seed = list(dict.fromkeys(self.by_seed + self._other_chance(names)))
 
     def _other_chance(self, names: Mapping[int, str]) -> list[str]:
-        """Return what else is drawn when a scene is sampled: mutations, distributions of other packages."""
+        """Return the names of other draws of a scene: mutations, distributions of other packages."""
         values, found = DefaultIdentityDict(), []
         with seeded(0):
             for node in self._nodes():

@@ -1,7 +1,7 @@
 """N simulations of a Scenic program as a UPOMDP, each in its own process, since Scenic's state is global.
 
-An episode is determined by its level and its actions. So a process that dies or hangs is restarted and replays its
-episode, and a checkpoint resumes to the same numbers.
+Level and actions determine an episode. So a process that dies or hangs is restarted and replays its episode, and a
+checkpoint resumes with identical results.
 Read next: `episode`, which a process plays; `ued.core.upomdp`, the interface.
 """
 
@@ -157,7 +157,7 @@ class Worker:
 
     def _ask(self, *request: Any) -> None:
         if self._pipe is None:
-            context: Any = multiprocessing.get_context(START_METHOD)  # mypy knows no `Process` of a context
+            context: Any = multiprocessing.get_context(START_METHOD)  # typeshed declares no `Process` for contexts
             self._pipe, theirs = context.Pipe()
             self._process = context.Process(target=self.player.serve, args=(theirs, self._pipe), daemon=True)
             self._process.start()
@@ -183,7 +183,7 @@ class ScenicUPOMDP(UPOMDP):
         role: the agent's observations, actions and rewards.
         num_envs: N, each a process of about 200 MB, most of it shared.
 
-    `info["success"]` comes from the role. `info["ending"]` `[N]`, in a step with endings, says how the program ended an
+    The role defines `info["success"]`. In a step with endings, `info["ending"]` `[N]` reports how the program ended an
     episode: "rejected" if it violated a requirement, "" if it did not end.
     Raises `LevelError` for a failure of a simulation or of the role, with θ and seed.
     """
@@ -222,9 +222,9 @@ class ScenicUPOMDP(UPOMDP):
         for index in playing:
             self.workers[index].step(actions[index])
         for index in playing:
-            seen, rewards[index], terminated[index], truncated[index], told = self.workers[index].answer()
+            seen, rewards[index], terminated[index], truncated[index], result = self.workers[index].answer()
             self._observations[index] = seen
-            success[index], endings[index] = float(told.get("success", np.nan)), told.get("ending", "")
+            success[index], endings[index] = float(result.get("success", np.nan)), result.get("ending", "")
         info: dict[str, Any] = {"success": success}
         if (terminated | truncated).any():
             info["ending"] = endings

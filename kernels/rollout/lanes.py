@@ -1,9 +1,9 @@
 """Arithmetic on vectors of 16 rows, as LLVM instructions: the inner loops of a forward pass.
 
 An array of features holds 16 rows side by side, `[features, 16]`, flat: feature f of row r is entry 16 f + r. So one
-vector register holds a feature of all rows (on processors with shorter registers two or four do), and no product
-depends on how a compiler arranges loops. A matrix product keeps 8 outputs in registers while it runs through the
-inputs, each of which is one load and 8 multiplications.
+vector register holds a feature of all rows (two or four registers on processors with shorter ones), and no product
+depends on how a compiler arranges loops. A matrix product keeps 8 outputs in registers while it iterates over the
+inputs; each input costs one load and 8 multiplications.
 
 exp is 2^n times a polynomial (Cody and Waite 1980): its relative error is below 2e-7. tanh and the logistic function
 follow from it, with an absolute error below 2e-7. Read next: `rollout.network`.
@@ -27,8 +27,8 @@ _ALIGN = 4  # bytes: NumPy's arrays of float32
 _LOG2_E = 1 / math.log(2)
 _LN2_HIGH = 0.693359375  # ln 2 in two parts: n times the first is exact in float32
 _LN2_LOW = math.log(2) - _LN2_HIGH
-_LARGEST = 87.0  # exp of larger numbers is taken to be exp of this: it fits into float32
-_TERMS = 7  # of the power series of exp on [-ln 2 / 2, ln 2 / 2]
+_LARGEST = 87.0  # arguments of exp are clipped to this: the result fits into float32
+_TERMS = 7  # degree of the power series of exp on [-ln 2 / 2, ln 2 / 2]
 _BIAS, _MANTISSA = 127, 23  # of float32
 
 
@@ -96,7 +96,7 @@ def _data(context: Any, builder: Any, kind: Any, array: Any) -> Any:
 
 
 def _in_place(function: Callable[[_Lanes, Any], Any]) -> Any:
-    """Make an intrinsic that replaces the 16 entries of an array from an index on by their image."""
+    """Make an intrinsic that applies a function to 16 entries of an array, starting at an index, in place."""
 
     @intrinsic
     def replace(typing, array, index):
@@ -115,8 +115,8 @@ exp_at, logistic_at, tanh_at = map(_in_place, (_Lanes.exp, _Lanes.logistic, _Lan
 def _tile(outputs: int) -> Any:
     """Make an intrinsic for a few outputs of a linear layer: y = W x + b.
 
-    Its arguments: `weights` flat, the entry at which the first output's row of W begins, the entry of its bias, the
-    number of inputs, `x` `[inputs, 16]`, `y` `[outputs, 16]`, and the entry of y at which the first output begins.
+    Its arguments are: `weights` flat; `row`, the index in it of the first output's row of W; `bias`, the index of its
+    bias; the number of inputs; `x` `[inputs, 16]`; `y` `[outputs, 16]`; and `at`, the index of the first output in y.
     """
 
     @intrinsic
@@ -138,7 +138,7 @@ def _tile(outputs: int) -> Any:
 
 
 def _product(lanes: _Lanes, data: Any, places: Any, outputs: int) -> list[Any]:
-    """Write the loop of a tile through its inputs, at least one; return the sums of its outputs."""
+    """Write a tile's loop over its inputs (at least one); return the sums of its outputs."""
     (weights, x), (row, bias, inputs), b = data, places, lanes.b
     zero, one = ir.Constant(_SIZE, 0), ir.Constant(_SIZE, 1)
     rows = [b.add(row, b.mul(inputs, ir.Constant(_SIZE, i))) for i in range(outputs)]

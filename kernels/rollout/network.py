@@ -1,6 +1,6 @@
-"""A network's forward pass on 16 rows, given by its weights and a table of its layers: `ued.core.compiled.Network`.
+"""The forward pass of a network, `ued.core.compiled.Network`, on 16 rows: weights and a table of layers define it.
 
-The table is data, so that another network needs no other code. Read next: `rollout.policy`.
+The table is data, so one compiled kernel runs every network. Read next: `rollout.policy`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from regista.kernels.rollout.lanes import LANES, logistic_at, tanh_at, tile_of_1
 def run_network(weights, layers, state, scratch):
     """Run `layers`, LAYER `[L]`, on the inputs in `scratch[0]`; return the row of `scratch` that holds the outputs.
 
-    `weights` `[W]` are those of all layers. `state` `[H, 16]`, flat, of a GRU is updated.
+    `weights` `[W]` contains the weights of all layers. `state`, a GRU's hidden state `[H, 16]` flat, is updated.
     """
     at, number = 0, 0
     while number < len(layers):
@@ -55,9 +55,10 @@ def linear(weights, layer, x, y):
 def _update_gru(read, recalled, state, out):
     """Update the `state` of a GRU and copy it to `out`; see `ued.learning.memory.GRU`.
 
-    `read` and `recalled` are the products of inputs and state for reset, update and candidate, `[3 H, 16]` flat.
+    `read` and `recalled`, `[3 H, 16]` flat, are the linear maps of the inputs and of the state for the reset gate,
+    the update gate and the candidate.
     """
-    gate = len(state)  # entries of each of the three
+    gate = len(state)  # number of entries of each of the three
     for i in range(2 * gate):
         read[i] += recalled[i]
     for i in range(0, 2 * gate, LANES):

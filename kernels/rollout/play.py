@@ -1,4 +1,4 @@
-"""What a simulator's kernel calls to play rollouts; see `docs/howto/simulator.md`.
+"""The functions that a simulator's kernel calls to collect rollouts; see `docs/howto/simulator.md`.
 
     while act(rollout):
         for e in range(len(rollout.envs.action)):
@@ -10,7 +10,7 @@
         for e in range(len(rollout.envs.action)):
             ...                                     # start an episode where envs.restart[e]
 
-`rollout` is a `ued.core.compiled.CompiledRollout`. The order of levels is that of `ued.levels.queue.LevelQueue`.
+`rollout` is a `ued.core.compiled.CompiledRollout`. Levels follow the order of `ued.levels.queue.LevelQueue`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from regista.kernels.rollout.policy import sample_actions, values_of
 
 @kernel
 def copy(source, target):
-    """Copy the entries of a vector; NumPy's way would need memory for a copy in between."""
+    """Copy the entries of a vector; a NumPy assignment would allocate a temporary copy."""
     for i in range(len(source)):
         target[i] = source[i]
 
@@ -38,7 +38,7 @@ def copy_rows(source, target):
 
 @kernel
 def act(rollout):
-    """Begin a step: write the observations, sample `envs.action`. Return False when all steps have been played."""
+    """Begin a step: record the observations and sample `envs.action`. Return False after the last step."""
     counters, steps, envs = rollout.counters[0], rollout.steps, rollout.envs
     if counters.step >= counters.until:
         return False
@@ -51,10 +51,10 @@ def act(rollout):
 
 @kernel
 def note(rollout, e, reward, terminated, truncated, success):
-    """Note the results of a step of environment `e`.
+    """Record the results of a step of environment `e`.
 
-    `success` of an episode that ended is 1, 0 or nan. The rewards of opponents are also written into
-    `steps.reward[t, e]` by the caller; `reward` is then that of the first side.
+    `success` is 1, 0 or nan (unknown) at the end of an episode. With opponents, the caller also writes the rewards of
+    all agents into `steps.reward[t, e]`, and `reward` is the first side's.
     """
     steps, envs, t = rollout.steps, rollout.envs, rollout.counters[0].step
     if steps.reward.shape[2] == 1:
@@ -69,9 +69,9 @@ def note(rollout, e, reward, terminated, truncated, success):
 
 @kernel
 def choose_levels(rollout):
-    """End a step: value the last observations of truncated episodes, and say which episodes start, and on which levels.
+    """End a step: evaluate the final observations of truncated episodes, and choose the levels of new episodes.
 
-    Return False if a level is needed that is not at hand: the trainer then ends the episodes of this step.
+    Return False if a level that is needed is not prepared: the trainer then ends the episodes of this step.
     """
     counters, envs, ended = rollout.counters[0], rollout.envs, 0
     for e in range(len(envs.action)):
@@ -92,7 +92,7 @@ def choose_levels(rollout):
 
 @kernel
 def _value_final_observations(rollout):
-    """Store the values of the last observations of truncated episodes, a block at a time."""
+    """Store the values of the final observations of truncated episodes, block by block."""
     steps, envs, t, rows = rollout.steps, rollout.envs, rollout.counters[0].step, 0
     for e in range(len(envs.action)):
         if steps.truncated[t, e] and not steps.terminated[t, e]:
@@ -123,7 +123,7 @@ def _are_at_hand(rollout):
 
 @kernel
 def _end_episodes(rollout):
-    """Log the episodes that ended; each is followed by another one on its level, until a level is taken."""
+    """Log the episodes that ended. Each environment restarts its level, unless `_take_levels` replaces it."""
     counters, envs, events = rollout.counters[0], rollout.envs, rollout.events
     for e in range(len(envs.action)):
         if not envs.ended[e]:
@@ -142,7 +142,7 @@ def _end_episodes(rollout):
 
 @kernel
 def _take_levels(rollout, first, repeating):
-    """Let environments whose level is over take the next ones: first those that were `repeating` theirs."""
+    """Assign the next levels to environments that finished theirs; those that were `repeating` come first."""
     counters, envs, levels, events = rollout.counters[0], rollout.envs, rollout.levels, rollout.events
     for k in range(first, counters.events):
         e, level = events.env[k], counters.taken
@@ -162,7 +162,7 @@ _30, _27, _31, _MASK = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(2*
 
 @kernel
 def luck_seed(rollout, e, seed_is_luck):
-    """Return the luck seed of the episode that starts in environment `e`, uint64: that of `UPOMDP.luck_seeds`."""
+    """Return the luck seed (uint64, as in `UPOMDP.luck_seeds`) of the episode that starts in environment `e`."""
     envs = rollout.envs
     episode = envs.episode[e] + (0 if seed_is_luck else 1)
     state = np.uint64(envs.visit[e]) * _VISIT + np.uint64(episode) * _EPISODE

@@ -1,6 +1,6 @@
 """Actions, log-probabilities and values of a policy, `ued.core.compiled.Policy`, for N environments.
 
-Blocks of 16 environments go through all layers, one agent after the other. Numbers are those of
+Blocks of 16 environments pass through all layers, agent by agent. Results equal those of
 `ued.learning.student.Student` up to rounding: log-probabilities differ by less than 1e-5.
 Read next: `rollout.play`.
 """
@@ -16,7 +16,7 @@ from regista.kernels.rollout.network import run_network
 
 
 class Block(NamedTuple):
-    """The rows of an array that are evaluated together, for one agent: `rows` of them, at most 16, from `first` on."""
+    """Rows of an array that are evaluated together for one agent: `rows`, at most 16, starting at `first`."""
 
     first: int
     rows: int
@@ -69,9 +69,9 @@ def _copy_value(outputs, index, values, block):
 
 @kernel
 def _run_actor(policy, observation, memory, block):
-    """Return which array of `scratch` holds the actor's outputs, `[outputs, 16]` flat.
+    """Run the actor and update its part of `memory`.
 
-    Its part of `memory` is updated.
+    Return the index of the array in `scratch` that holds the outputs, `[outputs, 16]` flat.
     """
     p = block.agent if len(policy.actor.weights) > 1 else 0
     begin, width = policy.actor_width * block.agent, policy.actor_width
@@ -104,7 +104,7 @@ def _run_critics(policy, observation, memory, block, values):
 
 @kernel
 def _write_inputs(policy, observation, block):
-    """Write an agent's normalized observations into the first array of `scratch`, and which agent it is."""
+    """Write an agent's normalized observations and its one-hot index into the first array of `scratch`."""
     x, features = policy.scratch[0], observation.shape[2]
     _normalize(policy, observation, block, 0)
     if policy.numbered:

@@ -1,4 +1,4 @@
-"""Academy counterattack, easy: five attackers ahead of most of their eleven opponents. Two of these share a place."""
+"""Academy counterattack, easy: five attackers ahead of most of eleven opponents, two of which share a position."""
 
 from places import *
 

@@ -1,4 +1,4 @@
-"""Academy empty goal: the ball in the middle, nobody in the way; the right keeper is at the other goal."""
+"""Academy empty goal: the ball in midfield, no opponent in the way; the right keeper is at the other goal."""
 
 from places import *
 

@@ -1,4 +1,4 @@
-"""Academy empty goal, close: the ball in the box, nobody in the way; the right keeper is at the other goal."""
+"""Academy empty goal, close: the ball in the box, no opponent in the way; the right keeper is at the other goal."""
 
 from places import *
 

@@ -1,4 +1,4 @@
-"""Academy pass and shoot with keeper: the ball wide and marked, a mate free in the middle."""
+"""Academy pass and shoot with keeper: the ball carrier wide and marked, a teammate open in the middle."""
 
 from places import *
 

@@ -1,9 +1,9 @@
-"""What the academy's programs share: the settings of an episode, and places as Google Research Football's scenarios
-give them: x from -1, one's own goal line, to 1, y downwards; a right player's is in his team's own frame.
+"""Shared by the academy's programs: the settings of an episode, and positions in Google Research Football's units: x
+from -1, the own goal line, to 1, and y downwards; positions of right players are in their own team's frame.
 
-The engine spreads players a little, but not the ball: so do `left` and `right`, hence keepers stand behind the line.
-With `-p jitter=1` everybody stands up to one unit off, drawn anew for every level: these draws are theta, which is empty
-without. An episode has one step more than the `game_duration` of the original's file, as it has there.
+GRF scales the positions of players, but not of the ball; `left` and `right` do the same, so keepers stand behind the
+line. With `-p jitter=1` each player is displaced by up to one unit in each level, and theta has these displacements;
+otherwise theta is empty. As in GRF, an episode has one step more than the `game_duration` of GRF's scenario file.
 """
 
 model football.model
@@ -23,7 +23,7 @@ def right(x, y):
     return near(-100 * x * 55 / 54.4, 100 * y * 84.96 / 83.6)
 
 def free(x, y):
-    """The ball's place, which is nobody's."""
+    """The ball's position."""
     return (100 * x) @ (-100 * y)
 
 def near(x, y):

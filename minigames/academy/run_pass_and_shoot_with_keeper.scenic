@@ -1,4 +1,4 @@
-"""Academy run, pass and shoot with keeper: the ball wide and free, a mate in the middle marked."""
+"""Academy run, pass and shoot with keeper: the ball carrier wide and open, a teammate in the middle marked."""
 
 from places import *
 

@@ -1,4 +1,4 @@
-"""What the buildup's programs share: the settings of an episode, and defenders of whom only so many defend."""
+"""Shared by the buildup programs: the settings of an episode, and defenders of which only some are active."""
 
 from football.behaviors import *
 
@@ -10,7 +10,7 @@ param end_episode_on_out_of_play = True
 param end_episode_on_possession_change = True
 
 behavior Awake(number, awake):
-    """Defend like the built-in AI if the number is below how many are awake; else stand."""
+    """Defend like the built-in AI if `number` is below `awake`, else stand."""
     if number < awake:
         do BuiltinAIBot()
     else:

@@ -1,7 +1,7 @@
-"""Buildup: the ball anywhere from the own half to the penalty spot, two mates, up to four defenders and a keeper.
+"""Buildup: the ball anywhere from the own half to the penalty spot, two teammates, four defenders and a keeper.
 
-So many of the four defend, by `awake`, and the others stand; `-p right_team_difficulty=1` makes them better.
-theta: awake; carrier x, y; mates x, y; defenders x, y.
+`awake` sets how many of the four defend; the others stand. `-p right_team_difficulty=1` makes them better.
+theta: awake; carrier x, y; teammates x, y; defenders x, y.
 """
 
 from defenders import *

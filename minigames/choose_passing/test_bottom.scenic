@@ -1,4 +1,4 @@
-"""Choose Passing, the defender blocks the bottom mate."""
+"""Choose Passing: the defender blocks the bottom teammate."""
 
 model football.model
 

@@ -1,4 +1,4 @@
-"""Choose Passing, the defender blocks the top mate."""
+"""Choose Passing: the defender blocks the top teammate."""
 
 model football.model
 

@@ -1,4 +1,4 @@
-"""Choose Passing: the way to goal is closed, one of two mates is free (thesis, section 4.3).
+"""Choose Passing: the path to the goal is blocked, one of two teammates is open (thesis, section 4.3).
 
 theta: passer x, y, keeper x, y, defender x, y.
 """

@@ -1,6 +1,6 @@
-"""Crossing wide: the hard crossing from either wing and any distance, mates and backs anywhere before the goal.
+"""Crossing wide: the hard crossing from either wing and any distance, teammates and backs anywhere near the goal.
 
-theta: winger x, y, upper and lower mate x, y, upper, middle and lower back x, y.
+theta: winger x, y, upper and lower teammate x, y, upper, middle and lower back x, y.
 """
 
 model football.model

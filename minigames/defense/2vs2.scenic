@@ -1,6 +1,6 @@
-"""Two backs against two attackers, the goal behind them empty: both keepers are parked far away.
+"""Two backs against two attackers in front of an empty goal: both keepers are placed far away.
 
-theta: both backs x, y, carrier x, y, mate x, y.
+theta: both backs x, y, carrier x, y, teammate x, y.
 """
 
 from attacks import *

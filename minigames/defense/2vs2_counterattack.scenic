@@ -1,4 +1,4 @@
-"""A counterattack by two over the wing against two, the goal empty. theta: everybody's x, y, but the keepers'."""
+"""A counterattack of two attackers over the wing against two, empty goal. theta: x, y of all but the keepers."""
 
 from attacks import *
 

@@ -1,4 +1,4 @@
-"""The counterattack by two over the other wing. theta: everybody's x, y, but the keepers'."""
+"""The counterattack of two attackers over the other wing. theta: x, y of all but the keepers."""
 
 from attacks import *
 

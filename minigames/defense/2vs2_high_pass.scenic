@@ -1,6 +1,6 @@
-"""A high pass from the wing to an attacker before the box, two against two and a keeper who holds his place.
+"""A high pass from the wing to an attacker in front of the box, two against two and a static keeper.
 
-theta: where attacker and winger want to go, then everybody's x, y.
+theta: the destinations of attacker and winger, then all players' x, y.
 """
 
 from attacks import *

@@ -1,4 +1,4 @@
-"""The high pass from the other wing. theta: where attacker and winger want to go, then everybody's x, y."""
+"""The high pass from the other wing. theta: the destinations of attacker and winger, then all players' x, y."""
 
 from attacks import *
 

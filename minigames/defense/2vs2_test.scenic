@@ -1,4 +1,4 @@
-"""Two backs in their box against two attackers who are close together anywhere on the half. One draw in 27 is valid."""
+"""Two backs in their box against two attackers close together anywhere in that half. One sample in 27 is valid."""
 
 from attacks import *
 

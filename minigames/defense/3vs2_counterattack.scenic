@@ -1,6 +1,6 @@
-"""A counterattack by two against one back, two mates running home, the goal empty.
+"""A counterattack of two attackers against one back and two teammates who run back, empty goal.
 
-theta: everybody's x, y, but the keepers', who are parked.
+theta: x, y of all but the keepers, who are placed far away.
 """
 
 from attacks import *

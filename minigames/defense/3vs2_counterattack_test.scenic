@@ -1,4 +1,4 @@
-"""The same counterattack, the winger on the other side. theta: everybody's x, y, but the keepers'."""
+"""The same counterattack with the winger on the other side. theta: x, y of all but the keepers."""
 
 from attacks import *
 

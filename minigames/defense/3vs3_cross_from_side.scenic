@@ -1,7 +1,7 @@
-"""A cross from the side (thesis, Figure 2.1): a winger crosses to one of two who wait before the goal.
+"""A cross from the side (thesis, Figure 2.1): a winger crosses to one of two attackers in front of the goal.
 
-Three and a keeper defend. An episode does not end when the ball changes hands. theta: everybody's x, y, and where the
-three attackers want to go.
+Three players and a keeper defend. An episode does not end at a possession change. theta: all players' x, y, and the
+destinations of the three attackers.
 """
 
 from attacks import *

@@ -1,6 +1,6 @@
 """A cross from the other side.
 
-Scenic4RL has no such page: its test of this game is that of the side buildup, of which the published numbers are.
+Scenic4RL has no such program: it tests this game on the side buildup's test, to which the published numbers refer.
 """
 
 from attacks import *

@@ -1,4 +1,4 @@
-"""An attack is built up from the side, three against three, the goal empty. theta: all x, y but the keepers'."""
+"""An attack from the side, three against three, empty goal. theta: x, y of all but the keepers."""
 
 from attacks import *
 

@@ -1,4 +1,4 @@
-"""The side buildup from the other side. theta: all x, y but the keepers'."""
+"""The side buildup from the other side. theta: x, y of all but the keepers."""
 
 from attacks import *
 

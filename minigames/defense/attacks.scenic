@@ -1,6 +1,6 @@
-"""What the defences share: the settings of an episode, and what attackers do who do not leave it to the built-in AI.
+"""Shared by the defense games: the settings of an episode, and the behaviors of attackers without the built-in AI.
 
-The learner's team is the left one, before whose goal all this happens. Attackers are as good as the built-in AI gets.
+The agents move the left team, which defends its goal. Attackers have the built-in AI's highest difficulty.
 """
 
 from football.behaviors import *
@@ -15,20 +15,20 @@ param right_team_difficulty = 1
 param defending = True
 
 behavior Cross(start, receivers):
-    """Run to a place on the wing and cross high to one of the receivers, drawn at that moment."""
+    """Run to a position on the wing and cross high to one of the receivers, sampled at that moment."""
     do MoveToPosition(start)
     do HighPassTo(Uniform(*receivers))
     do HoldPosition()
 
 behavior ReceiveAndShoot(place):
-    """Wait at a place for the ball, then go at the goal."""
+    """Wait at a position for the ball, then dribble towards the goal and shoot."""
     do MoveToPosition(place)
     do HoldPosition() until self.owns_ball
     do dribbleToAndShoot(-80 @ 0)
     do HoldPosition()
 
 behavior GoAtGoal(destination):
-    """Carry the ball to the destination and shoot from the box; run after a ball that the other team has."""
+    """Dribble to the destination and shoot from the box; chase the ball while the other team has it."""
     try:
         do dribbleToAndShoot(destination)
     interrupt when left_penaltyBox.containsPoint(self.position):
@@ -38,7 +38,7 @@ behavior GoAtGoal(destination):
     do HoldPosition()
 
 behavior PassHighAndFollow(receiver, first, second):
-    """Pass high to the receiver, run to one place, from there to another like him who goes at the goal."""
+    """Pass high to the receiver, run to `first`, and then attack the goal by way of `second`."""
     try:
         do HighPassTo(receiver)
         do MoveToPosition(first, sprint=True)
@@ -48,7 +48,7 @@ behavior PassHighAndFollow(receiver, first, second):
     do HoldPosition()
 
 behavior Zigzag(destination, nearest, farthest):
-    """Go at the goal, round whoever comes nearer than a distance drawn anew; run after a ball that got away."""
+    """Dribble towards the goal around opponents nearer than a sampled distance; chase a ball that escapes."""
     try:
         do dribbleToAndShoot(destination, reactionDistance=Range(nearest, farthest))
     interrupt when (distance from self to simulation().game_ds.ball) > 2:

@@ -1,4 +1,4 @@
-"""A keeper alone against an attacker. theta: everybody's x, y."""
+"""A keeper alone against an attacker. theta: all players' x, y."""
 
 from attacks import *
 

@@ -1,4 +1,4 @@
-"""A keeper alone against an attacker from anywhere on his half."""
+"""A keeper alone against an attacker anywhere in the keeper's half."""
 
 from attacks import *
 

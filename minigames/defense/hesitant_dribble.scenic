@@ -1,6 +1,6 @@
-"""A back against an attacker who is the built-in AI, the goal empty. theta: back x, y, attacker x, y.
+"""A back against a built-in attacker, empty goal. theta: back x, y, attacker x, y.
 
-The name is Scenic4RL's, where nobody hesitates; the keepers begin far away and run home.
+The name is Scenic4RL's; its attacker does not hesitate either. The keepers start far away and run back.
 """
 
 from attacks import *

@@ -1,4 +1,4 @@
-"""A back right before an attacker somewhere on the inner half, the goal empty. theta: attacker x, y, the gap."""
+"""A back directly in front of an attacker in the inner half, empty goal. theta: attacker x, y, their distance."""
 
 from attacks import *
 

@@ -1,7 +1,7 @@
-"""A back and a keeper who holds his place against an attacker who goes round whoever comes near.
+"""A back and a static keeper against an attacker who dribbles around opponents.
 
-He reacts from 15 to 20 away, as in Scenic4RL, where the 1 to 5 that are written reach another argument. theta: all
-x, y.
+The attacker reacts at a distance of 15 to 20, as in Scenic4RL, whose program passes its 1 to 5 to another argument.
+theta: all players' x, y.
 """
 
 from attacks import *

@@ -1,4 +1,4 @@
-"""The zigzag attacker anywhere on the inner half, the back right before him; he reacts from 1 to 5 away."""
+"""The zigzag attacker anywhere in the inner half, the back directly in front; the attacker reacts at 1 to 5."""
 
 from attacks import *
 

@@ -1,4 +1,4 @@
-"""Eleven against a keeper, one agent: run at the goal, shoot from straight before it."""
+"""Eleven against a keeper, one agent: run at the goal, and shoot from directly in front of it."""
 
 from skills import *
 

@@ -1,4 +1,4 @@
-"""Avoid, pass and shoot, one agent: round the back on one side, pass if he comes near, shoot from before the goal."""
+"""Avoid, pass and shoot, one agent: go around the back, pass if the back comes near, shoot in front of the goal."""
 
 from skills import *
 

@@ -1,4 +1,4 @@
-"""The easy counterattack, one agent: a pass to the right wing, then at the goal, passing where somebody is in the way."""
+"""The easy counterattack, one agent: pass to the right wing, run at the goal, pass if an opponent is in the way."""
 
 from skills import *
 

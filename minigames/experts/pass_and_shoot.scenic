@@ -1,4 +1,4 @@
-"""Pass and shoot with a keeper, one agent: pass to the mate before the goal, or go past the back and shoot."""
+"""Pass and shoot with a keeper, one agent: pass to the teammate near the goal, or go past the back and shoot."""
 
 from skills import *
 

@@ -1,4 +1,4 @@
-"""Run to score with a keeper, one agent: sprint at the goal, go past the keeper on a drawn side, shoot from the box."""
+"""Run to score with a keeper, one agent: sprint at the goal, pass the keeper on a random side, shoot in the box."""
 
 from skills import *
 

@@ -1,7 +1,7 @@
-"""What the semi-expert programs share: the settings of an episode, and what their players judge by.
+"""Shared by the semi-expert programs: the settings of an episode, conditions, and behaviors.
 
-Programs for one agent (`agents_only`) are played by one agent, `active`, who does what the behavior of his player says;
-the others belong to the built-in AI. Programs for a team move everybody who has a behavior.
+In programs for one agent (`agents_only`), the `active` agent follows the behavior of its player, and the built-in AI
+moves the others. In programs for a team, every player with a behavior follows it.
 """
 
 from football.behaviors import *
@@ -20,14 +20,14 @@ def canShoot(player, opponent, target, near, far):
     return gap < near or (gap < far and not lane.containsPoint(opponent.position))
 
 def safeSpot(player, opponent, target, turn=35 deg):
-    """Of two spots past the opponent, 20 away, the one nearer to the target."""
+    """The one of two positions past the opponent, at a distance of 20, that is nearer to the target."""
     way = angle from player to opponent
     left = player.position offset along (way + turn) by 0 @ 20
     right = player.position offset along (way - turn) by 0 @ 20
     return left if (distance from left to target) < (distance from right to target) else right
 
 behavior JustShoot():
-    """With the ball near the goal shoot, straight or turned a little; farther away run at it."""
+    """With the ball near the goal, shoot straight or slightly turned; farther away, run at the goal."""
     while True:
         if self.owns_ball and (distance from self to right_goal_midpoint) < 30:
             first = Uniform(0, 5, 6)
@@ -40,7 +40,7 @@ behavior JustShoot():
             take ReleaseDirection()
 
 behavior SafePass(radius, width):
-    """Pass to the nearest mate who is not straight ahead."""
+    """Pass to the nearest teammate who is not straight ahead."""
     if not self.owns_ball:
         take ReleaseDirection()
     else:
@@ -52,7 +52,7 @@ behavior SafePass(radius, width):
             take NoAction()
 
 behavior CloseInAndShoot(sprint):
-    """Run at the goal, pass where an opponent is in the way, shoot from the box."""
+    """Run at the goal, pass if an opponent is in the way, shoot from the box."""
     try:
         do MoveToPosition(99 @ 0, sprint=sprint)
     interrupt when opponentInRunway(self, reactionDistance=8):
@@ -62,7 +62,7 @@ behavior CloseInAndShoot(sprint):
     do IdleBehavior()
 
 behavior StartCounterattack(winger, sprint):
-    """Turn to the winger, pass to him, and go along."""
+    """Turn to the winger, pass, and join the attack."""
     for step in range(4):
         take SetDirection(6)
     take Pass("short")

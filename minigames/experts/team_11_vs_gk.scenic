@@ -1,4 +1,4 @@
-"""Eleven against a keeper, three agents: the forward carries and passes before the keeper, two mates run wide of him."""
+"""Eleven against a keeper, three agents: the forward dribbles and passes near the keeper, two teammates run wide."""
 
 from skills import *
 

@@ -1,4 +1,4 @@
-"""Avoid, pass and shoot, two agents: the carrier draws the back to one side, the forward waits behind him."""
+"""Avoid, pass and shoot, two agents: the carrier draws the back to one side, the forward waits behind the back."""
 
 from skills import *
 

@@ -1,4 +1,4 @@
-"""The easy counterattack, three agents: the carrier, the right wing and the forward middle player."""
+"""The easy counterattack, three agents: the carrier, the right winger and the forward midfielder."""
 
 from skills import *
 

@@ -1,6 +1,6 @@
-"""Alone: a striker and the keeper, three defenders far behind the ball: where students of Pursuit and Gauntlet may begin.
+"""Alone: a striker and the keeper, three defenders far behind the ball; a first lesson for Pursuit and Gauntlet.
 
-theta: striker x, y; of each defender y, pace.
+theta: striker x, y; for each defender y, pace.
 """
 
 from guards import *

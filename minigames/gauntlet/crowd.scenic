@@ -1,6 +1,6 @@
-"""Crowd: a striker leads the ball past six guards, who may stand anywhere, into the box, and scores into an empty goal.
+"""Crowd: a striker must dribble past six guards, who may stand anywhere, and score into an empty goal.
 
-Most random levels leave a way; guards who stand side by side hardly ever come by chance. theta: striker x, y; the reach of
+Most random levels leave a free path; levels with all guards side by side are very rare. theta: striker x, y; the reach of
 all guards; x, y of each guard.
 """
 

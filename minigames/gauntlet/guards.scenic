@@ -1,4 +1,4 @@
-"""What the gauntlet's programs share: the settings of an episode, guards who wake when the ball comes near, chasers."""
+"""Shared by the gauntlet programs: the settings of an episode, guards that react to a near ball, and chasers."""
 
 from football.behaviors import *
 
@@ -10,7 +10,7 @@ param end_episode_on_out_of_play = True
 param end_episode_on_possession_change = True
 
 behavior Guard(reach):
-    """Run at a ball that is within reach, at full speed from afar; else stand."""
+    """Run at a ball within `reach`, and sprint if it is more than 8 away; else stand."""
     while True:
         gap = distance from self to simulation().game_ds.ball
         if gap > reach:
@@ -24,7 +24,7 @@ behavior Guard(reach):
             take MoveTowardsPoint(simulation().game_ds.ball, self.position, True)
 
 behavior Chase(pace):
-    """Run at the ball in this share of every ten steps; in the others hold no direction. Never sprint."""
+    """Run at the ball in a share `pace` of every ten steps, and stand in the others. Never sprint."""
     step = 0
     while True:
         if step < 10 * pace:
@@ -34,5 +34,5 @@ behavior Chase(pace):
         step = (step + 1) % 10
 
 def between(start, share, aside):
-    """The place at this share of the way from a start to the goal, so far aside of it."""
+    """The point at `share` of the way from a start to the goal, at a lateral distance `aside` from that line."""
     return (start.x + share * (97 - start.x)) @ ((1 - share) * start.y + aside)

@@ -1,4 +1,4 @@
-"""Gauntlet, held out: the farthest third of the striker's x, and the middle third of each guard's reach."""
+"""Gauntlet, held out: the third of the striker's x farthest from the goal, and the middle third of each reach."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Gauntlet, held out: the nearest third of the striker's x, and the least third of each guard's reach."""
+"""Gauntlet, held out: the third of the striker's x nearest to the goal, and the lowest third of each guard's reach."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Pursuit, held out: the farthest third of the striker's x, and the fastest of each defender's pace."""
+"""Pursuit, held out: the third of the striker's x farthest from the goal, and the fastest third of each pace."""
 
 from guards import *
 

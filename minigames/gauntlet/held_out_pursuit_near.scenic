@@ -1,4 +1,4 @@
-"""Pursuit, held out: the third of the striker's x that is nearest to the goal, and the slowest of each defender's pace."""
+"""Pursuit, held out: the third of the striker's x nearest to the goal, and the slowest third of each pace."""
 
 from guards import *
 

@@ -1,6 +1,6 @@
 """Three lines: a striker anywhere from the own half to the goal, a guard in each of three lines across the pitch.
 
-The nearer he starts, the fewer he has to pass. theta: striker x, y; of each guard x, y, reach.
+A striker who starts nearer to the goal must pass fewer guards. theta: striker x, y; for each guard x, y, reach.
 """
 
 from guards import *

@@ -1,7 +1,7 @@
-"""Pursuit: a striker far from goal or near it, three defenders on his way who run at the ball, and a keeper.
+"""Pursuit: a striker far from the goal or near it, three defenders on the path who run at the ball, and a keeper.
 
-A defender of no pace is a post; the faster they run, the wider the striker must go around them, from the slowest up in
-small steps. theta: striker x, y; of each defender share of the way, place aside, pace.
+A defender with pace 0 stands still; the faster defenders run, the wider the striker must go around them, so difficulty
+grows in small steps. theta: striker x, y; for each defender share of the way, lateral offset, pace.
 """
 
 from guards import *

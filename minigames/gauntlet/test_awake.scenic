@@ -1,4 +1,4 @@
-"""Gauntlet, awake: from the own half, guards who see the ball from afar."""
+"""Gauntlet, awake: from the own half, guards with a long reach."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Gauntlet, far: from the own half, guards who wake late."""
+"""Gauntlet, far: from the own half, guards with a short reach."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Three lines, far: from the own half, three guards ahead, who see the ball from afar."""
+"""Three lines, far: from the own half, three guards ahead, with a reach of 10 to 30."""
 
 from guards import *
 

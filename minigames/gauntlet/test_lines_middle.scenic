@@ -1,4 +1,4 @@
-"""Three lines, middle: two guards ahead, who see the ball from afar."""
+"""Three lines, middle: two guards ahead, with a reach of 10 to 30."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Three lines, near: beyond the last line, from where the goal is a shot away."""
+"""Three lines, near: beyond the last line, within shooting distance of the goal."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Gauntlet, middle: from the opponents' half, guards who wake late."""
+"""Gauntlet, middle: from the opponents' half, guards with a short reach."""
 
 from guards import *
 

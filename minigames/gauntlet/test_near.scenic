@@ -1,4 +1,4 @@
-"""Gauntlet, near: the guards stand in a row before the box, and hardly move."""
+"""Gauntlet, near: the guards stand in a row in front of the box and hardly move."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Pursuit, far: from the own half, defenders who run more than they stand."""
+"""Pursuit, far: from the own half, defenders with pace 0.6."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Pursuit, middle: from the opponents' half, defenders who walk."""
+"""Pursuit, middle: from the opponents' half, defenders with pace 0.4."""
 
 from guards import *
 

@@ -1,4 +1,4 @@
-"""Pursuit, near: before the box, defenders who hardly move."""
+"""Pursuit, near: in front of the box, defenders with pace 0.2."""
 
 from guards import *
 

@@ -1,7 +1,7 @@
-"""Gauntlet: a striker far from goal or near it, three guards on his way, each with a reach of his own, and a keeper.
+"""Gauntlet: a striker far from the goal or near it, three guards on the path, each with its own reach, and a keeper.
 
-A guard of no reach is a post to run past, one of a long reach must be lured and passed; all three, and the keeper, must
-be passed for a goal. theta: striker x, y; of each guard share of the way, place aside, reach.
+A guard with reach 0 stands still; a guard with a long reach must be lured and passed. To score, the striker must pass
+all three and the keeper. theta: striker x, y; for each guard share of the way, lateral offset, reach.
 """
 
 from guards import *

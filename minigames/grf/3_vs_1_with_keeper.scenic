@@ -1,4 +1,4 @@
-"""Three attackers before the box against a back and the keeper. theta is empty."""
+"""Three attackers in front of the box against a back and the keeper. theta is empty."""
 
 from episode import *
 

@@ -1,4 +1,4 @@
-"""The ball in the middle, nobody in the way: the other keeper is parked beside ours. theta is empty."""
+"""The ball in midfield, no opponent in the way: the right keeper is placed beside the left one. theta is empty."""
 
 from episode import *
 

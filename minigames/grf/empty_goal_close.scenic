@@ -1,4 +1,4 @@
-"""The ball at the edge of the box, nobody in the way. theta is empty."""
+"""The ball at the edge of the box, no opponent in the way. theta is empty."""
 
 from episode import *
 

@@ -1,4 +1,4 @@
-"""The ball anywhere in the box, nobody in the way. theta: runner x, y."""
+"""The ball anywhere in the box, no opponent in the way. theta: runner x, y."""
 
 from episode import *
 

@@ -1,4 +1,4 @@
-"""The ball anywhere on the right half, nobody in the way. theta: runner x, y."""
+"""The ball anywhere in the right half, no opponent in the way. theta: runner x, y."""
 
 from episode import *
 

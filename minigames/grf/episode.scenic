@@ -1,4 +1,4 @@
-"""What these games share: an episode ends with a goal, and as soon as the ball is lost or out of play."""
+"""Shared by these games: an episode ends with a goal, a possession change, or the ball out of play."""
 
 model football.model
 

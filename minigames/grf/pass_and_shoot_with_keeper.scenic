@@ -1,4 +1,4 @@
-"""The ball wide and marked, a mate free before the goal. theta is empty."""
+"""The ball carrier wide and marked, a teammate open in front of the goal. theta is empty."""
 
 from episode import *
 

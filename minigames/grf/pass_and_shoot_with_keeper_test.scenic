@@ -1,4 +1,4 @@
-"""The ball wide on the other side and marked, a mate free before the goal. theta: carrier x, y, the gap."""
+"""The carrier wide on the other side and marked, a teammate open near the goal. theta: carrier x, y, the distance."""
 
 from episode import *
 

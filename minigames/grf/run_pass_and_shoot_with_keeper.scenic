@@ -1,4 +1,4 @@
-"""The ball wide and free, a back between the carrier and the mate before the goal. theta is empty."""
+"""The ball carrier wide and open, a back between the carrier and a teammate near the goal. theta is empty."""
 
 from episode import *
 

@@ -1,4 +1,4 @@
-"""The ball wide on the other side, a back beside the way to the mate. theta: carrier x, y, back x, y."""
+"""The carrier wide on the other side, a back beside the passing lane. theta: carrier x, y, back x, y."""
 
 from episode import *
 

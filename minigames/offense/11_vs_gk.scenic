@@ -1,4 +1,4 @@
-"""Eleven against a keeper: carry the ball over half the pitch and beat him. theta: keeper x, y."""
+"""Eleven against a keeper: dribble over half the pitch and beat the keeper. theta: keeper x, y."""
 
 from episode import *
 

@@ -1,4 +1,4 @@
-"""Eleven against a keeper, everybody somewhere in the region of his role."""
+"""Eleven against a keeper, each player anywhere in the region of its role."""
 
 from episode import *
 

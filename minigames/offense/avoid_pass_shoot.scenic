@@ -1,4 +1,4 @@
-"""Avoid, pass and shoot: a back between the carrier and the goal, a mate behind him. theta is empty."""
+"""Avoid, pass and shoot: a back between carrier and goal, a teammate behind the back. theta is empty."""
 
 from episode import *
 

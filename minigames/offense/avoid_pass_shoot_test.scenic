@@ -1,6 +1,7 @@
-"""Avoid, pass and shoot anywhere on the right half: carrier, back and mate stand in one line, turned by a drawn course.
+"""Avoid, pass and shoot anywhere in the right half: carrier, back and teammate stand in a line of random direction.
 
-Scenic4RL's interpreter draws the course anew for back and mate: its published numbers are of players in no such line.
+Scenic4RL's interpreter samples this direction separately for back and teammate, so its published numbers are for
+players that do not stand in a line.
 """
 
 from episode import *

@@ -1,6 +1,6 @@
-"""Easy crossing: the ball lies wide in the box, a mate stands on the other side, one back between them.
+"""Easy crossing: the ball is wide in the box, a teammate stands on the other side, one back between them.
 
-theta: carrier x, y, mate x, y, back x, y.
+theta: carrier x, y, teammate x, y, back x, y.
 """
 
 from episode import *

@@ -1,4 +1,4 @@
-"""Easy crossing from the other side: the ball is the forward's. theta: everybody's x, y."""
+"""Easy crossing from the other side: the forward has the ball. theta: all players' x, y."""
 
 from episode import *
 

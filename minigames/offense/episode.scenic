@@ -1,4 +1,4 @@
-"""What the attacks share: an episode ends with a goal, and as soon as the ball is lost or out of play."""
+"""Shared by the offense games: an episode ends with a goal, a possession change, or the ball out of play."""
 
 from football.behaviors import *
 

@@ -1,6 +1,6 @@
-"""Hard crossing: a winger by the line, two mates among three backs before the goal.
+"""Hard crossing: a winger at the sideline, two teammates among three backs in front of the goal.
 
-theta: winger x, y, upper and lower mate x, y, upper, middle and lower back x, y.
+theta: winger x, y, upper and lower teammate x, y, upper, middle and lower back x, y.
 """
 
 from episode import *

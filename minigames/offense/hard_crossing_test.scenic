@@ -1,6 +1,6 @@
 """Hard crossing from the other wing.
 
-theta: winger x, y, upper and lower mate x, y, upper, middle and lower back x, y.
+theta: winger x, y, upper and lower teammate x, y, upper, middle and lower back x, y.
 """
 
 from episode import *

@@ -1,4 +1,4 @@
-"""What both offside puzzles share: the settings, and forwards who wait in line with the last back but one."""
+"""Shared by both offside puzzles: the settings, and forwards who wait level with the second-last opponent."""
 
 from episode import *
 
@@ -8,12 +8,12 @@ LEFT_CROWD = ("CB", "LB", "RB", "CB", "CB", "CM", "RM")
 RIGHT_CROWD = ("CB", "CB", "LB", "CB", "CM", "CM", "CM", "LM", "CF")
 
 def offsideLine():
-    """Where the last opponent but one stands who is still on the pitch."""
+    """The x of the second-last opponent on the pitch."""
     last = sorted([player.x for player in simulation().game_ds.right_players if player.x < 100], reverse=True)
     return last[1]
 
 behavior StayOnside():
-    """Keep 2 to 5 before the offside line until the ball comes; then do no more."""
+    """Stay 2 to 5 in front of the offside line until the ball arrives; then stand."""
     while True:
         if self.owns_ball:
             do IdleBehavior()

@@ -1,6 +1,6 @@
-"""The offside puzzle: two forwards who keep in line with the defence, one of whom can be passed to.
+"""The offside puzzle: two forwards stay level with the defense; one of them can receive a pass.
 
-Sixteen players of both teams crowd beside the way; one back far off decides who is offside. theta: everybody's x, y.
+Sixteen players of both teams crowd beside the path; one distant back decides who is offside. theta: all players' x, y.
 """
 
 from offside import *

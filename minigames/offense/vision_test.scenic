@@ -1,4 +1,4 @@
-"""The offside puzzle, mirrored. theta: everybody's x, y."""
+"""The offside puzzle, mirrored. theta: all players' x, y."""
 
 from offside import *
 

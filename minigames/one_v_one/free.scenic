@@ -1,4 +1,4 @@
-"""1v1 Free: a striker and a keeper, anywhere on the right half (thesis, Figure 4.1).
+"""1v1 Free: a striker and a keeper, anywhere in the right half (thesis, Figure 4.1).
 
 Joint spawn area 80 x 50 each, 16,000,000 in all. theta: striker x, y, keeper x, y, own keeper x, y.
 """

@@ -1,4 +1,4 @@
-"""1v1 Free, held out: the keeper well out of the striker's way."""
+"""1v1 Free, held out: the keeper far from the striker's path."""
 
 from places import *
 

@@ -1,4 +1,4 @@
-"""1v1 Free, held out: the keeper in the striker's way."""
+"""1v1 Free, held out: the keeper on the striker's path."""
 
 from places import *
 

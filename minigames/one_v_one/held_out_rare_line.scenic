@@ -1,4 +1,4 @@
-"""1v1 Rare Line, held out: the keeper on his line."""
+"""1v1 Rare Line, held out: the keeper on the goal line."""
 
 from places import *
 

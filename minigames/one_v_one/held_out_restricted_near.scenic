@@ -1,4 +1,4 @@
-"""1v1 Restricted, held out: the keeper a step or two out of the striker's way."""
+"""1v1 Restricted, held out: the keeper close to the striker's path."""
 
 from places import *
 

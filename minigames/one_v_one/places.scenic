@@ -1,4 +1,4 @@
-"""What the rare games and held-out scenes share: the settings of an episode, and places told from the way to the goal."""
+"""Shared by the rare games and held-out scenes: the settings of an episode, and positions relative to the path."""
 
 model football.model
 
@@ -10,5 +10,5 @@ param end_episode_on_out_of_play = True
 param end_episode_on_possession_change = True
 
 def beside(start, x, aside):
-    """The place at this x so far aside of the straight way from a start to the middle of the goal."""
+    """The point at `x` with offset `aside` in y from the straight line from a start to the middle of the goal."""
     return x @ (start.y * (100 - x) / (100 - start.x) + aside)

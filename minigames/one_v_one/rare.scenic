@@ -1,7 +1,7 @@
-"""1v1 Rare: a striker, and a keeper well aside of his way to the goal; in about one level of fifty he stands in it.
+"""1v1 Rare: a striker, and a keeper far from the striker's path; in about one level of fifty the keeper blocks it.
 
-theta: how far aside the keeper is, a range for the way itself and one for each side, and which of them; striker x, y;
-keeper x.
+theta: the keeper's offset from the path, one range for the path itself and one for each side, and the choice among
+them; striker x, y; keeper x.
 """
 
 from places import *

@@ -1,6 +1,6 @@
-"""1v1 Rare Line: a keeper who has come out, well aside of the striker's way; in one level of fifty he is on his line.
+"""1v1 Rare Line: a keeper off the line, far from the striker's path; in one level of fifty the keeper is on the line.
 
-theta: striker x, y; of the keeper who is out x, how far aside, to which side; his place on the line; where he is.
+theta: striker x, y; for a keeper off the line x, offset, side; for a keeper on the line y; which of the two.
 """
 
 from places import *

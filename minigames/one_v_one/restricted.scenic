@@ -1,4 +1,4 @@
-"""1v1 Restricted: a striker in front of goal, a keeper between him and it (thesis, section 4.3).
+"""1v1 Restricted: a striker in front of the goal, with the keeper in between (thesis, section 4.3).
 
 Joint spawn area 400 x 1,000 = 400,000. theta: striker x, y, keeper x, y, own keeper x, y.
 """

@@ -1,4 +1,4 @@
-"""1v1, the easy test: an open goal, the keeper far to the other side."""
+"""1v1, the easy test: an open goal, the keeper far to the side."""
 
 model football.model
 

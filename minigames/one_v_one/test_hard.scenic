@@ -1,4 +1,4 @@
-"""1v1, the hard test: farther out, the keeper straight ahead."""
+"""1v1, the hard test: farther from the goal, the keeper straight ahead."""
 
 model football.model
 

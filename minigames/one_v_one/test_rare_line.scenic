@@ -1,4 +1,4 @@
-"""1v1 Rare Line, a test: the keeper on his line."""
+"""1v1 Rare Line, a test: the keeper on the goal line."""
 
 from places import *
 

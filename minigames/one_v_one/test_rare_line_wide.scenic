@@ -1,4 +1,4 @@
-"""1v1 Rare Line, a test: the keeper on his line, the striker near and at the edge of his area."""
+"""1v1 Rare Line, a test: the keeper on the goal line, the striker near and at the edge of the training area."""
 
 from places import *
 

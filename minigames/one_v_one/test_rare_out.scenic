@@ -1,4 +1,4 @@
-"""1v1 Rare Line, a test: the keeper has come out, well aside of the striker's way."""
+"""1v1 Rare Line, a test: the keeper off the line, far from the striker's path."""
 
 from places import *
 

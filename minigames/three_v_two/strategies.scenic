@@ -1,6 +1,6 @@
-"""Four ways to defend against three attackers, of which a selector from 0 to 1 picks one (thesis, section 4.3).
+"""Four strategies against three attackers; a selector in [0, 1] chooses one (thesis, section 4.3).
 
-Each reads the world anew at every step. They run at full speed to what is farther than 10 away.
+Each reads the state of the match at every step. Defenders sprint to a target that is more than 10 away.
 """
 
 from football.behaviors import *
@@ -29,7 +29,7 @@ behavior ChaseBall():
             take keyTowards(self, ball)
 
 behavior MarkOwner():
-    """B: run at the attacker who owns the ball or owned it last; before anyone did, at the ball."""
+    """B: run at the attacker who owns the ball or owned it last; at the ball if no attacker has owned it yet."""
     marked = None
     while True:
         owner = player_with_ball(simulation().game_ds, simulation().game_ds.ball, "left")
@@ -64,7 +64,7 @@ behavior StandBeforeGoal():
             take keyTowards(self, spot)
 
 def keyTowards(player, target):
-    """The next key on the way to an object or point."""
+    """The next action on the way to an object or point."""
     far = (distance from player to target) > 10
     if far and not player.sticky_actions[8]:
         return Sprint()
@@ -73,7 +73,7 @@ def keyTowards(player, target):
     return MoveTowardsPoint(target, player.position, player.team == "right")
 
 def laneToCut(defender):
-    """The middle between the attacker closest to the defender and the one who is easiest to pass to."""
+    """The midpoint between the attacker closest to the defender and the easiest receiver of a pass."""
     ds = simulation().game_ds
     owner = player_with_ball(ds, ds.ball, "left")
     if owner is None:
@@ -87,6 +87,6 @@ def closestTo(place, players):
     return get_closest_player_info(place, players)[0]
 
 def spotBeforeGoal(ball):
-    """Where the line from the ball to the middle of the goal crosses x = 96, near the posts at most."""
+    """The point at x = 96 on the line from the ball to the middle of the goal, clipped to |y| <= 3.5."""
     y = ball.y * 4 / max(4, 100 - ball.x)
     return 96 @ max(-3.5, min(3.5, y))

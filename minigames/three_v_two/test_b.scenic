@@ -1,4 +1,4 @@
-"""3v2, strategy B: the defender marks whoever has the ball."""
+"""3v2, strategy B: the defender marks the owner of the ball."""
 
 from strategies import *
 

@@ -1,6 +1,6 @@
-"""3v2: three attackers before the goal, a keeper, and a defender with one of four strategies (thesis, section 4.3).
+"""3v2: three attackers near the goal, a keeper, and a defender with one of four strategies (thesis, section 4.3).
 
-theta: carrier x, y, left mate x, y, right mate x, y, defender x, y, and the selector of the strategy.
+theta: carrier x, y, left teammate x, y, right teammate x, y, defender x, y, and the selector of the strategy.
 """
 
 from strategies import *

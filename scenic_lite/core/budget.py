@@ -1,4 +1,4 @@
-"""Limits on what a program may use while it is loaded and sampled: an untrusted file can only waste time.
+"""Limits on the resources of a program while it is loaded and sampled: an untrusted file can only waste time.
 
 Every limit has its own message. Read next: `core.scope`, which counts the steps.
 """
@@ -30,7 +30,7 @@ class Limits:
 
 @dataclass
 class Budget:
-    """Counts what a load has used; each method raises ScenicError of kind `budget` when a limit is exceeded."""
+    """Counts the resources of a load; each method raises ScenicError of kind `budget` when a limit is exceeded."""
 
     limits: Limits = field(default_factory=Limits)
     steps: int = 0
@@ -57,7 +57,7 @@ class Budget:
         return Budget(replace(self.limits, steps=self.limits.scene), task="in one scene")
 
     def charge(self, scene: Budget) -> None:
-        """Count what one scene has used."""
+        """Count the steps of one scene."""
         self.scenes += scene.steps
         if self.scenes > self.limits.scenes:
             raise exceeded(

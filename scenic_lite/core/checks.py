@@ -1,4 +1,4 @@
-"""Arithmetic faults that arrays ignore silently: where a program may divide by zero, and in which scenes.
+"""Arithmetic faults that array operations ignore: places where a program may divide by zero, and in which scenes.
 
 The walk over the tree registers every random value whose operation can fail (`note`), with its place and the conditions
 under which it is evaluated; `CheckResults` finds the scenes of a batch in which one fails. Read next: `scene.program`.
@@ -28,7 +28,7 @@ FAULTS = (  # our own errors, and those of Python's operators and methods
 
 
 def as_error(fault: BaseException) -> ScenicError:
-    """Return our error for a fault of Python's operators and methods; our own errors are returned unchanged."""
+    """Return a `ScenicError` for a fault of Python's operators and methods; a `ScenicError` is returned unchanged."""
     if isinstance(fault, ScenicError):
         return fault
     if isinstance(fault, RecursionError):
@@ -210,6 +210,6 @@ class CheckResults:
 
 
 def reaches(tape: Tape, check: Check) -> bool:
-    """Return whether the tape computes the value, and what decides whether it is evaluated."""
+    """Return whether the tape computes the value and the conditions of its evaluation."""
     needed = [check.node, *(condition for condition, _ in check.guards if isinstance(condition, RandomExpr))]
     return all(tape.find(value) is not None for value in needed)

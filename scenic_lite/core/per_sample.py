@@ -89,11 +89,11 @@ class PerSampleCondition(FallibleOperation):
         return fault
 
 
-# ------------------------------------------------------------ names, as they were at a statement
+# ------------------------------------------------------------ values of names at a statement
 class Bindings:
     """All names visible in `scope`, also for the functions of its module that a condition may call.
 
-    A requirement uses the values that its names have where it is written, whatever is assigned to them later.
+    A requirement uses the values of its names at its statement; later assignments have no effect.
     """
 
     def __init__(self, scope: Scope) -> None:
@@ -182,7 +182,7 @@ def value_at(scope: Environment, path: tuple[str, ...]) -> Value:
 
 
 def members_of(instance: Instance) -> list[Value]:
-    """Return what an object reads of its class."""
+    """Return the values that an object reads from its class."""
     return [member for cls in instance.cls.lineage() for member in cls.members.values()]
 
 

@@ -178,7 +178,7 @@ class Scope(Environment):
     # ------------------------------------------------------------ places and errors
 
     def watch(self, result: Value) -> None:
-        """Register a result that may not be computable in some scenes."""
+        """Register a result that cannot be computed in some scenes."""
         if self.mode.row is None:
             path = self.mode.path
             self.state.watching.note(result, () if path is None else zip(path.conditions, path.decisions, strict=False))

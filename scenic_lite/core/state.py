@@ -1,7 +1,7 @@
-"""What loading a program collects, the handlers of nodes, and the mode in which they are evaluated.
+"""The state of a load, the handlers of nodes, and the mode in which they are evaluated.
 
 Nothing in this module is replaced while a program runs: an episode, the compiler and each single scene have their own
-`Mode`, which the scopes carry. Read next: `core.scope`.
+`Mode`, which is part of the scopes. Read next: `core.scope`.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Requirement:
 
 
 class DrawnPoint(NamedTuple):
-    """A point drawn from one region, and the columns of θ from which it was made; the region knows the inverse.
+    """A point drawn from one region, and the columns of θ that determine it; the region has the inverse map.
 
     `whole` is the region in the program, if only a part of it is used.
     """
@@ -67,7 +67,7 @@ class EpisodeStatement(NamedTuple):
 
 @dataclass(eq=False)
 class LoadState:
-    """Everything that the statements of one program have created so far."""
+    """All objects that the statements of one program have created so far."""
 
     domain: Domain | None
     dialect: int
@@ -121,11 +121,11 @@ class LoadState:
             raise
 
     def clear_episode_statements(self) -> None:
-        """Start new lists of statements about the episode: what follows belongs to another scenario."""
+        """Start new lists of statements about the episode: later ones belong to another scenario."""
         self.monitors, self.terminations, self.records, self.temporal = [], [], [], []
 
     def copy_to_play(self) -> LoadState:
-        """Return a state for one episode or compilation, which keeps what its statements create from the program's."""
+        """Return a state for one episode or compilation; its statements do not change the program's state."""
         copy = replace(
             self,
             points=[],
@@ -207,7 +207,7 @@ def refuse_draw(*_: Any) -> ThetaColumn:
 
 
 class BranchPath:
-    """One path through a function that branches on random values: decisions, then always True; and the conditions."""
+    """One path through a function that branches on random values: given decisions, then True; and the conditions."""
 
     def __init__(self, decisions: list[bool]) -> None:
         self.decisions = decisions

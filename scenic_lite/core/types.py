@@ -1,6 +1,6 @@
 """Types of Scenic values besides numbers, texts and Python containers, and the environments of names.
 
-A function keeps the environment of its definition; the `Scope` of the call determines what its body means.
+A function keeps the environment of its definition; the `Scope` of the call determines how its body is evaluated.
 Read next: `core.state`, `core.scope`; `language.classes`, the built-in classes.
 """
 
@@ -144,7 +144,7 @@ class Instance(Located):
     owner: Any = None  # (Instance, property) in whose specifiers it was created
     name: str = ""  # the first variable bound to it
     properties: dict[str, Value] = field(default_factory=dict)
-    attributes: dict[str, Value] = field(default_factory=dict)  # by `object.name = value`, of no property
+    attributes: dict[str, Value] = field(default_factory=dict)  # set by `object.name = value`, without a property
     label: str = ""  # unique among the objects of its program
     parent_heading: Value = 0.0  # in dialect 3, the heading to which its yaw was added
 
@@ -273,8 +273,8 @@ class Definition:
             return ScenicError(
                 "type", f"{self.name}() has no argument '{unknown[0]}'", hint=near(unknown[0], names) or has
             )
-        said = f"'{missing[0]}' is missing" if missing else f"{len(arguments) + len(keywords)} arguments were given"
-        return ScenicError("type", f"{self.name}({', '.join(names)}): {said}")
+        fault = f"'{missing[0]}' is missing" if missing else f"{len(arguments) + len(keywords)} arguments were given"
+        return ScenicError("type", f"{self.name}({', '.join(names)}): {fault}")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,8 @@
 """The interface between a simulator and the behaviors and monitors of programs.
 
 A step of the world consists of two tables of numbers: one row per object of the program, and a row of facts about the
-match. What a program reads (`ball.position`, `simulation()`) is computed from these by functions that never inspect a
-number, so that the same functions work on numbers and on the compiler's registers. Read next:
+match. Functions compute the values that a program reads (`ball.position`, `simulation()`) from these tables. They never
+inspect a number, so the same functions work on numbers and on the compiler's registers. Read next:
 `tests/reference/interpreter.py`, which runs programs in a world; `envs/toy_world.py`, the smallest world.
 """
 
@@ -107,8 +107,8 @@ class Commands(NamedTuple):
     """The commands of the behaviors in one step.
 
     `actions`: a tuple of actions for each object, in the order of the scene; () for an object that waits, whose
-    behavior has ended, or that has none. `agents`: the objects that have a behavior. `terminated`: how the episode has
-    ended, if it has (see `Verdict`); objects do not act then. `rejected`: which requirement is violated, if any.
+    behavior has ended, or that has none. `agents`: the objects that have a behavior. `terminated`: the reason why the
+    episode has ended, if it has (see `Verdict`); objects then do not act. `rejected`: the violated requirement, if any.
     """
 
     actions: tuple[tuple[Value, ...], ...]

@@ -1,4 +1,4 @@
-"""The evaluation of the tree: what each expression and statement means, for numbers and random values alike.
+"""The evaluation of the tree: the meaning of each expression and statement, for numbers and random values alike.
 
 Read next: `loader`, where a load begins; `core.scope`.
 """

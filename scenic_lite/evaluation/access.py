@@ -1,4 +1,6 @@
-"""What `value.name` and `value[i]` may read, and valid targets of assignments: from our own tables, not from Python.
+"""The values that `value.name` and `value[i]` may read, and valid targets of assignments, from our own tables.
+
+Python's attribute access is never used.
 
 Read next: `evaluation.builtins`, the methods of containers; `language.regions`, those of regions.
 """
@@ -248,7 +250,7 @@ def check_container(scope: Scope, target: ast.expr, owner: Value, key: Value) ->
 def set_attribute(scope: Scope, owner: Value, name: str, value: Value) -> None:
     """`owner.name = value` of an object or a class of the program; a property keeps its type."""
     if isinstance(owner, Instance):
-        if name in ("x", "y") and name not in owner.properties:  # would hide the coordinate and move nothing
+        if name in ("x", "y") and name not in owner.properties:  # it would hide the coordinate without effect
             hint = f"write {owner.title()}.position = x @ y"
             raise ScenicError("type", f"the {name} of an object belongs to its position", hint=hint)
         if name in owner.properties:

@@ -1,7 +1,7 @@
 """Python's built-in functions of containers, texts and types, and the methods of lists and dictionaries.
 
-Only the functions in these tables are reachable; those refused by name are excluded on purpose. Texts are built by
-f-strings and `+`, within the budget and one by one if they are random; they have no methods.
+Only the functions in these tables are reachable; functions that are rejected by name are excluded on purpose. Texts are
+built by f-strings and `+`, within the budget and row by row if they are random; they have no methods.
 Read next: `evaluation.functions`, which puts all tables together.
 """
 

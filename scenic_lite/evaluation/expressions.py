@@ -1,4 +1,4 @@
-"""Evaluate expressions: what each node of the tree means for numbers, containers and random values alike.
+"""Evaluate expressions: the meaning of each node for numbers, containers and random values alike.
 
 Outside requirements random values cannot be compared, as in Scenic. Read next: `evaluation.access`, attributes and
 elements; `evaluation.calls`, functions and instances; `evaluation.statements`.

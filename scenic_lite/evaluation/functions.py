@@ -117,7 +117,7 @@ class Extreme:
         return best(np.stack(np.broadcast_arrays(*keys)), axis=0)
 
 
-# ------------------------------------------------------------ of the language
+# ------------------------------------------------------------ functions of the language
 def no_shapely(scope: Scope, node: ast.AST, *shapes: Value) -> None:
     """Refuse functions that football's libraries import but programs do not need: they return Shapely objects."""
     raise ScenicError("unsupported", "objects of Shapely are not supported", hint="write PolygonalRegion(points)")

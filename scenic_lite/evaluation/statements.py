@@ -227,7 +227,7 @@ def set_params(scope: Scope, node: nodes.Param) -> None:
 
 
 def warn_of_param(scope: Scope, name: str, node: ast.expr) -> None:
-    """Warn of a param that nothing reads and whose name is similar to one of the world's."""
+    """Warn about a parameter that is never read and whose name is similar to one of the world's."""
     known = scope.state.domain.params if scope.state.domain else frozenset()
     hint = "" if name in known else near(name, known)
     if hint:

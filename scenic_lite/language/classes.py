@@ -78,7 +78,7 @@ SIDES = {
 
 
 def is_oriented(value: Value) -> bool:
-    """Return whether it is an OrientedPoint or Object."""
+    """Return whether a value is an OrientedPoint or Object."""
     return isinstance(value, Instance) and value.cls.derives_from(ORIENTED_POINT)
 
 
@@ -108,7 +108,7 @@ def as_orientation(value: Value) -> Value:
 
 
 def needed(words: str, noun: str, value: Value, converted: Value, hint: str = "") -> Value:
-    """Return the result of a conversion. Raises ScenicError if it is None, naming the words that need it."""
+    """Return the result of a conversion. Raises ScenicError if it is None; the message names the form that needs it."""
     if converted is None:
         message = f"`{words}` needs {noun}" if words else f"{noun} is needed here"
         raise ScenicError("type", f"{message}, not {describe_kind(value)}", hint=hint)

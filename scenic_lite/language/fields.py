@@ -99,7 +99,7 @@ def along(field: VectorField, start: Vector, distance: Value) -> Vector:
 
 
 def followed(field: VectorField, start: Vector, distance: Value) -> Vector:
-    """Return values that are the same in every scene as one node, however many steps."""
+    """Return the end point as one node for any number of steps, if the field is the same in every scene."""
     walk = Walk(field)
     return vector_by(walk, start.x, start.y, distance, *walk.others)
 

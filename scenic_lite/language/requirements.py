@@ -1,12 +1,12 @@
-"""`require` and `mutate`: what scenes and episodes must satisfy, and the noise added to objects at the end.
+"""`require` and `mutate`: conditions on scenes and episodes, and the noise added to objects after the last statement.
 
-A condition is evaluated where it is written, so that its errors are reported there; if objects have noise it is
+A condition is evaluated at its statement, so its errors are reported at that place. If objects have noise, it is
 evaluated again after the last statement, since it applies to the scene with the noise.
 
 Temporal requirements are linear temporal logic over finite episodes. A formula is evaluated by progression:
 `after(step)` is the remaining requirement on later steps. So `always p` stays itself while p holds, and `eventually p`
-until p holds. The remaining formula is decided once no further step can change it; else `at_end` tells whether it would
-hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
+until p holds. The remaining formula is decided once no further step can change it; else `at_end` returns whether it
+would hold if the episode ended now. `next` is strong: it does not hold at the last step. An `until` whose left side has
 failed is false at once (Scenic waits for its right side, with the same rejection in the end).
 
 The operands of `and`, `or`, `not`, `implies` without temporal operators are one expression, evaluated like any other,
@@ -78,7 +78,7 @@ def condition_of(scope: Scope, node: ast.expr) -> Value:
 
 
 def probability_of(scope: Scope, node: nodes.Require) -> float:
-    """Return the p of `require[p]`, 1 if omitted."""
+    """Return the probability p of `require[p]`, 1 if omitted."""
     probability = 1.0 if node.probability is None else scope.value(node.probability)
     if not is_number(probability) or not 0 <= probability <= 1:
         raise scope.error("value", "the probability of a requirement must be a number from 0 to 1", node)

@@ -106,7 +106,7 @@ def relative_to(scope: Scope, x: Value, y: Value) -> Value:
 
 
 def is_random_frame(value: Value) -> bool:
-    """Return whether it is a random choice of oriented objects, which dialect 2 takes for a vector."""
+    """Return whether a value is a random choice of oriented objects, which dialect 2 treats as a vector."""
     return isinstance(value, RandomChoice) and all(is_oriented(option) for option in value.options)
 
 

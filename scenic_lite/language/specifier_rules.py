@@ -94,7 +94,7 @@ def contained_in(scope: Scope, node: ast.AST, region: Value) -> ResolvedSpecifie
 
 
 def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> ResolvedSpecifier:
-    """`left of X by D` and the other directions. Dialect 2 ignores X's extent and takes a random X for a vector."""
+    """`left of X by D` and the other directions. Dialect 2 ignores X's extent and treats a random X as a vector."""
     words = words_of(node)
     step_x, step_y = DIRECTIONS[words]
     extent = "width" if step_x else "length"

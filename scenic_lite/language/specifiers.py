@@ -1,4 +1,4 @@
-"""Specifiers: what each provides and needs, and how an instance's properties are resolved from them.
+"""Specifiers: the properties that each provides and needs, and the resolution of an instance's properties.
 
 Read next: `language.specifier_rules`, the meaning of each specifier.
 """
@@ -239,7 +239,7 @@ def one_behavior(scope: Scope, node: ast.expr, value: Value) -> Value:
 
 
 def warn_of_unknown(scope: Scope, cls: ScenicClass, node: ast.AST, name: str, value: Value) -> None:
-    """Warn of a property that the class does not declare, if it is probably a mistake."""
+    """Warn about a property that the class does not declare, if it is probably a mistake."""
     known = cls.property_names()
     if name in known:
         return

@@ -238,7 +238,7 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class RejectionReport:
-    """How many of some uniform draws of θ were valid, and the share that each constraint rejected by itself.
+    """The number of valid θ among some uniform draws, and the share of draws that each constraint rejects by itself.
 
     A draw may violate several constraints, so the shares need not add up.
     """
@@ -246,7 +246,7 @@ class RejectionReport:
     file: str
     draws: int
     accepted: int
-    rejected: tuple[tuple[Constraint, float], ...]  # only constraints that rejected something, the worst first
+    rejected: tuple[tuple[Constraint, float], ...]  # only constraints that rejected a draw, the largest share first
 
     @property
     def acceptance(self) -> float:
@@ -261,7 +261,7 @@ class RejectionReport:
         return "\n".join([head, *self.lines()])
 
     def lines(self) -> list[str]:
-        """Return one line for each constraint that rejected something."""
+        """Return one line for each constraint that rejected a draw."""
         rows = [
             (f"    line {constraint.place.line}: {constraint.label}", share)
             for constraint, share in self.rejected[:SHOWN]

@@ -1,15 +1,15 @@
 """Program: the layout of θ, and scenes, validity and samples from it; the interface of this package.
 
     program = load("free.scenic")                         the text is walked once
-    theta, scenes = program.sample(256, rng)              [256, D] valid ones, and what they describe
-    scenes = program.instantiate(theta)                   the same again: θ determines a scene
+    theta, scenes = program.sample(256, rng)              [256, D] valid θ, and their scenes
+    scenes = program.instantiate(theta)                   the same scenes: θ determines a scene
     scenes.positions, scenes.ok                           [256, O, 2], [256]
 
 `Range(0, 80)` is a node that reads a column of θ, `Range(0, 80) + 2` a node that reads that node. The walk creates the
 graph of all values in scenes, which a Program lays out as a flat tape: N rows of θ become N scenes by one array
 operation for each node. The language is Scenic's (Fremont et al. 2019), θ holds the free parameters of a UPOMDP (Dennis
-et al. 2020). Constraints are nodes, too, or tests of all objects at once: a row that violates one is not a scene, and
-`sample` draws again. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
+et al. 2020). Constraints are nodes, too, or tests of all objects at once: a row that violates one is rejected, and
+`sample` draws another one. Read next: `values.graph` for the tape, `scene.scenes`, `scene.constraints`.
 """
 
 from __future__ import annotations
@@ -349,7 +349,7 @@ def lay_out_theta(state: LoadState, objects: list[Instance], roots: list[RandomE
 
 
 def place_in_program(column: ThetaColumn, state: LoadState) -> SourceSpan:
-    """Return where a value is drawn; for a default of a library's class, where its object is created."""
+    """Return the place of a draw; for a default of a library's class, the place where its object is created."""
     place, owner = column.place, column.owner
     while state.sources[place.file].library and owner is not None:
         place, owner = owner[0].place, owner[0].owner

@@ -1,7 +1,7 @@
-"""Pruning: a point is drawn only from where its object fits into its container, not from the whole named region.
+"""Pruning: a point is drawn only from the part of its region where its object fits into its container.
 
 The valid scenes and their distribution stay the same, since the pruned part would be rejected; fewer levels are
-invalid. Only objects at such a point, or at a fixed step from it, are pruned, and none with noise.
+invalid. Pruning applies to objects at a drawn point, or at a fixed step from it, without noise.
 Read next: `scene.constraints`, which tests the remaining conditions.
 """
 
@@ -48,8 +48,8 @@ class Demand(NamedTuple):
 def prune(state: LoadState) -> None:
     """Draw the points of a program's objects from the parts of their regions in which the objects fit.
 
-    It cuts off what Scenic cuts off, so that acceptance rates can be compared: a margin of the container as wide as the
-    radius of the object's inner circle; in dialect 3 nothing for an object `in workspace`. Raises
+    It prunes the same parts as Scenic, so that acceptance rates can be compared: a margin of the container as wide as
+    the radius of the object's inner circle, and in dialect 3 nothing for an object `in workspace`. Raises
     ScenicError if an object fits nowhere.
     """
     points = {id(part): i for i, drawn in enumerate(state.points) for part in (drawn.point.x, drawn.point.y)}

@@ -27,7 +27,7 @@ class ObjectInfo(NamedTuple):
     """The description of an object before any scene is drawn.
 
     `name` in the program ("" if no variable holds it), `classes`: its class and all bases by name, most derived first;
-    `behavior`: the name of its behavior, or None; `behavior_place`: where that is written.
+    `behavior`: the name of its behavior, or None; `behavior_place`: the place of that name.
     """
 
     name: str

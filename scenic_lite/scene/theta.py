@@ -1,8 +1,8 @@
 """From a scene back to θ: the tape's values are compared with the description, and θ is moved until they agree.
 
-Positions are affine in θ nearly everywhere, so that one step of least squares with a numerical Jacobian is usually
-enough; random θ give further starts, for choices and curved regions. Every result is verified; a description that is
-not met, or does not determine θ, is refused. Read next: `values.graph`, the tape.
+Positions are affine in θ nearly everywhere, so one step of least squares with a numerical Jacobian usually suffices;
+random θ give further starts, for choices and curved regions. Every result is verified; a description that is not met,
+or does not determine θ, is rejected. Read next: `values.graph`, the tape.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:
 
 
 def targets_of(what: str, value: Value, place: SourceSpan, asked: Any) -> Iterator[Target]:
-    """Yield the targets of a number or text, or of all parts of a vector or an object."""
+    """Yield the targets of a number or text, or of all parts of a vector or object."""
     parts = asked.T if isinstance(asked, np.ndarray) and asked.ndim in (1, 2) else asked
     several = len(parts) if isinstance(parts, np.ndarray | list | tuple) else 0
     if isinstance(value, Instance):

@@ -1,7 +1,7 @@
 """Rules of the language that need the whole tree: allowed places, unique names, loops that never let time pass.
 
-All findings are returned together, sorted by place. A probable mistake is a warning. Undefined names and properties are
-not found by this module: that needs the imported library. Read next: `loader`, which runs the static part.
+All errors are returned together, sorted by place. A probable mistake is a warning. This module does not find undefined
+names and properties: that needs the imported library. Read next: `loader`, which runs the static part.
 """
 
 from __future__ import annotations

@@ -195,7 +195,7 @@ def listed(c: Cursor, read: Callable[[Cursor], Item], closing: str = "") -> list
 
 
 def missing_operator_hint(c: Cursor) -> str:
-    """Return what may be missing before the present token."""
+    """Return a hint about an operator or comma that may be missing before the current token."""
     token, before = c.token, c.previous
     if token.text in grammar.FOREIGN:
         return grammar.FOREIGN[token.text]

@@ -1,7 +1,7 @@
 """Program text to tokens: Python's lexical rules, in one regular expression, each token with its place.
 
-The standard library's `tokenize` is slower, splits f-strings differently from Python 3.12 on, and for text that it
-cannot read gives neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
+The standard library's `tokenize` is slower, splits f-strings differently from Python 3.12 on, and for invalid text
+gives neither the place (an open bracket: "EOF") nor a hint. Comments and blank lines are dropped; NEWLINE,
 INDENT and DEDENT tokens carry the layout; an INDENT after a comma, without a NEWLINE before it or a DEDENT after it, is
 a continued line. Columns count characters, so that a caret is placed correctly.
 Read next: `syntax.cursor`, which iterates over the tokens.

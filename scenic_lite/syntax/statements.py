@@ -257,7 +257,7 @@ def block(c: Cursor, owner: str, begin: Callable[[], None] | None = None, *, of_
 
 
 def else_block(c: Cursor) -> list[ast.stmt]:
-    """Read `else: ...`, if it is there."""
+    """Read an optional `else: ...`."""
     if not c.accept("else"):
         return []
     if c.token.text == "if":

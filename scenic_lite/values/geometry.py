@@ -62,7 +62,7 @@ class Vector:
         return is_number(self.x) and is_number(self.y)
 
     def rotated(self, angle: Value) -> Vector:
-        """Return it rotated counterclockwise by `angle`; unchanged if that is 0."""
+        """Return the vector rotated counterclockwise by `angle`; unchanged if that is 0."""
         c, s = cosine(angle), sine(angle)
         return Vector(self.x * c - self.y * s, self.x * s + self.y * c)
 
@@ -79,7 +79,7 @@ class Located(ABC):
 
 
 def is_scalar(value: Value) -> bool:
-    """Return whether it is a number, fixed or random."""
+    """Return whether a value is a number, fixed or random."""
     return is_number(value) or (isinstance(value, RandomExpr) and value.kind == "number")
 
 

@@ -292,7 +292,7 @@ class Tape:
         return self._slots[id(root)]
 
     def _step(self, node: RandomExpr) -> int:
-        assert node.operation is not None, "a column that was not announced"
+        assert node.operation is not None, "a column that is not among the tape's columns"
         inputs = tuple(self._slots[id(i)] if isinstance(i, RandomExpr) else self._constant(i) for i in node.inputs)
         key = (node.operation, inputs)
         if key not in self._slots:

@@ -1,7 +1,7 @@
 """Regions of any shape, and regions made of regions: polygons, intersections, differences, unions.
 
 Fixed regions are combined once. Regions that differ between scenes are combined in every scene (so that a point
-drawn from the result is uniform whatever the sizes), by geometry if they have a shape, else by rejection. Read next:
+drawn from the result is uniform for any sizes), by geometry if they have a shape, else by rejection. Read next:
 `values.shapes`, the geometry; `scene.pruning`.
 """
 

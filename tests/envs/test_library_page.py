@@ -60,8 +60,8 @@ def test_the_page_names_every_module_and_its_alias(module: str) -> None:
     assert f"| `football.{module}` | `scenic.simulators.gfootball.{module}`" in PAGE
 
 
-def test_the_page_shows_the_rooms_in_their_order() -> None:
-    table = PAGE[PAGE.index("| room |") : PAGE.index("A file imports")]
+def test_the_page_shows_the_modules_in_their_order() -> None:
+    table = PAGE[PAGE.index("| module | content |") : PAGE.index("A file imports")]
     cells = [row.split("|")[1] for row in table.splitlines() if row]
     assert re.findall(r"`(\w+)/?`", "".join(cells)) == [
         floor.removeprefix("football.") for floor in FLOORS["envs"] if floor.startswith("football.")

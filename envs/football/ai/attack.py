@@ -63,9 +63,9 @@ def play_ball(match, i):
 
 @kernel
 def meet_free_ball(match, i):
-    """Run for a free ball, at which i is first of the team, and just before the contact decide on a first-time kick.
+    """Run for a free ball as the first player of the team; just before the contact, decide on a first-time kick.
 
-    In GRF's matches two of five shots and a fifth of the passes are played like that.
+    In GRF's matches, 40% of the shots and 20% of the passes are first-time kicks.
     """
     player = match.players[i]
     chase(match, i, player.top_speed)
@@ -80,9 +80,7 @@ def meet_free_ball(match, i):
 
 @kernel
 def kicks_himself(match, player):
-    """Return whether a player may kick: in a team with agents only the players that agents have left to the built-in
-    AI.
-    """
+    """Return whether a player may kick. In a team with agents, only players left to the built-in AI may."""
     return match.num_agents[player.team] == 0 or player.agent != NOBODY
 
 
@@ -100,7 +98,7 @@ def run_by_forces(match, player):
 
 @kernel
 def carrying_speed(player, desired):
-    """Return the speed in m/s with the ball for a desired one; a dribbler never stands."""
+    """Return the speed in m/s with the ball for a desired speed; a dribbler never stands still."""
     if desired < GAIT_CHOICE.walks:
         return DRIBBLE_SPEED
     return RUN_SPEED if desired < GAIT_CHOICE.runs else player.top_speed
@@ -118,9 +116,9 @@ def pull_of_goal(player):
 def push_of_rivals(match, player):
     """Return the force away from nearby opponents.
 
-    The push of an opponent was fitted with one or two opponents. The sum over a whole team would exceed the pull of the
-    goal, so that nobody would come near it: so the sum is at most the pull of the goal. A single opponent nearer than
-    6.2 m reaches that limit, too; straight ahead the forces then cancel, and the dribbler goes aside.
+    The push of an opponent is fitted to scenes with one or two opponents. Its sum over a whole team would exceed the
+    pull of the goal, and no dribbler would come near the goal. So the pull of the goal limits the sum. One opponent
+    nearer than 6.2 m reaches the limit, too; straight ahead the forces then cancel, and the dribbler moves sideways.
     """
     force_x, force_y = 0.0, 0.0
     for j in range(match.num_players):

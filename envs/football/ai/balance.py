@@ -1,8 +1,8 @@
-"""The balance of a match: each team's share of possession, and where the ball has been, over the last seconds.
+"""The balance of a match over the last seconds: each team's share of possession, and the ball's positions.
 
-A team's share of possession slowly follows how much sooner it can be at the ball than the other team, from 0.5 (the
-others have the ball) to 1.5 (this team has it). This is Google Research Football's law, and all of its players without
-the ball depend on it. Read next: `ai.formation`.
+A team's share of possession slowly follows how much sooner it can reach the ball than the other team, from 0.5 (the
+other team has the ball) to 1.5 (this team has it). This is Google Research Football's law, and all players without the
+ball depend on it. Read next: `ai.formation`.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def mean_ball(match, seconds, axis):
 
 @kernel
 def update_possession_share(match):
-    """Update both teams' shares of possession by who can be first at the ball; a keeper or taker has all of it."""
+    """Update both teams' shares of possession by their times to the ball; a keeper or taker has full possession."""
     sure = NOBODY
     if match.keeper_holding != NOBODY:
         sure = match.players[match.keeper_holding].team
@@ -75,8 +75,8 @@ def update_possession_share(match):
 
 @kernel
 def possession_trend(match, team):
-    """Return by how much the block of `team` moves forward for the possession of the last seconds: -1 to 1.
+    """Return how far the block of `team` moves forward for the possession of the last seconds: -1 to 1.
 
-    It moves forward without the ball: measured in scenes where a defender's position depends on the slot alone.
+    It moves forward without the ball, as measured in scenes where a defender's position depends on the slot alone.
     """
     return -forward(team) * match.lean

@@ -21,14 +21,14 @@ from regista.envs.football.skills.steering import go_for_ball
 from regista.kernels.jit import kernel
 from regista.kernels.rng import uniform
 
-MARKED_EVERY, MARKED_AT = 4, 3  # steps: period and phase; nobody is marked at first
+MARKED_EVERY, MARKED_AT = 4, 3  # steps: period and phase; no player is marked at first
 SOONER, SOONER_SLACK = 0.85, 0.01  # share of the time of the first player so far at a free ball; s, added to both
-LATE, LATE_SHARE = 0.2, 2.0  # s, if marking nobody, and ratio to the opponents' time: later, a player stays away
+LATE, LATE_SHARE = 0.2, 2.0  # s, for a player without a mark, and ratio to the opponents' time: limits of a run
 
 
 @kernel
 def read_game(match):
-    """Find for both teams who has or gets the ball, and every few steps slots and markers."""
+    """Find both teams' players at the ball, and every few steps slots and markers."""
     count_possession(match)
     find_team_in_possession(match)
     remember(match)
@@ -53,7 +53,9 @@ def count_possession(match):
 
 @kernel
 def find_team_in_possession(match):
-    """Find the team that has the ball or will be first at it; of a free ball only a clearly sooner team takes over."""
+    """Find the team that has the ball or will be first at it; possession of a free ball passes only to a clearly
+    sooner team.
+    """
     team = match.team_in_possession
     if match.carrier != NOBODY:
         match.team_in_possession = match.players[match.carrier].team
@@ -100,8 +102,8 @@ def unaware_of_kick(match, player):
 def goes_for_free_ball(match, i):
     """Return whether player i runs for a free ball: first of the team at it, and not much later than the opponents.
 
-    If an opponent is near enough to count as the owner, touched or not, the player may not be later; a player who marks
-    somebody gives up a ball sooner.
+    If an opponent is near enough to count as the owner, the player must not be later, even before the opponent's first
+    touch. A player who marks an opponent abandons the ball sooner.
     """
     team = match.players[i].team
     if match.carrier != NOBODY or match.chaser[team] != i or match.game_mode != NORMAL:

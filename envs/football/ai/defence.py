@@ -44,7 +44,7 @@ class Race(NamedTuple):
 
 
 class Guard(NamedTuple):
-    """Staying between an opponent and the goal."""
+    """Parameters for staying between an opponent and the goal."""
 
     lead: float = 0.5  # s by which the opponent's run is extrapolated from a reaction time ago
     own_lead: float = 0.14  # s for the player's own run
@@ -70,7 +70,7 @@ class Meet(NamedTuple):
 
 
 class DefensiveLine(NamedTuple):
-    """The defensive line, behind which nobody falls back without the ball."""
+    """The defensive line, which limits how far players fall back without the ball."""
 
     start: float = 40.0  # m from the own goal to the line,
     force: float = 6.0  # and to the last place where it is held
@@ -107,11 +107,11 @@ def tackles(match, player):
 
 @kernel
 def goes_for_led_ball(match, i):
-    """Let player i, first of the team at a ball that an opponent leads, go for it if as soon as the carrier; return
+    """Let player i, first of the team at an opponent's led ball, go for it if not later than the carrier; return
     whether it does.
 
-    In GRF the team's one designated player does so, whomever it marks. After each touch of a sprinter a back 6 m in
-    front is sooner at the ball for a moment, stops, and lets it come.
+    In GRF only the team's designated player does so, even if it marks another opponent. After each touch of a sprinter,
+    a back 6 m in front is sooner at the ball for a moment, stops, and waits for the ball.
     """
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.keeper_holding != NOBODY or match.chaser[player.team] != i:
@@ -139,7 +139,7 @@ def goes_for_led_ball(match, i):
 
 @kernel
 def awaits_carrier(match, player, time):
-    """Let a player who is clearly sooner than the carrier at a led ball, in `time` s, meet it on the way of a dribble;
+    """Let a player who reaches a led ball in `time` s, clearly before the carrier, wait for it on the carrier's path;
     return whether the ball comes closer.
     """
     run_by_forces(match, player)
@@ -198,7 +198,7 @@ def guard_share(match, player):
 def guarding_place(match, player, x, y):
     """Return where a player of slot (x, y) guards the marked opponent: nearer to the opponent's shooting position.
 
-    The opponent's position is extrapolated so far that a guard retreats before a sprinter rather than runs into one.
+    The opponent's position is extrapolated so far that a guard retreats from a sprinter instead of colliding.
     """
     rival = match.players[player.marked_opponent]
     goal_x = own_goal_x(player.team)
@@ -224,7 +224,7 @@ def guarding_place(match, player, x, y):
 
 @kernel
 def run_round(player, rival, x, y):
-    """Run round an opponent in the way to (x, y); return whether there is one."""
+    """Run around an opponent on the way to (x, y); return whether there is one."""
     dx, dy = x - player.x, y - player.y
     distance = length(dx, dy) + 1e-9
     to_x, to_y = rival.x - player.x, rival.y - player.y

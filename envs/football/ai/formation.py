@@ -1,9 +1,9 @@
 """The formation: a block of slots that moves with the ball, and which player takes which slot.
 
 A slot is a position in the block, -1 to 1 from back to front and across. It belongs to a shirt number, wherever a scene
-places that player: in Google Research Football players run to their numbers' slots from the first step on. Teammates
-exchange slots during the match. Positions are in the team's frame in this module: u forward and v to the left, in m
-from the middle. Read next: `ai.support` and `ai.defence`, for why players leave their slots.
+places that player: in Google Research Football, players run to their numbers' slots from the first step on. Teammates
+exchange slots during the match. Positions in this module are in the team's frame: u forward and v to the left, in m
+from the middle. Read next: `ai.support` and `ai.defence`, the reasons why players leave their slots.
 """
 
 from __future__ import annotations
@@ -139,8 +139,8 @@ def blend(attack, defence, attacking):
 def slot_position_for(match, player, number, on_ball):
     """Return the position in m of the slot of shirt number `number`, for a player who may have another number.
 
-    `on_ball` is the player who has the ball or will be first at it. The stages: how far the team attacks, its block,
-    the slot in it, and how far the ball draws the player out of it.
+    `on_ball` is the player who has the ball or will be first at it. The stages are: how far the team attacks, its
+    block, the slot in the block, and the pull of the ball on the player.
     """
     ahead = forward(player.team)
     owner, first = match.players[number], match.players[on_ball]
@@ -176,7 +176,7 @@ def slot_position(match, i, on_ball):
 
 @kernel
 def how_far_attacking(match, team, ball_u):
-    """Return how far a team attacks, 0 to 1: by possession, or if that is unclear, by the ball's half."""
+    """Return how far a team attacks, 0 to 1, by possession, or by the ball's half if possession is unclear."""
     held = between(match.hold[team] - 0.5, 0.3, 0.7)
     if held in (0.0, 1.0):
         return held
@@ -236,7 +236,7 @@ def focus(match, first, team, attacking, back):
 
 @kernel
 def close_up(du, dv):
-    """Return the share of the way (du, dv) to the focus that a slot is drawn towards it at most."""
+    """Return the maximum share of the way (du, dv) to the focus by which a slot moves towards it."""
     far = length(du, CLOSE_UP.flat * dv) / CLOSE_UP.reach
     if far >= 1.0:
         return 0.0
@@ -257,7 +257,7 @@ def close_up_strength(attacking, ball_u):
 
 @kernel
 def exchange_slots(match, on_ball):
-    """Let every two teammates exchange their slots if that shortens their ways (squared, so that no way is long)."""
+    """Let each pair of teammates exchange slots if that shortens their squared distances to the slots."""
     for i in range(match.num_players):
         player = match.players[i]
         if player.role != GK:

@@ -38,7 +38,7 @@ class Stand(NamedTuple):
 
 
 class ComeOut(NamedTuple):
-    """When a keeper leaves the goal, and how far."""
+    """Parameters for when a keeper leaves the goal, and how far."""
 
     claim_margin: float = 0.15  # s by which the keeper must be first at a loose ball
     claim_range: float = 30.0  # m from the goal line to it
@@ -75,7 +75,7 @@ class SlideOut(NamedTuple):
 
 
 class KickOut(NamedTuple):
-    """Kick-outs: to whom, and when."""
+    """Kick-outs: their receiver and their time."""
 
     free: float = 10.0  # m from the nearest opponent: a free teammate
     least: float = 8.0  # m to a free teammate
@@ -96,7 +96,7 @@ def choose_keeper_command(match, i):
     """Decide for keeper i."""
     player = match.players[i]
     if match.saver == i and match.save_wait < OUT.given_up:
-        match.saver = NOBODY  # the shot never came: wide, off the post, or too slow
+        match.saver = NOBODY  # the shot did not arrive: wide, off the post, or too slow
     if match.keeper_holding == i:
         player.desired_vx, player.desired_vy = 0.0, 0.0
         match.hold_wait -= 1
@@ -199,7 +199,7 @@ def goes_for_loose_ball(match, i):
 
 @kernel
 def throws_himself(match, i):
-    """Return whether an opponent's ball is about to be within keeper i's reach, with nothing in between."""
+    """Return whether an opponent's ball is about to come into keeper i's reach, without a body in between."""
     player, ball = match.players[i], match.ball
     if match.carrier == NOBODY or match.players[match.carrier].team == player.team:
         return False

@@ -55,7 +55,7 @@ DANGER, QUALITY, PRESS = Danger(), Quality(), Press()
 
 @kernel
 def choose_markers(match):
-    """Assign the most dangerous opponents to both teams' markers, also while the team has the ball: it may lose it."""
+    """Assign the most dangerous opponents to both teams' markers, also to those of the team in possession."""
     for i in range(match.num_players):
         match.players[i].marked_opponent = NOBODY
     for team in (LEFT, RIGHT):
@@ -80,7 +80,7 @@ def mark_the_dangerous(match, team):
 def most_dangerous(match, team, taken):
     """Return the opponent of `team` nearest to a point between its goal and the ball, except the bits `taken`.
 
-    The player on the ball counts as nearer; a keeper counts like everybody. -1: none.
+    The player on the ball counts as nearer; a keeper counts like any other player. -1: none.
     """
     x = DANGER.goal * (own_goal_x(team) - math.copysign(DANGER.depth, own_goal_x(team)))
     x, y = x + (1.0 - DANGER.goal) * match.ball.x, (1.0 - DANGER.goal) * match.ball.y

@@ -53,7 +53,9 @@ DECIDED_EVERY = 2  # steps
 
 @kernel
 def consider_pass(match, i):
-    """Request the best pass if it is worth it by now, or a clearance; return whether a kick was requested."""
+    """Request the best pass if its worth exceeds the current threshold, or a clearance; return whether either was
+    requested.
+    """
     player = match.players[i]
     if (match.step + player.shirt) % DECIDED_EVERY != 0:
         return False
@@ -141,7 +143,7 @@ def high_odds(match, player, x, y):
 
 @kernel
 def clear_in_panic(match, i):
-    """Clear the ball high and far, as a defender under pressure near the own goal; return whether."""
+    """Let a defender under pressure near the own goal clear the ball; return whether it does."""
     player = match.players[i]
     to_own_goal = length(own_goal_x(player.team) - player.x, player.y)
     attacker = MINDSET[match.players[player.post].role]

@@ -1,4 +1,4 @@
-"""The value of having the ball at a position: ground gained, room ahead, room around.
+"""The value of possession at a position: ground gained, free space ahead, free space around.
 
 Read next: `ai.passing`, which compares teammates by it.
 """

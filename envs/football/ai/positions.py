@@ -1,4 +1,4 @@
-"""Where a built-in player without the ball wants to be: slot, support of the ball, marking, defensive line.
+"""The target position of a built-in player without the ball: slot, support of the ball, marking, defensive line.
 
 The stages are Google Research Football's and the same with and without the ball: the share of possession determines
 their weights. Read next: `ai.formation`, `ai.support`, `ai.defence`, in that order.
@@ -19,7 +19,7 @@ from regista.kernels.jit import kernel
 
 
 class Own(NamedTuple):
-    """How far a player far from the ball keeps to the own slot rather than to the exchanged one."""
+    """The weight of a player's own slot against the exchanged one, far from the ball."""
 
     share: tuple[float, ...] = (1.0, 0.9, 0.8)  # backs, midfield, forwards
     near: float = 15.0  # m to the player on the ball: up to here the exchanged slot counts,
@@ -34,8 +34,8 @@ NEAR_BALL = 10.0  # m to the ball, within which a player does not wait for it
 
 @kernel
 def take_position(match, i):
-    """Head for player i's target, chosen at the end of the last stride; near the ball or when marking the carrier,
-    chosen now.
+    """Run to player i's target. It is chosen at the end of each stride, or in every step near the ball and when
+    marking the carrier.
     """
     player = match.players[i]
     rival = man_on_ball(match, 1 - player.team)

@@ -1,4 +1,4 @@
-"""How fast a built-in player goes to the target: walking, running or sprinting, and more slowly far from the ball.
+"""The speed of a built-in player on the way to its target: a walk, run or sprint, slower far from the ball.
 
 Read next: `ai.support`, `ai.defence`.
 """
@@ -15,7 +15,7 @@ from regista.kernels.jit import kernel
 
 
 class Effort(NamedTuple):
-    """How much effort a player makes to be in position."""
+    """The effort of a player to reach its position."""
 
     urgency: float = 2.6  # 1/s: desired speed per distance
     sprint: float = 8.0  # m/s that count in full,
@@ -75,7 +75,7 @@ def lazy_speed(match, player, desired, rival):
         speed = max(speed, DRIBBLE_SPEED)
     slowest = EFFORT.sprint * (1.0 - lazy)
     if speed <= slowest or gait_speed(player, speed) == gait_speed(player, slowest):
-        return speed  # a gait for which nobody is out of breath: a power is slow
+        return speed  # no player is out of breath at this gait; this saves a power, which is slow
     breath = min(EFFORT.breath * (1.0 - min(player.mean_speed / EFFORT.sprint, 1.0)) ** EFFORT.breath_curve, 1.0)
     return min(speed, EFFORT.sprint * (1.0 + lazy * (breath - 1.0)))
 

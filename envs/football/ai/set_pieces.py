@@ -1,8 +1,8 @@
 """Set pieces: the taker of a restart decides, runs up, and kicks, throws or shoots; then play goes on.
 
-A restart is shown for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick, corner
-or free kick, 6 or 7 at a penalty, including the step in which play stopped. An agent's taker waits for a pass or a shot
-of the agent; after 20 steps the AI passes. Meanwhile everybody else stands. Read next:
+A restart is visible for as many steps as in Google Research Football: 2 or 3 at a throw-in, 5 or 6 at a goal kick,
+corner or free kick, 6 or 7 at a penalty, including the step in which play stopped. An agent's taker waits for a pass or
+a shot of the agent; after 20 steps the AI passes. Meanwhile all other players stand. Read next:
 `rules.restarts`, which places the players.
 """
 
@@ -124,7 +124,7 @@ def decide_restart(match, taker):
 
 @kernel
 def approach(match, taker):
-    """Let the taker run up, so as to be at the ball when it is to be kicked."""
+    """Let the taker run up and reach the ball at the time of the kick."""
     player, ball = match.players[taker], match.ball
     dx, dy = toward(ball.x - player.x, ball.y - player.y)
     speed = min(max(apart(ball, player) - TAKER.at_ball, 0.0) / (STEP * match.restart_kick), RUN_SPEED)
@@ -149,7 +149,7 @@ def put_in_play(match, taker):
 
 @kernel
 def throw(match, i):
-    """Throw the ball to player i's target, as far as arms can."""
+    """Throw the ball to player i's target, up to the maximum range of a throw."""
     player, ball = match.players[i], match.ball
     ux, uy = toward(player.aim_x - ball.x, player.aim_y - ball.y)
     distance = length(player.aim_x - ball.x, player.aim_y - ball.y)

@@ -1,4 +1,4 @@
-"""Shots of the built-in AI: from where, at which part of the goal, how hard.
+"""Shots of the built-in AI: position, target in the goal, and power.
 
 The law and its numbers are documented by Google Research Football. Read next: `skills.kicks`, which executes shots.
 """
@@ -20,7 +20,7 @@ from regista.kernels.rng import uniform
 
 
 class When(NamedTuple):
-    """From where, and when, a shot is tried."""
+    """Conditions for a shot."""
 
     spot: float = 7.0  # m in front of the goal:
     range: float = 12.7  # m around there
@@ -59,7 +59,7 @@ WHEN, LANE, STRIKE = When(), Lane(), Strike()
 
 @kernel
 def consider_shot(match, i):
-    """Shoot at the best of both corners and the middle if its lane is free enough; return whether."""
+    """Shoot at the best of both corners and the middle if its lane is free enough; return whether it shoots."""
     player = match.players[i]
     goal_x = attacked_goal_x(player.team)
     spot_x = goal_x - math.copysign(WHEN.spot, goal_x)
@@ -82,7 +82,7 @@ def consider_shot(match, i):
 
 @kernel
 def shoot(match, player, goal_x, y):
-    """Request a shot at y on the goal line, turned away from the run, which would drag it, and so often too far."""
+    """Request a shot at y on the goal line, turned away from the run to compensate for its drag, often by too much."""
     miss = 1.0 - SHOT_SKILL[player.shirt % len(SHOT_SKILL)] * player.skill
     from_x, from_y = player.x + STRIKE.run_lead * player.vx, player.y + STRIKE.run_lead * player.vy
     line_x = goal_x + math.copysign(STRIKE.behind_line, goal_x)

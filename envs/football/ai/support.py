@@ -1,4 +1,4 @@
-"""Supporting runs: a field of forces moves players from their slots to where they support the ball, onside.
+"""Supporting runs: a field of forces moves players from their slots to onside positions that support the ball.
 
 As documented by Google Research Football; sometimes one player runs behind the defense. Read next: `ai.attack`, for the
 player on the ball.
@@ -157,7 +157,7 @@ def pull_of_slot(match, i, x, y, at_x, at_y, carrier_y):
 
 @kernel
 def push_of_rivals(match, player, at_x, at_y, from_x, from_y, runs):
-    """Return the push of the nearest opponents, from behind them as seen from the ball, where no pass arrives."""
+    """Return the push of the nearest opponents. It starts behind them, seen from the ball, where no pass arrives."""
     power = FORCES.rival * RIVAL_BY_ROLE[match.players[player.post].role] * (FORCES.run_share if runs else 1.0)
     reach = FORCES.run_reach if runs else FORCES.rival_reach
     push_x, push_y, pushes = 0.0, 0.0, 0.0
@@ -222,7 +222,7 @@ def onside_line(match, team):
 
 @kernel
 def choose_runners(match):
-    """Count down runs, and every half second let each team on the ball start one if nobody runs."""
+    """Count down runs; every half second let the team on the ball start one if it has no runner."""
     for team in (LEFT, RIGHT):
         match.run_steps_left[team] -= 1
         if match.run_steps_left[team] <= 0:
@@ -250,7 +250,7 @@ def start_run(match, team, on_ball):
 
 @kernel
 def room_to_run(match, player):
-    """Return how few opponents are behind a player, 1 none; GRF looks behind the player, not in front."""
+    """Return how few opponents are behind a player (1: none); GRF checks behind the player, not in front."""
     x, y = player.x - forward(player.team) * RUN.spot, 0.8 * player.y
     room = 1.0
     for j in range(match.num_players):

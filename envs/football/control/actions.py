@@ -45,7 +45,9 @@ from regista.kernels.rng import uniform
 
 
 class Ask(NamedTuple):
-    """When a button means a kick for a player without the ball: the player is hardly later at it than the opponents."""
+    """Conditions under which a button requests a kick for a player without the ball: it must not be much later at the
+    ball than the opponents.
+    """
 
     in_time: float = 0.85  # of the opponents' time by the player's, with `Pull.patience`,
     high_pass: float = 1.0  # the same for a high pass
@@ -56,7 +58,7 @@ class Ask(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """How long a carrier runs on after a new direction: until the present touch has ended, or not at all."""
+    """How long a carrier runs on after a new direction: until the current touch has ended, or not at all."""
 
     at_once: float = 0.1  # s; a turn is immediate with probability at_once / (at_once + longest wait)
     runner: float = 0.15  # s at most
@@ -74,7 +76,7 @@ CARRY_RUN, CARRY_DRIBBLE = 4.93, 3.879  # m/s with the ball, without the effect 
 SETTING_OFF = 4  # steps of possession in which a carrier who has requested a pass still completes the first turn
 STOPPED = 2.0  # m/s of the ball, below which a carrier can stop with it
 PASSING_PACE = 2.9  # m/s up to which a carrier who has requested a pass still accelerates
-STANDS, SPRINTS = 0.5, 5.5  # m/s: below and above which the built-in AI wants to stand, and to sprint
+STANDS, SPRINTS = 0.5, 5.5  # m/s: a desired speed below is a stop, one above a sprint
 PACE_EVERY = 4  # steps: how often the recorded action is the pace, not the direction
 
 
@@ -158,7 +160,7 @@ def hold_kick(player, action):
     """
     if is_kick(action) and (player.kick in (0, action) or takes_place(player.kick, action)):
         if player.kick_wait > 0.0:
-            return  # the leg already swings
+            return  # the swing has already begun
         if player.kick != action:
             player.kick, player.kick_held, player.is_aimed = action, 0, False
             player.kick_ready = False
@@ -182,8 +184,8 @@ def takes_place(kick, action):
 
 @kernel
 def may_slide(match, i):
-    """Return whether the slide button works for player i: no kick is requested, a carrier is far enough away, and at a
-    free ball the player is neither first nor sooner than the opponents.
+    """Return whether the slide button works for player i: no kick is requested, and a carrier is far enough away, or
+    at a free ball the player is neither first of the team nor sooner than the opponents.
     """
     player = match.players[i]
     if player.kick != 0 or i in (match.carrier, match.kicker):
@@ -330,9 +332,9 @@ def changes(player, action):
 
 @kernel
 def desired_action(player, step):
-    """Return the action, of the 19, nearest to what the built-in AI wants of a player; NO_ACTION while he is down.
+    """Return the one of the 19 actions nearest to the built-in AI's decision; NO_ACTION while the player is down.
 
-    The AI wants a direction and a pace at once; one action expresses only one of them, so the step decides which.
+    The AI decides on a direction and a pace at once; an action expresses only one of them, so the step selects which.
     """
     if player.is_sliding and player.down_wait >= SLIDE.time:
         return SLIDING

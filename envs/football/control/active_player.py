@@ -3,9 +3,9 @@
 Each team has a *designated* player, who should win the ball. That player becomes the active one as soon as only that
 team owns the ball, or if the time to the ball is a third of the active player's; keepers are excepted. A pass makes
 its receiver both. Sticky actions move with the agent; a kick or a slide stays with its player. An episode begins with a
-player who need not be near the ball (the keeper, in small teams), and these rules apply within its first step: so a
+player who may be far from the ball (the keeper, in small teams), and these rules apply within the first step. So a
 kick or slide of the first step is usually lost.
-Read next: `control.agents`, the other ways to get a player.
+Read next: `control.agents`, the other control modes.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def settle_first_step(match):
 
 @kernel
 def choose_active(match, team, agent):
-    """Give a team's only agent the player that Google Research Football would; sticky actions move along."""
+    """Assign a team's only agent the same player as Google Research Football; sticky actions move along."""
     old = match.agents[agent]
     new = active_player(match, team, old)
     if new in (old, NOBODY):

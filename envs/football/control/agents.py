@@ -1,8 +1,8 @@
-"""The agents' part of a step: their actions reach their players, and then each gets the player of its next action.
+"""The agents' part of a step: their actions are applied to their players, then each agent is assigned its next player.
 
-The latter comes last in a step, so that an agent's observation belongs to the player that its next action moves. Read
-next: `control.control_modes`, the names of the modes; `control.actions`, which turns actions into desired velocities
-and kicks.
+The assignment is the last part of a step, so an agent observes the player that its next action moves. Read next:
+`control.control_modes`, the names of the modes; `control.actions`, which turns actions into desired velocities and
+kicks.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def apply_commanded_actions(match):
 
 @kernel
 def record_desired_actions(match):
-    """Record the nearest action to the built-in AI's decision as that of an agent whose player it moved."""
+    """Record, for agents whose player the built-in AI moved, the action nearest to its decision."""
     for agent in range(num_agents(match)):
         i = match.agents[agent]
         if match.last_actions[agent] != BY_PROGRAM:

@@ -6,8 +6,8 @@
                                     it is the keeper, or the player of a fixed index; control goes to the ball within
                                     the first step, whose kick or slide is then lost: see `control.active_player`
     a whole number N                the N closest at the start, nearest first; they stay
-    all, allNonGK                   everybody, or everybody but the keeper, in the order of the program; they stay
-    none                            nobody: the built-in AI moves the whole team
+    all, allNonGK                   all players, or all but the keeper, in the order of the program; they stay
+    none                            no players: the built-in AI moves the whole team
 
 Ties are broken by the order of the program. Only `active` begins as GRF does. With all other modes an action always
 moves the player of the preceding observation. Read next: `control.agents`, the assignment in each step.

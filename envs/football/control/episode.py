@@ -1,4 +1,4 @@
-"""What ends an episode: a goal, the ball out of play, a possession change, or time; and its success.
+"""The end of an episode (a goal, the ball out of play, a possession change, the time limit) and its success.
 
 Read next: `control.reward`.
 """
@@ -23,7 +23,7 @@ from regista.kernels.jit import kernel
 
 @kernel
 def end_episode(match):
-    """Set what ended the episode, if anything; an event takes precedence over the duration."""
+    """Set the reason why the episode ended, if it has; an event takes precedence over the duration."""
     if match.goal != 0 and match.end_episode_on_score:
         match.ended = GOAL
     elif match.game_mode != NORMAL and match.end_episode_on_out_of_play:

@@ -1,6 +1,6 @@
-"""The pull of a free ball on an agent's player: whom it attracts, how strongly, and where they meet.
+"""The pull of a free ball on an agent's player: which player it attracts, how strongly, and where they meet.
 
-As in Google Research Football, the first player at the ball goes for it whatever direction is held, and at ease if
+As in Google Research Football, the first player at the ball runs to it whatever direction is held, and waits for it if
 clearly first; any other player mixes the held direction and the way to the ball. Read next: `control.actions`.
 """
 
@@ -98,7 +98,7 @@ def in_time_by(match, player, time):
 
 @kernel
 def is_ours(match, team):
-    """Return whether a free ball is a team's: its first player is sooner, or was so and is not clearly later now."""
+    """Return whether a team is first at a free ball: its first player is sooner, or was and is not clearly later."""
     return match.team_in_possession == team
 
 

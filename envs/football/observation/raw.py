@@ -49,7 +49,7 @@ def raw_space(ours: int, theirs: int) -> Dict:
 def raw_observation(matches: np.ndarray, agent: int, sizes: tuple[int, int], right: bool) -> dict[str, np.ndarray]:
     """Describe MATCH `[N]` to an agent of the left or the right team: a dict of arrays, each with N as its first axis.
 
-    `sizes` are the numbers of players of both teams. -1 stands for nobody.
+    `sizes` are the numbers of players of both teams. -1 stands for no player.
     """
     ball, players = matches["ball"], matches["players"][:, : sum(sizes)]
     me, us, side = matches["agents"][:, agent], int(right), -1.0 if right else 1.0
@@ -99,7 +99,7 @@ def _vectors(plane: np.ndarray, x: np.ndarray, y: np.ndarray, *z: np.ndarray) ->
 
 
 def _of(players: np.ndarray, field: str, index: np.ndarray) -> np.ndarray:
-    """Return a field `[N]` of the player `index` `[N]`, -1 for nobody."""
+    """Return a field `[N]` of the player `index` `[N]`, -1 for no player."""
     return np.where(index < 0, -1, players[field][np.arange(len(players)), index])
 
 

@@ -68,7 +68,7 @@ def write_planes(match, agent, places, agents, planes):
 def write_pixels(match, agent, places, agents, pixels):
     """Write the coordinates of the marks in these planes into `pixels` `[K, 3]` uint8; K is MARKS of each frame.
 
-    Each is there once, in the order of the planes in memory; unused rows are (HEIGHT, 0, 0).
+    Each occurs once, in the order of the planes in memory; unused rows are (HEIGHT, 0, 0).
     """
     for k in range(len(pixels)):
         pixels[k, 0], pixels[k, 1], pixels[k, 2] = HEIGHT, 0, 0

@@ -14,7 +14,7 @@ from regista.kernels.jit import kernel
 
 
 class Push(NamedTuple):
-    """Which of two colliding bodies gives way, and at what cost, as documented by Google Research Football."""
+    """Which of two colliding bodies gives way, and its loss of speed, as documented by Google Research Football."""
 
     back: float = 0.8  # less for a player with the back to the other,
     speed: float = 0.2  # more for the faster player, in full at
@@ -154,8 +154,8 @@ def stumble_apart(a, b):
 def part(match, i, j, dx, dy, distance):
     """Separate two overlapping bodies and adjust their velocities; (dx, dy) leads from player j to player i.
 
-    Teammates push past each other. Of two opponents the faster one gives way more, so that nobody is shoved about, and
-    both lose their closing speed.
+    Teammates push past each other. Of two opponents the faster one gives way more, so that it does not displace the
+    other, and both lose their closing speed.
     """
     a, b = match.players[i], match.players[j]
     nx, ny = dx / distance, dy / distance

@@ -1,10 +1,10 @@
 """Running with the ball: body and ball together.
 
 A touch sends the ball ahead, somewhat faster than the carrier; it rolls freely, slows down, and is touched again when
-the carrier has caught up. Anybody can win it in between. Before a touch the carrier lunges: at a dribble this is faster
-than the run, at a sprint slower. A lunge may begin and end within a step and then acts on a part of it. A sprinter can
-change direction only around a touch: hence wide arcs. Speeds, distances and rhythms are fitted to traces of Google
-Research Football. Read next: `skills.contacts`, where other players meet the ball.
+the carrier has caught up. Other players can win it in between. Before a touch the carrier lunges: at a dribble this is
+faster than the run, at a sprint slower. A lunge may begin and end within a step and then acts on a part of it. A
+sprinter changes direction only around a touch, which gives wide arcs. Speeds, distances and rhythms are fitted to
+traces of Google Research Football. Read next: `skills.contacts`, where other players meet the ball.
 """
 
 from __future__ import annotations

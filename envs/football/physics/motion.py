@@ -1,4 +1,4 @@
-"""What a body does in a step: run, lie on the ground, or throw itself at the ball; and its facing.
+"""The motion of a body in a step (a run, a slide, a dive, lying on the ground) and its facing.
 
 Read next: `physics.running`, then `physics.dribble`; `frames` moves the bodies.
 """

@@ -1,4 +1,4 @@
-"""Who has the ball, and who can be first at it.
+"""Possession: the player who has the ball, and the players who can be first at it.
 
 Read next: `control.actions`, which turns actions into desired velocities and kicks.
 """
@@ -26,9 +26,9 @@ class Owned(NamedTuple):
 
 
 class Chase(NamedTuple):
-    """Estimates of who is soonest at the ball."""
+    """Parameters of the estimate which player is first at the ball."""
 
-    over_heads: float = 1.3  # m, height of a ball in flight that nobody reaches
+    over_heads: float = 1.3  # m, height of a ball in flight that no player reaches
     caught_at: float = 0.9  # m, height at which players reach it as it comes down
     landed: float = 0.6  # share of its speed that a ball keeps after landing
 
@@ -218,7 +218,7 @@ def is_too_far(ball, ahead, player, time):
 
 @kernel
 def find_chasers(match):
-    """Find for each team the player who can be first at the ball, the carrier or by meeting time, and how soon."""
+    """Find each team's first player at the ball (the carrier, or the one with the least meeting time) and its time."""
     ball, ahead = match.ball, look_ahead(match.ball)
     lasts = match.chaser[LEFT], match.chaser[RIGHT]
     for team in (LEFT, RIGHT):

@@ -1,8 +1,8 @@
 """Engine variation: uncertain properties of the measured engine differ between episodes.
 
-A policy should not depend on a keeper's last tenth of a second, in which no two engines agree. A program sets factors
-by parameters (`param keeper_speed = Range(0.85, 1.15)`: they are columns of θ then, which a teacher may choose), and
-`engine_spread` draws all of them for each episode around the program's values.
+A policy should not rely on differences of a keeper's reaction below 0.1 s, in which engines differ. A program sets
+factors by parameters (`param keeper_speed = Range(0.85, 1.15)` is a column of θ, which a teacher may choose), and
+`engine_spread` draws all factors for each episode around the program's values.
 Read next: `state`, the table of the factors.
 """
 

@@ -1,4 +1,4 @@
-"""Kick-offs after a goal and at half time: all players at their start positions, the ball in place, play on at once.
+"""Kick-offs after a goal and at half time: all players at their start positions, and play continues at once.
 
 As in Google Research Football, the kick-off mode is never reported. Read next: `rules.referee`.
 """

@@ -1,4 +1,4 @@
-"""Offside: who is offside at a touch, and the whistle when one of them is the next to touch the ball.
+"""Offside: the players who are offside at a touch, and the whistle if one of them is the next to touch the ball.
 
 Read next: `rules.whistle`.
 """
@@ -52,7 +52,7 @@ def second_last(match, team, ahead):
 
 @kernel
 def whistled(match, i):
-    """Stop play if player i, who is about to touch the ball, was marked; return whether.
+    """Stop play if player i, who is about to touch the ball, was marked; return whether play stopped.
 
     If not, the touch marks the teammates again.
     """

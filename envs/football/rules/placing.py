@@ -1,6 +1,6 @@
 """Positions at a restart: the team's formation, laid into a part of the pitch and drawn to the ball.
 
-The parts and strengths are Google Research Football's; the shape is that of `formation`, with a slot for everybody.
+The parts and strengths are Google Research Football's; the shape is that of `formation`, with a slot for each player.
 "Ahead" is the direction of attack, so one table serves both teams. Read next: `rules.restarts`.
 """
 
@@ -61,7 +61,7 @@ class Draw(NamedTuple):
 
 
 class Keep(NamedTuple):
-    """Where nobody may be."""
+    """Minimum distances at a restart."""
 
     ball: float = 9.15  # m that opponents keep from it
     throw: float = 2.0  # m, the same at a throw-in
@@ -103,7 +103,7 @@ EVEN = 1e-6  # m: distances to the ball count as equal within this, as for playe
 
 @kernel
 def place_players(match):
-    """Put everybody except the taker into position for the pending restart."""
+    """Place all players except the taker for the pending restart."""
     for i in range(match.num_players):
         player = match.players[i]
         ahead = forward(player.team)
@@ -148,7 +148,7 @@ def block_place(match, i, taking, way):
 
 @kernel
 def untangle(match):
-    """Move everybody who stands exactly on another player away from the ball, to a free position."""
+    """Move each player who stands exactly on another one away from the ball, to a free position."""
     for i in range(1, match.num_players):
         player = match.players[i]
         back = player.x - match.ball.x

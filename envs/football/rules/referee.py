@@ -35,7 +35,7 @@ THROW_IN_X = HALF_LENGTH - 0.6  # m, throw-ins are taken within this
 
 @kernel
 def forget_events(match):
-    """Clear what the rules found in the last step."""
+    """Clear the results of the rules in the last step."""
     match.goal = 0
     match.possession_changed = False
 

@@ -1,4 +1,4 @@
-"""Restarts: players are put into position, and the taker is chosen, who then plays the ball (`ai.set_pieces`).
+"""Restarts: players are placed, and a taker is chosen, who then plays the ball (`ai.set_pieces`).
 
 Read next: `rules.placing`, the positions of the others.
 """

@@ -1,4 +1,4 @@
-"""Initial states of matches on given levels, made for many levels at once: a hundred take hardly longer than one.
+"""Initial states of matches on given levels, made in blocks: 100 levels take hardly longer than one.
 
 Read next: `vector_env`.
 """

@@ -69,9 +69,9 @@ def apply_program_verdict(match, registers):
 
 @kernel
 def command_players(match, object_to_player, commands):
-    """Give players the commands of their behaviors; a player that an agent moves in this step ignores them, unless the
-    agent leaves the player to the program. If the match is `agents_only`, a team with agents ignores all other
-    commands.
+    """Give players the commands of their behaviors. A player that an agent moves in this step ignores them, unless the
+    agent leaves the player to the program. In an `agents_only` match, a team with agents ignores commands of all other
+    players.
 
     A command is an action, several actions (`core.world.packed`) or NO_COMMAND.
     """

@@ -6,7 +6,7 @@ Compiled code counts these names and depends on nothing else of the language. Re
 FIELDS = (
     "x",
     "y",
-    "heading",  # where a player faces, where the ball rolls: [0, 2π)
+    "heading",  # direction of a player's body, or of the ball's velocity: [0, 2π)
     "vx",  # units per second
     "vy",
     "speed",

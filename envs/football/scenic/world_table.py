@@ -18,11 +18,11 @@ from regista.kernels.jit import kernel
 
 THE_BALL = -1  # in place of a player's index
 NUM_FIELDS, HEADING = len(FIELDS), FIELDS.index("heading")
-UNREAD, BUT_HEADING, WHOLE = range(3)  # what a program reads of an object
+UNREAD, BUT_HEADING, WHOLE = range(3)  # which fields of an object a program reads
 
 
 class Cast(NamedTuple):
-    """The players of the O objects of a program, and what it reads of them: only that is written."""
+    """The players of the O objects of a program, and which fields it reads: only these are written."""
 
     players: np.ndarray  # [O] int64, the player of each object, or THE_BALL
     read: np.ndarray  # [O] int64, UNREAD, BUT_HEADING or WHOLE

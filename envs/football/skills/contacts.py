@@ -39,7 +39,7 @@ class Trap(NamedTuple):
     reach: float = 0.75  # m
     leg: float = 0.83  # m, for a standing player with no direction held, who puts out a leg
     below: float = 1.9  # m
-    sudden_age: float = 0.25  # s after a ball was struck in which nobody puts out a leg for it,
+    sudden_age: float = 0.25  # s after a ball was struck in which no player puts out a leg for it,
     sudden_speed: float = 22.0  # m/s, at least
     first_time_from: float = 3.0  # m/s; slower balls are taken to the feet and kicked with a full swing
     header_from: float = 0.9  # m

@@ -1,7 +1,7 @@
 """First touches: how hard a free ball is to control, and where the touch sends it.
 
-No player misses a ball in reach, but a hard one bounces off, and keeps its direction if an opponent has just kicked
-it. The law and its numbers are documented by Google Research Football. Read next: `skills.contacts`.
+No player misses a ball in reach. A ball that is hard to control bounces off, and keeps its direction if an opponent has
+just kicked it. The law and its numbers are documented by Google Research Football. Read next: `skills.contacts`.
 """
 
 from __future__ import annotations

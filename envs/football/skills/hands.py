@@ -166,7 +166,7 @@ def knock_out(match, player, run_x, run_y):
 
 @kernel
 def bounce_off(match, player):
-    """Let a ball that has just been kicked bounce off a player's body, or along with it in the same direction."""
+    """Let a ball that has just been kicked bounce off a player's body, or continue in its direction."""
     ball = match.ball
     speed = math.sqrt(ball.vx * ball.vx + ball.vy * ball.vy + ball.vz * ball.vz)
     flight = (apart(player, match.players[match.last_touch]) - BLOCK.ahead) / max(speed, 1.0)

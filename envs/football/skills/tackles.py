@@ -56,7 +56,7 @@ class Slide(NamedTuple):
     reach: float = 0.75  # m from the body to the ball
     legs: float = 0.8  # m from the body to the feet,
     trip_reach: float = 0.6  # m from there to the carrier's body
-    legs_out: float = SLIDE.time - 0.05  # s left of a slide, after which it reaches nobody
+    legs_out: float = SLIDE.time - 0.05  # s left of a slide, after which it reaches no carrier
     rate: float = 10.0  # wins per s within reach
     moving: float = 0.5  # m/s at which the ball passes, at least
     shielded: float = 0.05  # share of that from behind, until the slide has passed the carrier's body
@@ -69,7 +69,7 @@ class Slide(NamedTuple):
     severity_running: float = 0.9  # added if the carrier runs
 
 
-# Fitted to tackles measured of Google Research Football: `lab.benchmarks --suite grf`, family tackles.
+# Fitted to tackles measured in Google Research Football: `lab.benchmarks --suite grf`, family tackles.
 TACKLE, SLIDING = Tackle(), Slide()
 STANDING = 1.5  # m/s, below which a carrier stands
 SIDE_COSINE = 0.7  # below this absolute cosine a tackle is from the side

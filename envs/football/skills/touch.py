@@ -1,4 +1,4 @@
-"""What a touch does to the ball: the player takes it.
+"""The effect of a touch: the player takes the ball.
 
 Read next: `skills.hands`, for keepers; `skills.contacts`, which decides on touches.
 """

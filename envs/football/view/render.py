@@ -1,4 +1,4 @@
-"""The look of football: the lines of the pitch and the positions of players, in meters with +y up.
+"""Drawings of football: the lines of the pitch and the positions of players, in meters with +y up.
 
 `FootballPainter` describes a level to a recorder or a plot; `draw_pitch` and `draw_scene` draw with Matplotlib, which
 is imported when they are called. Read next: `scenic.lineup`, which gives the positions.

@@ -86,7 +86,7 @@ def wait(c: Compilation, scope: CompiledScope, node: nodes.Wait) -> None:
 
 
 def idle(c: Compilation) -> None:
-    """Let time pass until something else ends it."""
+    """Let time pass until another statement ends it."""
     again = Label()
     c.code.put_loop(again)
     interrupts.suspend(c, again)
@@ -144,7 +144,7 @@ def remember(c: Compilation, actions: tuple[Value, ...]) -> None:
 
 
 def renew(c: Compilation, agents: list[Instance]) -> None:
-    """Clear the actions of all objects: as a step begins; in dialect 2 as it ends, after others have read them."""
+    """Clear the actions of all objects when a step begins; in dialect 2 when it ends, after others have read them."""
     for agent in agents:
         lately = ("object", agent.label, LATELY[c.program.dialect])
         if c.program.dialect == 2:

@@ -1,9 +1,9 @@
 """Values that are one of several: an object or None, a player found in a loop, one of two texts.
 
 An operation on a choice is applied to each option: directly if that costs nothing, else behind jumps, so that only the
-actual option is computed. If it fails for some options (None has no position) the match stops with the program's line
-when it meets one of those. This module also handles conditions: operands that are not needed are not evaluated, so that
-a guard protects what follows it and no draw is wasted. Read next: `dynamics.compiler.lists`.
+actual option is computed. If it fails for some options (None has no position), a match with one of these options stops
+with the program's line. This module also handles conditions: operands that are not needed are not evaluated, so a guard
+protects the operands after it, and no draw is wasted. Read next: `dynamics.compiler.lists`.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ SHARED = "what several share is an attribute of an object: ego.count = 0"
 
 @dataclass(eq=False)
 class Loop:
-    """The targets of `break` and `continue`."""
+    """The targets of `break` and `continue` in one loop."""
 
     exit: Label
     again: Label
@@ -345,7 +345,7 @@ class Compilation:
         if key in self.shared:
             return self.shared[key]
         table, name = self.table_of(key), key[2]
-        if key not in self.types.types:  # earlier reads took it for fixed
+        if key not in self.types.types:  # earlier reads treated it as fixed
             self.types.changed_types.add(key)
         variable = self.shared[key] = Variable(self.code, self.types, key, shared=True)
         if name in table:

@@ -1,9 +1,9 @@
 """Compile the behaviors, monitors, endings and scenarios of a program into code for the virtual machine.
 
-The one idea: **the compiler is the static evaluator, run with registers as leaves of its expression graph.** The code
-that creates scenes also evaluates `distance from self to ball` for the compiler; only that `self.x` is a register of
-the running match, so that the graph becomes rows of the machine instead of columns of a scene. Arithmetic, specifiers,
-operators and geometry are therefore written once. Only these need code of their own:
+The main idea: **the compiler is the static evaluator, run with registers as leaves of its expression graph.** The code
+that creates scenes also evaluates `distance from self to ball` for the compiler. The only difference is that `self.x`
+is a register of the running match, so the graph becomes rows of the machine instead of columns of a scene. Arithmetic,
+specifiers, operators and geometry are therefore implemented once. Only these have separate code:
 
     statements, by jumps                                `statements`, `behaviors`, `interrupts`
     values that are one of several, conditions          `choices`, `expressions`
@@ -189,7 +189,7 @@ REFUSALS = frozenset({"unsupported", "budget", "syntax", "import"})
 def compile_pass(c: Compilation) -> list[Thread]:
     """Compile everything once; return the threads."""
     code = c.code
-    code.row(op.END, code.fixed.take())  # row 0: the place of a thread that has ended
+    code.row(op.END, code.fixed.take())  # row 0: the entry of a thread that has ended
     show_world(c)
     for key in [key for key in c.types.types if key[0] == "object"]:  # attributes that the program is known to set
         c.table_of(key)[key[2]] = c.shared_variable(key).load()

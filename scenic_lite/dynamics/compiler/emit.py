@@ -112,7 +112,7 @@ def _harmless(row: Operation, operand: Value) -> bool:
 
 
 def table_row(operation: Any) -> Operation | None:
-    """Return the row of an operation in the table, if it is there and has no special form."""
+    """Return the row of an operation in the table, if the table has it and it has no special form."""
     return row_of(operation) if type(operation).__hash__ is not None else None
 
 

@@ -1,7 +1,7 @@
 """The passing of time in a behavior: guards, `try / interrupt`, `do ... until`, `do ... for`; each block has a slot.
 
 A block's slot is the row where it resumes, 0 while it is not running. Entering a statement clears the slots of its
-handlers and sets the slot of the enclosing block to a scan, so that when time has passed the outermost scan runs first.
+handlers and sets the slot of the enclosing block to a scan, so the outermost scan runs first after time has passed.
 The scan checks the handlers from the last to the first and resumes one that is running or whose condition is true,
 otherwise the body. A handler that ends clears its slot and scans again in the same step. Read next:
 `dynamics.compiler.watchers`.

@@ -2,7 +2,8 @@
 
 A fixed list is Python's own list of values. A list that is filtered or grown during a match is in registers, with its
 length in the first; it can be read and iterated, but not sliced, concatenated or compared. All iteration uses `rounds`:
-one body for many objects and for a list in registers, else one body for each element. Read
+one body for many objects and for a list in registers, else one body for each element. Read next:
+`dynamics.compiler.expressions`.
 """
 
 from __future__ import annotations
@@ -147,7 +148,7 @@ def comprehension(c: Compilation, scope: Scope, node: ast.ListComp | ast.Generat
 
 
 def fixed_elements(c: Compilation, scope: Scope, generators: list, element: ast.expr) -> list[Value] | None:
-    """Return the elements of a comprehension; None if the match decides on them."""
+    """Return the elements of a comprehension; None if they depend on the match."""
     first, *rest = generators
     items = one_list(c, scope.value(first.iter))
     if isinstance(items, RegisterList):
@@ -178,7 +179,7 @@ def tested(c: Compilation, scope: Scope, generator: ast.comprehension, item: Val
 
 
 def filtered(c: Compilation, scope: Scope, generator: ast.comprehension, element: ast.expr) -> Value:
-    """Return the list of a comprehension whose elements the match decides."""
+    """Return the list of a comprehension whose elements depend on the match."""
     code, items = c.code, one_list(c, scope.value(generator.iter))
     if not isinstance(items, RegisterList):
         items = elements(c, scope, items, generator.iter)

@@ -2,8 +2,8 @@
 
 `tests/reference/scenarios.py` defines the meaning. The whole tree of scenarios is one thread: the program's own takes a
 step, its compose block resumes at its slot, and so do the parts that it runs. When time passes in a compose block, it
-stores where to resume and jumps to the end of its scenario's step. A routine ends a scenario from anywhere. What the
-statements of a setup create belongs to its scenario; some of them are also allowed in a compose block. Read next:
+stores where to resume and jumps to the end of its scenario's step. A routine ends a scenario from any place. Objects
+and statements that a setup creates belong to its scenario; some of them are also allowed in a compose block. Read next:
 `dynamics.compiler.watchers`.
 """
 
@@ -50,7 +50,7 @@ NOBODY = -1  # no behavior
 
 
 def main_part(c: Compilation) -> ScenarioInstance:
-    """Return the program as a scenario: what loading has created; its variables are those of its setup."""
+    """Return the program as a scenario: the result of loading it, with the variables of its setup."""
     program, code, main = c.program, c.code, c.program.main
     part = ScenarioInstance(code, None, main)
     part.ego = c.state.ego
@@ -186,7 +186,7 @@ def compose(c: Compilation, part: ScenarioInstance) -> None:
     else:
         pause(c)
         check_invariants(c, scope)
-        code.row(op.JUMP, c=part.after)  # it resumes where it was resumed now
+        code.row(op.JUMP, c=part.after)  # the next step resumes at the same place
     code.put(part.after)
 
 
@@ -222,7 +222,7 @@ def stop(c: Compilation, part: ScenarioInstance) -> None:
     code.put(out)
 
 
-# ------------------------------------------------------------ what a setup creates
+# ------------------------------------------------------------ statements of a setup
 def own_part(c: Compilation, scope: CompiledScope) -> ScenarioInstance:
     """Return the scenario that owns what a statement creates. Raises ScenicError if it may run never or twice."""
     where, uncertain = ("branch", scope.inlined.live) if c.site.setting_up else ("loop", c.site.repeating)
@@ -314,7 +314,7 @@ def set_until_end(c: Compilation, key: Key, value: Value) -> None:
 
 
 def override_behavior(c: Compilation, target: Instance, value: Value) -> None:
-    """Override an object's behavior, by one or several: a register tells which one it has now."""
+    """Override an object's behavior by one or several; a register holds the index of the current one."""
     numbers, cases = [], {}
     known = c.overrides.setdefault(target.label, [])
     for i, call in enumerate(value.options if isinstance(value, RandomChoice) else (value,)):

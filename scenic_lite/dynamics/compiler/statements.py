@@ -192,7 +192,7 @@ def compile_for(c: Compilation, scope: CompiledScope, node: ast.For) -> None:
     if isinstance(items, range) and len(items) > 0:
         items = LiveRange(items.start, items.stop, items.step)
     if isinstance(items, RegisterList):
-        items = store_in_register(c.code, items)  # the list is as it was when the loop began
+        items = store_in_register(c.code, items)  # the loop iterates over the list at its start
     elif not isinstance(items, LiveRange):
         items = elements(c, scope, items, node.iter)
         if not many(items) or needs_one_object(node):

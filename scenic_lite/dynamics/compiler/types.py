@@ -1,4 +1,4 @@
-"""Types: what is known of a variable before a match, and how many registers hold the rest.
+"""Types: the part of a variable's value that is known before a match, and the number of registers for the rest.
 
 A variable has one type, determined by the program's assignments: `Const` is one fixed value and needs no register,
 `Scalar` a number, truth value or text, `Struct` a composite such as a vector, tuple or region, `ListType` a list of
@@ -27,7 +27,7 @@ SIMPLE = frozenset({RegisterValue, int, float, bool, str, type(None), Function})
 
 
 class Type:
-    """What is known of a value; `size`: the registers that hold the rest."""
+    """The known part of a value; `size`: the number of registers that hold the rest."""
 
     size = 0
 

@@ -131,7 +131,7 @@ class Automaton:
     def __init__(self, formula: Formula) -> None:
         self.states: list[Formula] = [formula]
         self.atoms: list[list] = []  # the expressions of each state
-        self.next: list[list[int]] = []  # the numbers of the following states, by the truths of these
+        self.next: list[list[int]] = []  # the indices of the following states, by the truths of the expressions
         for state in self.states:  # grows during the iteration
             atoms: list = []
             state.after(lambda atom, atoms=atoms: atom in atoms or atoms.append(atom) is None)  # type: ignore[misc]

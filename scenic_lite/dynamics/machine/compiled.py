@@ -1,4 +1,4 @@
-"""A compiled program: its code, and everything needed to run and to explain it.
+"""A compiled program: its code, and the data to run it and to explain its errors.
 
 Read next: `dynamics.machine.vm`; `tests/scenic_lite/dynamics/controller.py`, which drives one match from Python.
 """
@@ -36,7 +36,7 @@ class Record(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A program's behaviors as code, and everything needed to run and to explain it.
+    """A program's behaviors as code, and the data to run it and to explain its errors.
 
     Attributes:
         code: the arrays that kernels read.
@@ -47,8 +47,8 @@ class Compiled:
             mistakes.
         records: the registers of `record` statements.
         sets_reward: whether a statement assigns `simulation().scenic_reward`.
-        end_reasons, rejections: why a match ends, which requirement it violates, by the numbers in the registers less
-            1.
+        end_reasons, rejections: the reasons why a match ends, and the requirements that it may violate; a register
+            holds the index plus 1.
     """
 
     code: bytecode.Code

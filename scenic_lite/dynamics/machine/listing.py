@@ -15,7 +15,7 @@ from scenic_lite.errors import SourceSpan
 
 
 class Listing(NamedTuple):
-    """Everything needed to read the code: a place for each row, a name for each register, the program's lines."""
+    """The names that make code readable: a place for each row, a name for each register, the program's lines."""
 
     places: tuple[SourceSpan, ...]  # [n]
     names: dict[int, str]  # of registers

@@ -97,7 +97,7 @@ SORT = opcode("SORT", "abc", "the c registers from a = the order of the c values
 REJECT = opcode("REJECT", "..k", "the match violates requirement k of the program and is rejected")
 TERMINATE = opcode("TERMINATE", "abt", "the match ends for reason a; slot b = target; nothing more in this step")
 FAULT = opcode("FAULT", "...", "the program's own fault")
-FAULT_UNLESS = opcode("FAULT_UNLESS", "ab.", "the program's own fault unless a is not 0; its text may tell b")
+FAULT_UNLESS = opcode("FAULT_UNLESS", "ab.", "the program's own fault unless a is not 0; its text may contain b")
 IS_INDEX = opcode("IS_INDEX", "abc", "a = whether b is an integer from 0 to c - 1")
 LOOP_BACK = opcode("LOOP_BACK", "..t", "a loop goes round: go on at the target; a fault at the 10,001st time in a step")
 COPY_MANY = opcode("COPY_MANY", "abk", "the k registers from a = those from b")

@@ -1,4 +1,4 @@
-"""Refuses tampered checkpoints and code: checks bytecode before it runs, since the machine checks almost nothing.
+"""Rejects tampered checkpoints and code: checks bytecode before it runs, since the machine checks almost nothing.
 
 Rows, registers and lists named by operands must exist, and the last row must lead elsewhere. Only values known during
 a match, such as a computed index or a row in a slot, are checked by the machine itself.
@@ -19,7 +19,7 @@ EDGE = 4  # operands of IN_RINGS for each edge
 
 
 class CodeError(ValueError):
-    """Code that must not run; the message says why."""
+    """Invalid code, which must not run; the message gives the reason."""
 
 
 def slots(code: Code) -> np.ndarray:

@@ -294,8 +294,8 @@ def over(registers):
 def run_behaviors(code, registers, commands, rng):
     """Run one step of every behavior, in the order of the objects; commands [O] float64, NO_COMMAND for none.
 
-    The registers hold the present world and facts. Afterwards `TERMINATED`, `REJECTED` and `FAULT` tell whether the
-    match goes on; if not, no object has a command.
+    The registers hold the current world and facts. Afterwards `TERMINATED`, `REJECTED` and `FAULT` indicate whether the
+    match continues; if not, no object has a command.
     """
     commands[:] = NO_COMMAND
     if over(registers):
@@ -315,7 +315,7 @@ def run_behaviors(code, registers, commands, rng):
 
 @kernel
 def run_watchers(code, registers, rng):
-    """Run one step of everything that monitors a match; return the reward and clear it.
+    """Run one step of all statements that monitor a match; return the reward and clear it.
 
     The order is: records, monitors, conditions that end the match.
     """

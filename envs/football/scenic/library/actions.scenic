@@ -1,15 +1,15 @@
-"""What a player can do in one step; an action is the number that Google Research Football gives it.
+"""The actions of a player in one step; an action is its number in Google Research Football.
 
 Directions are 1 left, 2 top left, 3 top, 4 top right, 5 right, 6 bottom right, 7 bottom, 8 bottom left, as the player
-sees the pitch: the right team sees it turned by half a turn, so that 5 leads every player towards the goal that he attacks.
+sees the pitch: rotated by 180 degrees for the right team, so that 5 leads every player towards the goal that it attacks.
 
-`take SetDirection(5), Sprint(), Shoot()` presses all these keys in one step. Of actions that exclude each other (two
-directions, a key and its release, two kicks) the first counts; with BuiltinAIAction() the built-in AI alone decides.
-In Scenic4RL the first action of a `take` alone counts.
+`take SetDirection(5), Sprint(), Shoot()` executes all these actions in one step. Of actions that exclude each other (two
+directions, an action and its release, two kicks) the first counts; with BuiltinAIAction() only the built-in AI decides.
+In Scenic4RL only the first action of a `take` counts.
 
-Unlike in Scenic4RL the sectors of `lookup_direction` are 45 degrees wide and centred on the compass points (there due
-west gave top left), an action is its number (it has no `.code`), and `get_closest_player_info` of a player leaves out
-himself and not whoever stands exactly where he does. Read next: behaviors.scenic.
+Unlike in Scenic4RL, the sectors of `lookup_direction` are 45 degrees wide and centered on the compass points (in
+Scenic4RL due west gives top left), an action is its number (it has no `.code`), and `get_closest_player_info` of a player
+excludes that player instead of all players at the same position. Read next: behaviors.scenic.
 """
 
 import math
@@ -20,7 +20,7 @@ def NoAction():
     return 0
 
 def SetDirection(direction):
-    """Run in one of the eight directions until told otherwise."""
+    """Run in one of the eight directions; it stays active until it is changed or released."""
     return direction
 
 def lookup_direction(dx, dy):
@@ -28,12 +28,12 @@ def lookup_direction(dx, dy):
     return (round(atan2(dx, dy) / (45 deg)) + 10) % 8 + 1
 
 def MoveTowardsPoint(target, position, rightTeam=False):
-    """Run towards a point; for a right player the offset is turned into his view."""
+    """Run towards a point; for a right player the offset is rotated into the player's view."""
     side = -1 if rightTeam else 1
     return lookup_direction(side * (target.x - position.x), side * (target.y - position.y))
 
 def Pass(pass_type="short"):
-    """The kick goes the way the player runs."""
+    """A pass in the direction of the run."""
     return {"long": 9, "high": 10, "short": 11}[pass_type]
 
 def Shoot():
@@ -60,10 +60,10 @@ def ReleaseDribble():
 def BuiltinAIAction():
     return 19
 
-# Helpers that Scenic4RL's programs find beside the actions.
+# Helper functions that Scenic4RL's programs import with the actions.
 
 def player_with_ball(ds, ball, team=None):
-    """The player who owns the ball, of one team ("left" or 0, "right" or 1) if it is given, or None.
+    """The player who owns the ball, or None; `team` ("left" or 0, "right" or 1) restricts it to one team.
 
     ds is simulation().game_ds.
     """
@@ -73,9 +73,9 @@ def player_with_ball(ds, ball, team=None):
     return None
 
 def get_closest_player_info(player, players):
-    """Who of some players is closest to this one (himself aside), and how far away: (None, infinity) if nobody is.
+    """The closest of some players to a player, who is excluded, and its distance; (None, infinity) without one.
 
-    In place of the player it may be a position; whoever stands exactly there is left out.
+    The player may be a position instead; a player who stands exactly at it is excluded.
     """
     closest = None
     shortest = math.inf

@@ -1,18 +1,18 @@
-"""Behaviors for players of both teams, and the questions about a match that behaviors ask.
+"""Behaviors for players of both teams, and queries about a match.
 
-Every `take` is one step of 0.1 s in which one key is pressed. A player whose behavior has ended, or who waits, is moved
-by the built-in AI until the next action; whoever the learner controls in a step obeys the learner instead. Programs that
-import this file also get the model and the actions.
+Every `take` is one step of 0.1 s. If a behavior has ended or waits, the built-in AI moves its player until the next
+action; the actions of an agent override those of a behavior. Programs that import this file also import the model and
+the actions.
 
-Names and arguments are Scenic4RL's. What was mended:
+Names and arguments are Scenic4RL's. Differences from Scenic4RL:
 
-- Whoever asks for the nearest player never gets himself, and None where there is nobody; a player who stands exactly
-  on the same spot counts. Without an opponent both corners of the goal are open.
-- `currentDirectionIndex` knows that headings grow anticlockwise, and gives the direction as the player sees the pitch.
-- `nearestOpponentRelativePositionAhead` goes by the player's heading, whichever way he runs, and says "none" if the
-  nearest opponent is not ahead; `dribble_evasive_zigzag` then runs straight on. Its evasion never leaves the pitch.
-- `dribbleToAndShoot` serves both teams (there the left penalty box alone made a player shoot), and sprints if told to.
-- `PassToPoint` turns the direction for right players, goes by where the player is now, and takes at least one step.
+- The nearest player to a player is never that player, and None if there is no other; a player who stands exactly on the
+  same spot counts. Without an opponent both corners of the goal are open.
+- `currentDirectionIndex` uses counterclockwise headings, and returns the direction as the player sees the pitch.
+- `nearestOpponentRelativePositionAhead` uses the player's heading for any direction of the run, and returns "none" if
+  the nearest opponent is not ahead; `dribble_evasive_zigzag` then runs straight on, and never leaves the pitch.
+- `dribbleToAndShoot` works for both teams (in Scenic4RL only the left penalty box triggers a shot), and supports sprint.
+- `PassToPoint` rotates the direction for right players, uses the player's current position, and takes at least one step.
 - `set_dir_if_not` compares actions by their numbers.
 
 Read next: actions.scenic.
@@ -23,14 +23,14 @@ import math
 from football.model import *
 from football.actions import *
 
-# Questions about a match.
+# Queries about a match.
 
 def opponentsOf(player):
     ds = simulation().game_ds
     return ds.left_players if player.team == "right" else ds.right_players
 
 def teammatesOf(player):
-    """His team, himself included."""
+    """The player's team, including the player."""
     ds = simulation().game_ds
     return ds.right_players if player.team == "right" else ds.left_players
 
@@ -39,11 +39,11 @@ def nearestOpponent(player):
     return get_closest_player_info(player, opponentsOf(player))[0]
 
 def nearestTeammate(player):
-    """The mate closest to a player, keepers included; None if there is none."""
+    """The teammate closest to a player, keepers included; None if there is none."""
     return get_closest_player_info(player, teammatesOf(player))[0]
 
 def teammateHasBallPossession(player):
-    """Whether the player or a mate owns the ball."""
+    """Whether the player or a teammate owns the ball."""
     for mate in teammatesOf(player):
         if mate.owns_ball:
             return True
@@ -56,7 +56,7 @@ def opponentTeamHasBallPossession(player):
     return False
 
 def opponentInRunway(player, reactionDistance=5):
-    """Whether an opponent stands in the quarter disc of this radius that the player looks along."""
+    """Whether an opponent stands in the quarter disc of this radius in front of the player."""
     runway = SectorRegion(player.position, reactionDistance, player.heading, 90 deg)
     for opponent in opponentsOf(player):
         if runway.containsPoint(opponent.position):
@@ -64,7 +64,7 @@ def opponentInRunway(player, reactionDistance=5):
     return False
 
 def nearestOpponentRelativePositionAhead(player):
-    """On which side of the player's way his nearest opponent stands: "left", "right", or "none" if not ahead."""
+    """The side of the nearest opponent, seen along the player's heading: "left", "right", or "none" if not ahead."""
     opponent = nearestOpponent(player)
     if opponent is None:
         return "none"
@@ -74,24 +74,24 @@ def nearestOpponentRelativePositionAhead(player):
     return "left" if bearing >= 0 else "right"
 
 def currentDirectionIndex(player):
-    """The direction, 1 to 8, nearest to where a player looks; as he sees the pitch."""
+    """The direction, 1 to 8, nearest to a player's heading, as the player sees the pitch."""
     turned = 4 if player.team == "right" else 0
     return (2 + turned - round(player.heading / (45 deg))) % 8 + 1
 
 def set_dir_if_not(action, sticky_actions):
-    """The action, or none if it is the direction already pressed."""
+    """The action, or NoAction() if it is the direction already held."""
     if 1 <= action <= 8:
         return NoAction() if sticky_actions[action - 1] == 1 else action
     return action
 
 def cornersToShootAt(player):
-    """Where shots at the goal that a player attacks are aimed: the corner on its left and the one on its right."""
+    """The targets of shots at the goal that a player attacks: its left and its right corner."""
     if player.team == "right":
         return left_goal_left_corner, left_goal_right_corner
     return right_goal_left_corner, right_goal_right_corner
 
 def cornerIsOpen(player, corner, width):
-    """Whether the nearest opponent stands outside the sector, so wide, from the player to the corner."""
+    """Whether the nearest opponent stands outside the sector of this width from the player to the corner."""
     opponent = nearestOpponent(player)
     if opponent is None:
         return True
@@ -100,7 +100,7 @@ def cornerIsOpen(player, corner, width):
     return not SectorRegion(player.position, length, course, width).containsPoint(opponent.position)
 
 def aimPointToShoot(player, angle=30 deg, otherwise=None):
-    """An open corner of the goal, drawn if both are; `otherwise` if the nearest opponent covers both."""
+    """An open corner of the goal, a random one if both are open; `otherwise` if the nearest opponent covers both."""
     left_corner, right_corner = cornersToShootAt(player)
     left_open = cornerIsOpen(player, left_corner, angle)
     right_open = cornerIsOpen(player, right_corner, angle)
@@ -118,13 +118,13 @@ def fartherCorner(player):
     return left_corner if nearer_the_right else right_corner
 
 def attackedBox(player):
-    """The penalty box before the goal that a player attacks."""
+    """The penalty box in front of the goal that a player attacks."""
     return left_penaltyBox if player.team == "right" else right_penaltyBox
 
 # Behaviors.
 
 behavior IdleBehavior():
-    """Press nothing; what is pressed stays pressed."""
+    """Take no action; sticky actions stay active."""
     while True:
         take NoAction()
 
@@ -144,7 +144,7 @@ behavior RunRight():
         take SetDirection(ActionCode.right)
 
 behavior MoveToPosition(dest_point, reaction_dist=2, sprint=False):
-    """Run to where the destination is now; with sprint the arrival is noticed from 10 away."""
+    """Run to the destination's current position; with sprint, the behavior ends at a distance of 10."""
     x = dest_point.x
     y = dest_point.y
     arrival = 10 if sprint else reaction_dist
@@ -157,7 +157,7 @@ behavior MoveToPosition(dest_point, reaction_dist=2, sprint=False):
     take ReleaseDirection()
 
 behavior FollowObject(object_to_follow, terminate_distance=1, sprint=False):
-    """Run to where the object is at each step."""
+    """Run to the object's position in each step."""
     while (distance from self to object_to_follow) > terminate_distance:
         take MoveTowardsPoint(object_to_follow.position, self.position, self.team == "right")
         if sprint:
@@ -185,7 +185,7 @@ behavior LongPassTo(player):
     take ReleaseDirection()
 
 behavior PassToPlayer(player, pass_type="long"):
-    """Pass to where the player is now."""
+    """Pass to the player's current position."""
     do PassToPoint(player.position.x, player.position.y, pass_type)
 
 behavior PassToPoint(x, y, pass_type="long"):
@@ -207,7 +207,7 @@ behavior AimGoalCornerAndShoot():
     take ReleaseDirection()
 
 behavior dribble_evasive_zigzag(destination_point):
-    """Run past the nearest opponent ahead on his other side, then sprint to the destination."""
+    """Run past the nearest opponent ahead on the free side, then sprint to the destination."""
     side = nearestOpponentRelativePositionAhead(self)
     if side != "none":
         turn = 45 deg if side == "right" else -45 deg

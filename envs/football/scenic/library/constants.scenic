@@ -1,4 +1,4 @@
-"""The numbers of Google Research Football: its actions, and the keys that stay pressed. Read next: actions.scenic."""
+"""The numbers of Google Research Football's actions and sticky actions. Read next: actions.scenic."""
 
 class ActionCode:
     """Each action's number; the eight directions are as the player sees the pitch."""

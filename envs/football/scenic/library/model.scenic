@@ -1,7 +1,7 @@
 """The football world: the pitch and its regions, the ball, a class of player for each team and role.
 
 x runs from -100 (the left goal) to 100 (the right goal), y from -42 to 42, +y up. The left team is the learner's and
-attacks toward +x. Headings are 0 along +y and grow anticlockwise. Read next: behaviors.scenic.
+attacks toward +x. Headings are 0 along +y and grow counterclockwise. Read next: behaviors.scenic.
 """
 
 import math
@@ -70,7 +70,7 @@ right_half_field = get_reg_from_edges(0, 95, 38, -38)
 left_bottom_half_field = get_reg_from_edges(-50, 0, 38, -38)
 right_bottom_half_field = get_reg_from_edges(0, 50, 38, -38)
 
-# Where each role stands if its program does not say. The right side is the left side, turned by half a turn.
+# The default region of each role. The right side is the left side, rotated by 180 degrees.
 
 LeftReg_GK = get_reg_from_edges(-100, -98, 2, -2)
 LeftReg_CB = get_reg_from_edges(-52, -48, 10, -10)
@@ -243,7 +243,7 @@ class RightCF(RightPlayer):
     role[dynamic]: "CF"
     position[dynamic]: Point in RightReg_CF
 
-# The names of the thesis and of older programs: My is the learner's team, the left one.
+# The names of the thesis: My is the learner's team, the left one.
 
 class MyPlayer(LeftPlayer):
     pass

@@ -1,4 +1,4 @@
-"""The simulator that programs of Scenic4RL name: here there is one only, and naming it changes nothing."""
+"""The simulator that programs of Scenic4RL name; naming it has no effect."""
 
 def GFootBallSimulator(settings=None, render=False, timestep=0.1):
     return "football"
