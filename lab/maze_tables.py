@@ -309,7 +309,8 @@ def sections() -> dict[str, str]:
         study = Study(part)
         if study.methods:
             runs = len({row.seed for row in study.tests if row.method == study.methods[0]})
-            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{runs} runs of each method. {note(study)}"
+            below = f"{runs} runs of each method, {PARTS[part].env_steps // 10**6}M steps. {note(study)}"
+            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{below} `python -m lab.maze_tables`."
             found[f"{part} mazes"] = as_markdown(by_maze(study))
             found[f"{part} student steps"] = as_markdown(equal_steps(study))
     return found
