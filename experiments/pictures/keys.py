@@ -45,7 +45,7 @@ def mark_handle(mark: str) -> Any:
     if mark == WHISKER:
         line = Line2D([], [], color=plots.INK, linewidth=0)
         cap: Any = Line2D([], [], color=plots.INK, marker="_", linewidth=0)
-        return ErrorbarContainer((line, (cap,), (_bar(),)), has_yerr=True, label=mark)  # type: ignore[arg-type]
+        return ErrorbarContainer((line, (cap,), (_bar(),)), has_yerr=True, label=mark)
     return Line2D([], [], color=plots.FAINT, linewidth=2.0 if mark == MEAN else 0.7, label=mark)
 
 

@@ -106,7 +106,7 @@ def colour(method: str) -> str:
     return METHOD_COLOURS.get(method) or _variant_colours.get(method, OTHER_COLOUR)
 
 
-def line_style(method: str) -> str:
+def line_style(method: str) -> Literal["-", "--"]:
     """Return the line style of a method's curves; those of variants are dashed."""
     return "--" if method in _variant_colours else "-"
 
@@ -167,7 +167,8 @@ def rate_axis(axes: Axes) -> None:
 def begin_at_zero(axes: Axes) -> None:
     """Let curves begin at no steps, and the vertical axis at 0 where no value is negative."""
     axes.set_xlim(left=0)
-    ends = [np.nanmin(line.get_ydata()) for line in axes.lines if len(line.get_ydata())]
+    curves = [np.asarray(line.get_ydata(), float) for line in axes.lines]
+    ends = [np.nanmin(curve) for curve in curves if len(curve)]
     if ends and min(ends) >= 0:
         axes.set_ylim(bottom=0)
 
@@ -182,6 +183,7 @@ def marker_legend(figure: Figure, painter: Any) -> None:
         Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
         for kind in sorted(set(painter.classes.tolist()))
     ]
+    handles.append(Line2D([], [], color=FAINT, linewidth=1.6, label="heading"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))
 
 

@@ -32,7 +32,8 @@ def formula(batch: LevelBatch, level: int, rule: str) -> str:
         return ""
     name, text, columns = FORMULAS.get(rule, (rule, "your function", ()))
     outcomes = batch.outcomes()
-    numbers = [f"{outcomes[column][level]:.2f}" for column in columns if column in outcomes]
+    found = [f"{outcomes[column][level]:.2f}" for column in columns if column in outcomes]
+    numbers = [f"({number})" if number.startswith("-") else number for number in found]
     told = f"**{name}** = {text} = "
     return told + (f"{' − '.join(numbers)} = " if len(numbers) > 1 else "") + f"**{score:.2f}**"
 
