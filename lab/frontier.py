@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run import significance
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.report import as_markdown, write_text
@@ -92,8 +92,10 @@ def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
             axes.fill_between(found[1].mean(0), low, high, color=plots.colour(name), alpha=0.15, linewidth=0)
         plots.label_steps(axes)
         axes.set_ylabel("share of the turns known")
-        axes.set_ylim(0, 1)
-        axes.legend(loc="upper left", fontsize=8)
+        axes.set_xlim(left=0)
+        plots.rate_axis(axes)
+        handles = keys.method_handles(runs, (keys.MEAN, keys.MIDDLE))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8)
         plots.save(figure, path)
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from lab.mazes import PARTS, ROWS
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
 from regista.experiments.run.report import as_markdown, write_text
@@ -276,27 +276,35 @@ def draw(study: Study, path: Path) -> None:
         figure, panels = plt.subplots(1, 2, figsize=(9.0, 3.9), layout="constrained", sharey=True)
         labels = ("simulated steps, all students", "steps that the student learned from")
         for axes, key, label in zip(panels, ("env_steps", "trained_steps"), labels, strict=True):
-            for name in study.methods:
+            known = [
                 draw_method(axes, [row for row in study.curves if row["method"] == name], key, name)
+                for name in study.methods
+            ]
             axes.set_xlabel(label)
-            axes.set_ylim(0, 1)
+            axes.set_xlim(left=0)
+            plots.rate_axis(axes)
             plots.shorten_steps(axes)
         panels[0].set_ylabel("share of test mazes solved")
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=5, fontsize=8)
+        handles = keys.method_handles(study.methods, (keys.MEAN, *([keys.WHISKER] if any(known) else [])))
+        for handle, name in zip(handles, study.methods, strict=False):
+            handle.set_label(title(name))
+        figure.legend(handles=handles, loc="outside upper left", ncols=5, fontsize=8)
         plots.save(figure, path)
 
 
-def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str) -> None:
-    """Draw the mean over a method's runs, and the 95% interval of its last value."""
+def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str) -> bool:
+    """Draw the mean over a method's runs, and the 95% interval of its last value; return whether it is known."""
     seeds = unique([row["seed"] for row in curve])
     runs = [[row for row in curve if row["seed"] == seed] for seed in seeds]
     count = min(map(len, runs))
     steps, solved = (np.array([[float(row[k]) for row in run[:count]] for run in runs]) for k in (key, "solved"))
     color = plots.colour(name)
-    axes.plot(steps.mean(0), solved.mean(0), color=color, label=title(name))
+    axes.plot(steps.mean(0), solved.mean(0), color=color, linestyle=plots.line_style(name))
     end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
     if end.known:
-        axes.vlines(steps[:, -1].mean(), end.low, end.high, color=color, alpha=0.6)
+        whisker = [[max(end.estimate - end.low, 0.0)], [max(end.high - end.estimate, 0.0)]]
+        axes.errorbar(steps[:, -1].mean(), end.estimate, whisker, color=color, elinewidth=1.2, capsize=3)
+    return end.known
 
 
 # ---------------------------------------------------------------- page

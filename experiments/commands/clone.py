@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from regista.experiments.pictures.plots import FORMAT_HELP, PictureFormat
 from regista.experiments.run import arguments, build, starting, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.arguments import group, positional
@@ -53,6 +54,7 @@ class CloneConfig(Checked):
     preset: Literal["fast", "thesis"] = setting("fast", "preset of the student's settings: fast or thesis")
     seed: int = setting(0, "seed of the weights, the shuffling and the held-out split", ">=0", most=LARGEST_SEED)
     threads: int = setting(1, "threads for the networks", ">=1", most=most_threads)
+    format: PictureFormat = setting("png", FORMAT_HELP)
     cloning: CloningConfig = group(CloningConfig, "cloning")
     ppo: PPOConfig = group(football_ppo, "network of the student, and PPO for later training", prefix="ppo.")
 
@@ -102,7 +104,9 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
         )
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
-    run = _open(path, training, configs.to_dict(replace(config, out=None)))
+    asked = configs.to_dict(replace(config, out=None))
+    del asked["format"]  # of the picture alone
+    run = _open(path, training, asked)
     return method, run, game.source(training)
 
 
@@ -154,7 +158,7 @@ def clone(
     agreement = cloner.evaluate(data.chunks(held_out=True))
     write_accuracies(run.path / "accuracy.csv", agreement)
     with read_from(f"{table.path} is"):
-        draw_cloning(table.path, agreement, run.path / "cloning.png")
+        draw_cloning(table.path, agreement, run.path / f"cloning.{config.format}")
     saved = {"update": 0, "env_steps": 0, "elapsed": 0.0, **versions.stamp(run.config)}
     run.save({**saved, "method": method.state_dict()})
     progress.finish(

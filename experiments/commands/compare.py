@@ -64,6 +64,7 @@ class CompareConfig(Checked):
     from_: Path | None = setting(None, "initialize students from this run; from a comparison of one method, by seed")
     out: Path | None = setting(None, "output folder (default runs/compare-MINIGAME)")
     rrd: Path | None = setting(None, "Rerun file for the curves of all runs")
+    format: plots.PictureFormat = setting("png", plots.FORMAT_HELP)
     config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
     launch: LaunchConfig = group(LaunchConfig, "launching runs", prefix="")
@@ -107,12 +108,19 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
     parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)
-    show(report, runs, scenes, folder, config.rrd)
+    show(report, runs, scenes, folder, config.rrd, config.format)
     return 0
 
 
-def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: Path, rrd: Path | None = None) -> None:
-    """Print and write tables and pictures; record the curves of all runs at `rrd`."""
+def show(
+    report: Report,
+    runs: Sequence[RunFolder],
+    scenes: EvalScenes,
+    folder: Path,
+    rrd: Path | None = None,
+    kind: plots.PictureFormat = "png",
+) -> None:
+    """Print and write tables and pictures of this `kind`; record the curves of all runs at `rrd`."""
     upomdp, task = scenes.scenes[TRAINING_SCENE], scenes.task
     painter = task.painter(upomdp) if task.painter else None
     by_method: dict[str, list[Path]] = {}
@@ -120,11 +128,13 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
         by_method.setdefault(run.name, []).append(run.path)
     plots.distinguish([name for name in by_method if name not in METHODS])
     with read_from(f"the tables of a run in {folder} are"):
-        draw(Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters), folder)
+        comparison = Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters)
+        draw(comparison, folder, kind)
     report.save(folder)
     print(f"\n{report.text()}\n")
     print(f"tables: {folder}/table.md, table.csv; by run: results.csv, levels.csv")
-    print(f"pictures: {folder}/{'overview.png, ' * (painter is not None)}learning_curves.png, levels.png")
+    drawn = ["overview"] * (painter is not None) + ["learning_curves", "levels"]
+    print(f"pictures: {folder}/{', '.join(f'{name}.{kind}' for name in drawn)}")
     if runs[-1].recordings():
         print(f"curriculum: rerun {runs[-1].path}/curriculum*.rrd")
     if rrd is not None:
@@ -134,13 +144,14 @@ def show(report: Report, runs: Sequence[RunFolder], scenes: EvalScenes, folder: 
         print(f"all runs: rerun {rrd}")
 
 
-def draw(comparison: Comparison, folder: Path) -> None:
+def draw(comparison: Comparison, folder: Path, kind: plots.PictureFormat = "png") -> None:
     """Draw the pictures of a comparison: three, or two for a task without a painter."""
-    plots.learning_curves(comparison.runs, folder / "learning_curves.png")
+    plots.learning_curves(comparison.runs, folder / f"learning_curves.{kind}")
+    levels = folder / f"levels.{kind}"
     if comparison.painter is None:
-        return theta_plots.levels(comparison.runs, folder / "levels.png")
-    level_plots.levels(comparison.runs, comparison.painter, folder / "levels.png", comparison.draws)
-    overview(comparison, folder / "overview.png")
+        return theta_plots.levels(comparison.runs, levels)
+    level_plots.levels(comparison.runs, comparison.painter, levels, comparison.draws)
+    overview(comparison, folder / f"overview.{kind}")
 
 
 def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:

@@ -15,12 +15,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from regista.experiments.pictures.plots import FORMAT_HELP, PictureFormat, in_format
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.config import ProgramConfig
@@ -50,7 +51,8 @@ class InspectConfig(Checked):
         "theta: parameters, objects, acceptance; scenes: positions in sampled scenes; tokens, nodes: syntax; "
         "code: compiled behaviors",
     )
-    png: Path | None = setting(None, "draw --n scenes to this PNG file")
+    png: Path | None = setting(None, "draw --n scenes to this picture, such as scenes.png or scenes.pdf")
+    format: PictureFormat | None = setting(None, f"{FORMAT_HELP} (default: the ending of the file, or png)")
     rrd: Path | None = setting(None, "record --n scenes to this Rerun file")
     n: int = setting(6, "number of scenes to draw, record or print", ">=1", most=10_000)
     seed: int = setting(0, "seed of the scenes", most=LARGEST_SEED, least=0)
@@ -67,6 +69,10 @@ class InspectConfig(Checked):
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
+    if config.png is not None:
+        config = replace(config, png=in_format(config.png, config.format))
+    elif config.format is not None:
+        raise UsageError("--format is of the picture that --png draws")
     if config.adversary is not None:
         return inspect_adversary(config.adversary, config)
     if not config.program:

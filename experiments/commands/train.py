@@ -65,6 +65,7 @@ class TrainFlags:
     )
     config_: Path | None = setting(None, "settings from a config.json or run folder")
     preset: Literal["fast", "thesis"] = setting("fast", "preset of settings: fast, or thesis (images; takes a day)")
+    format: plots.PictureFormat = setting("png", plots.FORMAT_HELP)
     connect: str | None = option(None, "also stream the recording to a running Rerun viewer", metavar="HOST:PORT")
     config: Any = group(TrainConfig, "run")
     launch: LaunchConfig = group(LaunchConfig, "with --seeds", prefix="")
@@ -79,13 +80,13 @@ def main(argv: Sequence[str]) -> int:
         return _train_several(typed, several)
     for name in sorted(typed.keys() & OF_SEVERAL):
         raise UsageError(f"{arguments.flag_name(name.partition('.')[2])} needs --seeds, or --resume with several runs")
-    connect = typed.pop("connect", None)
+    connect, kind = typed.pop("connect", None), typed.pop("format", "png")
     run = _resume(typed) if "resume" in typed else _begin(typed)
     stop = StopRequest()
     with run.locked():
         done = train(run, stop, connect)
     with read_from(f"{run.metrics.path} is"):
-        plots.learning_curves({run.config.method: [run.path]}, run.picture)
+        plots.learning_curves({run.config.method: [run.path]}, run.path / f"learning_curve.{kind}")
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code
@@ -200,6 +201,8 @@ def _train_several(typed: dict[str, Any], resumed: Sequence[RunFolder]) -> int:
     """Train the runs of several seeds, or continue the `resumed` ones; return the exit code."""
     if "connect" in typed:
         raise UsageError("--connect shows one run; give it to a single run, without --seeds")
+    if "format" in typed:
+        raise UsageError("--format is of the picture of one run; of several, use regista compare --format")
     if "resume" in typed:
         if "seeds" in typed:
             raise UsageError(

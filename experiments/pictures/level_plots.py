@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from regista.envs.football.view.render import BALL, LEFT_KEEPER, MARKERS, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS, ColumnOfProposals, read_proposals, within
@@ -57,7 +57,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
     choices = {method: choices_of(paths, draws) for method, paths in runs.items()}
     wide = len(PERIODS) + max(map(len, choices.values()), default=0)
     with plots.style():
-        size = (3.3 * wide, 3.3 * len(runs) * height / width + 0.6)
+        size = (3.3 * wide, (3.3 * height / width + 0.35) * len(runs) + keys.SCALE_HEIGHT)
         figure, grid = plt.subplots(len(runs), wide, figsize=size, squeeze=False)
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
             for axes, column in zip(line[len(PERIODS) :], choices[method], strict=False):
@@ -67,9 +67,9 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
             found = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
             for axes, period, thetas in zip(line, PERIODS, found, strict=False):
                 draw_levels(axes, painter, thetas)
-                axes.set_title(f"{plots.title(method)}: {period}")
-        point_legend(figure, painter)
-        figure.tight_layout(rect=(0, 0.35 / figure.get_figheight(), 1, 1))
+                plots.heading(axes, f"{plots.title(method)}: {period}")
+        figure.tight_layout(rect=(0, keys.SCALE_HEIGHT / figure.get_figheight(), 1, 1))
+        draw_scales(figure, painter)
         plots.save(figure, path)
 
 
@@ -91,9 +91,12 @@ def draw_shares(axes: Axes, column: ColumnOfProposals) -> None:
     places, width = np.arange(len(column.names)), 0.8 / len(PERIODS)
     for k, (period, share) in enumerate(zip(PERIODS, column.proposed, strict=True)):
         axes.bar(places + (k - 1) * width, share, width, color=str(0.8 - 0.3 * k), label=period)
-    axes.hlines(column.program, places - 0.45, places + 0.45, color="#e4572e", label="the program's weight")
+    axes.hlines(column.program, places - 0.45, places + 0.45, color=plots.REFERENCE, label="the program's weight")
     axes.set_xticks(places, [name[:18] for name in column.names], rotation=20, ha="right", fontsize=7)
-    axes.set_title(f"proposed: {column.title}")
+    plots.heading(axes, f"proposed: {column.title}")
+    axes.set_ylabel("share of proposals")
+    if column.choice:
+        plots.rate_axis(axes)
     axes.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2)  # below the bars
 
 
@@ -130,12 +133,9 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
         _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell, not squares)
 
 
-def point_legend(figure: Any, painter: Any) -> None:
-    """Add a legend of the kinds of points below a figure."""
-    from matplotlib.patches import Patch
-
-    patches = [Patch(color=shade, alpha=0.75, label=label) for label, _, shade in _kinds(painter)]
-    figure.legend(handles=patches, loc="lower center", ncols=len(patches), bbox_to_anchor=(0.5, 0.0))
+def draw_scales(figure: Any, painter: Any) -> None:
+    """Draw the scales of the densities below a figure, one for each kind of points."""
+    keys.density_scales(figure, [(label, shade) for label, _, shade in _kinds(painter)])
 
 
 def _is_football(painter: Any) -> bool:
@@ -180,5 +180,5 @@ def _draw_density(
     density = smooth(counts, width) if blurred else counts
     veil = np.zeros((*density.shape, 4))
     veil[..., :3] = to_rgb(shade)
-    veil[..., 3] = 0.88 * (density / max(density.max(), 1e-9)) ** 0.6
+    veil[..., 3] = keys.opacity(density / max(density.max(), 1e-9))
     axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic" if blurred else "nearest", zorder=2)

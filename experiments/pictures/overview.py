@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import draw_levels, point_legend, read_periods
+from regista.experiments.pictures import keys, plots
+from regista.experiments.pictures.level_plots import draw_levels, draw_scales, read_periods
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
 from ued.core.task import TRAINING_SCENE
+from ued.statistics import Interval
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,15 +54,12 @@ def overview(comparison: Comparison, path: Path) -> None:
     """Draw the picture: curves and goals at the top, a row of pitches for each method below."""
     import matplotlib.pyplot as plt
 
-    x_low, x_high, y_low, y_high = comparison.painter.bounds
-    rows = _level_rows(comparison.runs)
-    heading, methods = _heading(comparison), unique([row.method for row in comparison.results])
+    heading, handles = _heading(comparison), _handles(comparison)
     head = 0.55 + 0.2 * heading.count("\n")  # inches, like all sizes below
     many = len(unique([row.scene for row in comparison.results])) > MOST_HORIZONTAL
-    legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(methods) // plots.LEGEND_COLUMNS)
-    above_height = head + CURVES_HEIGHT + legend
-    pitch_height = WIDTH / COLUMNS * (y_high - y_low) / (x_high - x_low) + TITLE_HEIGHT
-    below_height = len(rows) * pitch_height + TITLE_HEIGHT
+    across = keys.columns_for(handles, WIDTH)
+    legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(handles) // across)
+    above_height, below_height = head + CURVES_HEIGHT + legend, _levels_height(comparison)
     with plots.style():
         figure = plt.figure(figsize=(WIDTH, above_height + below_height))
         halves: Any = figure.subfigures(2, 1, height_ratios=[above_height, below_height])
@@ -72,18 +70,51 @@ def overview(comparison: Comparison, path: Path) -> None:
         above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
         top, bottom = 1 - head / above_height, legend / above_height
         above.subplots_adjust(left=0.06, right=0.99, top=top, bottom=bottom, wspace=0.16)
-        columns = min(plots.LEGEND_COLUMNS, len(methods))
-        handles, labels = right.get_legend_handles_labels()
-        above.legend(handles, labels, loc="lower center", ncols=columns, columnspacing=1.2)
-        grid = below.subplots(len(rows), COLUMNS, squeeze=False)
-        for line, panels in zip(grid, rows, strict=True):
-            for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
-                draw_levels(axes, comparison.painter, thetas)
-                axes.set_title(title)
-        point_legend(below, comparison.painter)
-        top, bottom = 1 - TITLE_HEIGHT / below_height, TITLE_HEIGHT / below_height
-        below.subplots_adjust(left=0.01, right=0.99, top=top, bottom=bottom, wspace=0.05, hspace=0.16)
+        above.legend(handles=handles, loc="lower center", ncols=across, columnspacing=1.2)
+        _draw_levels(below, comparison)
         plots.save(figure, path)
+
+
+def _levels_height(comparison: Comparison) -> float:
+    """Return the height of the pitches with their headings and scales, in inches."""
+    x_low, x_high, y_low, y_high = comparison.painter.bounds
+    rows = _level_rows(comparison.runs)
+    return len(rows) * (_pitch_height(x_high - x_low, y_high - y_low) + TITLE_HEIGHT) + TITLE_HEIGHT + keys.SCALE_HEIGHT
+
+
+def _pitch_height(width: float, height: float) -> float:
+    return WIDTH / COLUMNS * height / width
+
+
+def _draw_levels(below: Any, comparison: Comparison) -> None:
+    rows, height = _level_rows(comparison.runs), _levels_height(comparison)
+    grid = below.subplots(len(rows), COLUMNS, squeeze=False)
+    for line, panels in zip(grid, rows, strict=True):
+        for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
+            draw_levels(axes, comparison.painter, thetas)
+            axes.set_title(textwrap.shorten(title, plots.fitting(WIDTH / COLUMNS), placeholder=" …"))
+    below.subplots_adjust(
+        left=0.01,
+        right=0.99,
+        top=1 - TITLE_HEIGHT / height,
+        bottom=(keys.SCALE_HEIGHT + 0.1) / height,
+        wspace=0.05,
+        hspace=0.16,
+    )
+    draw_scales(below, comparison.painter)
+
+
+def _handles(comparison: Comparison) -> list[Any]:
+    """Return the handles of the legend: methods and baselines, the curves' lines and bands, and whiskers."""
+    methods = unique([row.method for row in comparison.results])
+    several = any(len(paths) > 1 for paths in comparison.runs.values())
+    known = any(_interval(comparison, method, row.scene).known for method in methods for row in comparison.results[:1])
+    marks = (*(keys.RUNS if several else ()), *([keys.WHISKER] if known else []))
+    return keys.method_handles(methods, marks, filled=True)
+
+
+def _interval(comparison: Comparison, method: str, scene: str) -> Interval:
+    return goal_rate(select(comparison.results, method, scene))
 
 
 def _read_panels(panels: Sequence[Panel]) -> list[list[np.ndarray]]:
@@ -121,35 +152,32 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
         curve = plots.read_curve(paths, f"eval/{TRAINING_SCENE}")
         if curve is not None:
             plots.draw_curve(axes, curve, method)
-    axes.set_title("Return on the training distribution (uniform θ)")
+    axes.set_title("Return on the training distribution")
     plots.label_steps(axes)
+    plots.begin_at_zero(axes)
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
     """Draw the success rate of every method on every scene, with its interval if available."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
-    reach, whiskers = 0.8, False
+    reach = 0.8
     for place, method in enumerate(methods):
         offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
         for index, scene in enumerate(scenes):
-            rows = select(comparison.results, method, scene)
-            if not rows:
+            if not select(comparison.results, method, scene):  # no bar, which would read as 0
                 continue
-            interval = goal_rate(rows)
-            shade, label = plots.colour(method), plots.title(method) if index == 0 else None
-            axes.bar(index + offset, 100 * interval.estimate, 0.9 * reach / len(methods), color=shade, label=label)
+            interval = _interval(comparison, method, scene)
+            axes.bar(index + offset, interval.estimate, 0.9 * reach / len(methods), color=plots.colour(method))
             if not interval.known:
                 continue
-            whiskers = True
             low, high = interval.estimate - interval.low, interval.high - interval.estimate
-            span = [[100 * max(low, 0.0)], [100 * max(high, 0.0)]]  # rounding may make one negative
-            axes.errorbar(index + offset, 100 * interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
+            span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
+            axes.errorbar(index + offset, interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
     rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_HORIZONTAL else {}
     names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in scenes]
     axes.set_xticks(range(len(scenes)), names, **rotated)
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)
-    axes.set_ylim(0, 105)
-    what = "Goals scored" if comparison.word == "goals" else "Success"
-    axes.set_title(f"{what} after training (% of episodes{'; whiskers: 95% intervals' if whiskers else ''})")
+    plots.rate_axis(axes)
+    axes.set_title(f"{'Goals' if comparison.word == 'goals' else 'Success'} after training, share of episodes")

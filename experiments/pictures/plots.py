@@ -1,17 +1,18 @@
 """The style of all pictures, and learning curves. Matplotlib is imported when a picture is drawn.
 
-Each method has the same color in all pictures; blue and red are the teams. Read next: `pictures.level_plots`, then
-`pictures.overview`.
+Each method has the same color in all pictures, which no team has and which readers with a color vision deficiency can
+tell from the others. Read next: `pictures.keys`, legends; `pictures.level_plots`, then `pictures.overview`.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 INK = "#22262b"
 FAINT = "#8a9199"
+REFERENCE = "#b0006d"  # of what is compared with: weights of a program, measurements
 BASELINES = {
     "shoot": ("shoot at once", "#9aa3ab"),
     "random": ("random", "#cfd5da"),
@@ -36,8 +38,9 @@ METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
 }
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
-VARIANT_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")  # Okabe and Ito 2008
+VARIANT_COLOURS = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of dashed curves
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
+CHARACTER = 0.084  # inches, mean width of a character of a heading
 WINDOW = 0.04  # window of the running mean, relative to the curve's length
 
 STYLE: dict[Any, Any] = {
@@ -61,8 +64,17 @@ STYLE: dict[Any, Any] = {
     "ytick.labelsize": 8.5,
     "legend.frameon": False,
     "figure.facecolor": "white",
+    "axes.prop_cycle": f"cycler('color', {list(VARIANT_COLOURS)})",  # of what is no method
     "savefig.dpi": 160,
+    "pdf.fonttype": 42,  # TrueType: publishers reject Type 3
+    "svg.fonttype": "none",  # text stays text
+    "svg.hashsalt": "regista",  # the same picture gives the same file
 }
+
+PictureFormat = Literal["png", "svg", "pdf"]
+FORMATS: tuple[str, ...] = get_args(PictureFormat)
+FORMAT_HELP = "file format of pictures"
+UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # metadata that would differ from call to call
 
 
 class Curve(NamedTuple):
@@ -84,7 +96,7 @@ _variant_colours: dict[str, str] = {}  # of the comparison that is drawn
 
 
 def distinguish(variants: Sequence[str]) -> None:
-    """Give the variants of a comparison colors of their own; those of more than seven repeat."""
+    """Give the variants of a comparison colors of their own; those of more than six repeat."""
     _variant_colours.clear()
     _variant_colours.update(zip(variants, itertools.cycle(VARIANT_COLOURS), strict=False))
 
@@ -92,6 +104,11 @@ def distinguish(variants: Sequence[str]) -> None:
 def colour(method: str) -> str:
     """Return the color of a method or a variant."""
     return METHOD_COLOURS.get(method) or _variant_colours.get(method, OTHER_COLOUR)
+
+
+def line_style(method: str) -> Literal["-", "--"]:
+    """Return the line style of a method's curves; those of variants are dashed."""
+    return "--" if method in _variant_colours else "-"
 
 
 def title(method: str) -> str:
@@ -109,13 +126,51 @@ def save(figure: Figure, path: Path) -> None:
     """Write a picture atomically and close the figure. Raises `CommandError` if it cannot be written."""
     import matplotlib.pyplot as plt
 
-    drawn = BytesIO()
-    figure.savefig(drawn, format=path.suffix[1:] or None, bbox_inches="tight", pad_inches=0.15)
+    drawn, kind = BytesIO(), path.suffix[1:].lower() or "png"
+    figure.savefig(drawn, format=kind, bbox_inches="tight", pad_inches=0.15, metadata=UNDATED.get(kind))
     plt.close(figure)
     try:
         write_whole(path, drawn.getvalue())
     except OSError as error:
         raise cannot_write(path, error) from error
+
+
+def in_format(path: Path, kind: str | None) -> Path:
+    """Return the path of a picture in a file format; without one it is the ending of the path, or png."""
+    if kind is None and path.suffix[1:].lower() in FORMATS:
+        return path
+    known = path.suffix[1:].lower() in FORMATS
+    return path.with_suffix(f".{kind or 'png'}") if known else path.with_name(f"{path.name}.{kind or 'png'}")
+
+
+def heading(axes: Axes, text: str) -> int:
+    """Set the title of axes, in as many lines as their width needs; return the number of lines."""
+    figure: Any = axes.get_figure(root=True)
+    lines = textwrap.wrap(text, fitting(figure.get_figwidth() * axes.get_position().width))
+    axes.set_title("\n".join(lines))
+    return len(lines)
+
+
+def fitting(inches: float) -> int:
+    """Return the number of characters of a heading that fit this width."""
+    return max(8, int(inches / CHARACTER))
+
+
+def rate_axis(axes: Axes) -> None:
+    """Let the vertical axis of rates go from 0 to 1, with labels in percent."""
+    from matplotlib.ticker import PercentFormatter
+
+    axes.set_ylim(0, 1)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+
+
+def begin_at_zero(axes: Axes) -> None:
+    """Let curves begin at no steps, and the vertical axis at 0 where no value is negative."""
+    axes.set_xlim(left=0)
+    curves = [np.asarray(line.get_ydata(), float) for line in axes.lines]
+    ends = [np.nanmin(curve) for curve in curves if len(curve)]
+    if ends and min(ends) >= 0:
+        axes.set_ylim(bottom=0)
 
 
 def marker_legend(figure: Figure, painter: Any) -> None:
@@ -128,6 +183,7 @@ def marker_legend(figure: Figure, painter: Any) -> None:
         Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
         for kind in sorted(set(painter.classes.tolist()))
     ]
+    handles.append(Line2D([], [], color=FAINT, linewidth=1.6, label="heading"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))
 
 
@@ -160,7 +216,8 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
         axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
-    axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, label=label or title(method))
+    label, dashes = label or title(method), line_style(method)
+    axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, linestyle=dashes, label=label)
 
 
 def label_steps(axes: Axes) -> None:
@@ -191,36 +248,49 @@ def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
     import matplotlib
     from matplotlib.figure import Figure
 
+    from regista.experiments.pictures import keys
+
     panels = _panels(runs)
     if not panels:
         return None
     columns = min(3, len(panels))
     rows = -(-len(panels) // columns)
-    legend = 0.1 + 0.18 * -(-len(runs) // LEGEND_COLUMNS)  # inches
+    wide = 3.9 * columns  # inches, as below
+    handles = keys.method_handles(runs, keys.RUNS if any(len(paths) > 1 for paths in runs.values()) else ())
+    across = keys.columns_for(handles, wide)
+    legend = 0.1 + 0.18 * -(-len(handles) // across)
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(3.9 * columns, 2.75 * rows + legend))
+        figure = Figure(figsize=(wide, 2.75 * rows + legend))
         grid = figure.subplots(rows, columns, squeeze=False)
-        for axes, (heading, panel) in zip(grid.flat, panels.items(), strict=False):
-            for method, curve in panel.curves:
-                draw_curve(axes, curve, method)
-            axes.set_title(heading)
-            axes.set_ylabel(panel.unit)
-            axes.margins(x=0.01)
-            shorten_steps(axes)
+        for axes, (name, panel) in zip(grid.flat, panels.items(), strict=False):
+            _draw_panel(axes, name, panel)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
             label_steps(axes)
-        _legend(figure, runs)
+        figure.legend(handles=handles, loc="upper left", ncols=across, bbox_to_anchor=(0.01, 1.0))
         figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
     return figure
 
 
 class Panel(NamedTuple):
-    """Content of one panel: its unit, and the curve of each method that has one."""
+    """Content of one panel: its unit, the curve of each method that has one, and whether its values are rates."""
 
     unit: str
     curves: list[tuple[str, Curve]]
+    rate: bool = False
+
+
+def _draw_panel(axes: Axes, name: str, panel: Panel) -> None:
+    for method, curve in panel.curves:
+        draw_curve(axes, curve, method)
+    heading(axes, name)
+    axes.set_ylabel(panel.unit)
+    axes.margins(x=0.01)
+    begin_at_zero(axes)
+    if panel.rate:
+        rate_axis(axes)
+    shorten_steps(axes)
 
 
 def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
@@ -231,7 +301,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
     quantities["return on training levels"] = ("return/", "mean return")
     quantities["success on training levels"] = ("success", "share of episodes")
     quantities["regret of training levels"] = ("regret", "regret")
-    quantities["spread of training levels"] = ("theta_std", "standard deviation of θ (uniform: 0.58)")
+    quantities["spread of training levels"] = ("theta_std", "std of θ (uniform: 0.58)")
     panels = {}
     for heading, (name, unit) in quantities.items():
         curves = []
@@ -241,7 +311,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
             if curve is not None:
                 curves.append((method, curve))
         if curves:
-            panels[heading] = Panel(unit, curves)
+            panels[heading] = Panel(unit, curves, rate=name == "success")
     return panels
 
 
@@ -261,11 +331,3 @@ def _running_mean(values: np.ndarray) -> np.ndarray:
         return values
     kernel = np.ones(width)
     return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")
-
-
-def _legend(figure: Figure, methods: Iterable[str]) -> None:
-    from matplotlib.lines import Line2D
-
-    handles = [Line2D([], [], color=colour(method), linewidth=2.0, label=title(method)) for method in methods]
-    columns = min(LEGEND_COLUMNS, len(handles))
-    figure.legend(handles=handles, loc="upper left", ncols=columns, bbox_to_anchor=(0.01, 1.0))

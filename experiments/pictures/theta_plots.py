@@ -39,8 +39,10 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
             found = dict(zip(PERIODS, thetas, strict=True))
             for column, (axes, name) in enumerate(zip(line, names, strict=True)):
                 _draw(axes, column, found)
-                axes.set_title(f"{plots.title(method)}: {name}")
-        grid[0][0].legend(fontsize=7)
+                plots.heading(axes, f"{plots.title(method)}: {name}")
+            line[0].set_ylabel("share of levels")
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
         plots.save(figure, path)
 
 
@@ -55,6 +57,7 @@ def _draw(axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]]) ->
         if known:
             share, edges = np.histogram(np.concatenate(known), BINS, (-1, 1))
             axes.stairs(share / share.sum(), edges, color=str(shade), label=period)
-    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8)
+    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8, label="uniform")
     axes.set_xlim(-1, 1)
+    axes.set_ylim(bottom=0)
     axes.set_xlabel("θ")

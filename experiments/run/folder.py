@@ -178,7 +178,9 @@ class RunFolder:
 
     @property
     def picture(self) -> Path:
-        return self.path / "learning_curve.png"
+        """The picture of the learning curve; `--format` gives it another ending."""
+        paths = [self.path / f"learning_curve.{kind}" for kind in ("png", "svg", "pdf")]
+        return next((path for path in paths if path.exists()), paths[0])
 
     # ------------------------------------------------------------ the checkpoint
 

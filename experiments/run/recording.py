@@ -20,6 +20,7 @@ from regista.experiments.run.replays import Replay, Stage
 from regista.experiments.run.reporting import Update
 from regista.experiments.run.table import read_columns
 from ued.core.task import Task
+from ued.methods import METHODS
 from ued.recorder.layout import TOP_LEVELS
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes, titles
@@ -40,7 +41,8 @@ class RunRecorder:
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         flat |= {key: str(version) for key, version in versions.stamp(config).items()}
-        recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect)
+        rule = getattr(getattr(config, METHODS[config.method].group, None), "score", "")
+        recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect, rule)
         self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.parameters)
         if config.record_rollouts:
             method.keep_tapes()
@@ -95,8 +97,7 @@ class RunRecorder:
         named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
         for replay in saved:
             played = self.stage.play(replay)
-            said = ", ".join(f"{value:+.2f}" for value in replay.returns)
-            text = f"{replay.student} in update {update.number}\n{named[replay.id]}\nreturns {said}"
+            text = f"{replay.student} in update {update.number}\n{named[replay.id]}"
             if not replays.came_out_alike(replay, played.returns):
                 text += "\nreplay differs from the recorded episodes: the environment uses randomness beyond its seed"
             episodes = Episodes(
@@ -104,6 +105,7 @@ class RunRecorder:
                 [begin for begin in played.begins if begin < MAX_FRAMES],
                 self.stage.step_seconds,
                 text,
+                [f"return {value:+.2f}" for value in replay.returns],
             )
             self.recorder.episodes(replay.student, update.number, update.env_steps, episodes)
 

@@ -15,7 +15,7 @@ import numpy as np
 from lab.studies.curricula import COMPARISONS
 from lab.studies.rows import Point, played_on
 from lab.studies.runs import ROOT
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run import significance
 from regista.experiments.run.report import as_markdown
 from regista.experiments.run.results import unique
@@ -95,13 +95,15 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
             for name in names:
                 draw_method(axes, mine, name)
             axes.set_title(game)
-            axes.set_ylim(0, 1)
+            axes.set_xlim(left=0)
+            plots.rate_axis(axes)
             plots.shorten_steps(axes)
         for axes in grid.flat[len(games) :]:
             axes.set_visible(False)
         for row in grid:
             row[0].set_ylabel("success on test scenes")
-        figure.legend(*grid[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(names))
+        handles = keys.method_handles(names, (keys.MEAN, keys.INTERVAL))
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         plots.save(figure, path)
 
 

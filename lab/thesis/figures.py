@@ -14,12 +14,13 @@ import numpy as np
 from lab.studies.rows import TRAIN, Row
 from lab.thesis.curves import CURVES, Value
 from lab.thesis.plan import FIGURES, METHODS, in_order
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run import results as estimate
 from regista.experiments.run.results import unique
 
 AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
-STRATEGIES = "#8a9199"
+STRATEGIES = plots.METHOD_COLOURS["built-in"]
+RUN = "a run"
 WIDTH = 0.8  # of a group of bars
 
 
@@ -43,9 +44,9 @@ def draw_bars(game: str, rows: Sequence[Row], path: Path) -> None:
         for k, name in enumerate(methods):
             places = np.arange(len(scenes)) + (k - (len(methods) - 1) / 2) * WIDTH / len(methods)
             parts = [estimate.select(results, name, scene) for scene in scenes]
-            bar(axes, places, parts, WIDTH / len(methods), METHODS[name].colour, METHODS[name].title)
+            bar(axes, places, parts, WIDTH / len(methods), shade(name), METHODS[name].title)
         finish(axes, list(scenes.values()), f"Figure {FIGURES[game].number}: {FIGURES[game].title}")
-        figure.legend(loc="outside lower center", ncols=2, fontsize=8)
+        legend(figure, axes, keys.WHISKER, RUN)
         plots.save(figure, path)
 
 
@@ -63,8 +64,31 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
         plots.save(figure, path)
 
 
+def shade(name: str) -> str:
+    """Return the color of a method of the chapter; PAIRED with the paper's regret is a variant of ours."""
+    return plots.colour(name) if name in plots.METHOD_COLOURS else plots.VARIANT_COLOURS[0]
+
+
+def legend(figure: Any, axes: Any, *marks: str) -> None:
+    """Add a legend below a figure: the labeled methods, and what marks mean."""
+    handles = list(axes.get_legend_handles_labels()[0])
+    handles += [run_handle() if mark == RUN else keys.mark_handle(mark) for mark in marks]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
+
+
+def run_handle() -> Any:
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="", marker=".", markersize=4, color=plots.INK, alpha=0.55, label=RUN)
+
+
 def bar(axes: Any, places: np.ndarray, parts: Sequence[Any], width: float, colour: str, label: str = "") -> None:
-    """Draw a bar for each of these lists of results, with its interval, and a dot for each of several runs."""
+    """Draw a bar for each of these lists of results, with its interval, and a dot for each of several runs.
+
+    A list without results has no bar, which would read as 0.
+    """
+    known = [index for index, part in enumerate(parts) if part]
+    places, parts = places[known], [parts[index] for index in known]
     found = [estimate.mean_return(part) for part in parts]
     axes.bar(places, [one.estimate for one in found], width * 0.92, color=colour, label=label or None)
     for place, one, part in zip(places, found, parts, strict=True):
@@ -107,8 +131,7 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
         figure.suptitle(
             "Figure 4.9: training returns; the environment's is the regret of its levels", x=0.01, ha="left"
         )
-        handles, labels = grid[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
+        legend(figure, grid[0, 0], keys.MEAN, keys.RANGE)
         plots.save(figure, path)
 
 
@@ -119,5 +142,5 @@ def draw_curve(axes: Any, values: Sequence[Value]) -> None:
         steps = sorted({value.env_steps for value in mine})
         at = [[value.value for value in mine if value.env_steps == step] for step in steps]
         if steps:
-            axes.plot(steps, [np.mean(runs) for runs in at], color=method.colour, label=method.title)
-            axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=method.colour, alpha=0.12, lw=0)
+            axes.plot(steps, [np.mean(runs) for runs in at], color=shade(name), label=method.title)
+            axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=shade(name), alpha=0.12, lw=0)

@@ -40,22 +40,19 @@ FIGURES = {
 
 
 class Method(NamedTuple):
-    """A method of `regista train`, settings by dotted path, its name in figures and its color."""
+    """A method of `regista train`, settings by dotted path, and its name in figures."""
 
     method: str
     settings: Settings
     title: str
-    colour: str
 
 
 OWN_REGRET = {"paired.roles": "population", "paired.dr_fraction": 0.25}  # defaults, also with --preset thesis
 METHODS = {  # the first is what the others are compared with
-    "dr": Method("dr", {}, "DR", "#5f6670"),
-    "paired_literal": Method("paired_literal", {}, "PAIRED, Algorithm 1", "#d55e00"),
-    "paired_dennis2020": Method(
-        "paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED, regret of the paper", "#e69f00"
-    ),
-    "paired": Method("paired", OWN_REGRET, "PAIRED, population regret (default)", "#0072b2"),
+    "dr": Method("dr", {}, "DR"),
+    "paired_literal": Method("paired_literal", {}, "PAIRED, Algorithm 1"),
+    "paired_dennis2020": Method("paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED, regret of the paper"),
+    "paired": Method("paired", OWN_REGRET, "PAIRED, population regret (default)"),
 }
 
 

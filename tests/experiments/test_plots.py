@@ -1,12 +1,15 @@
 """Pictures are drawn, are not blank, and show every method."""
 
+import itertools
+from pathlib import Path
+
 import matplotlib.image
 import numpy as np
 import pytest
 
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.view.render import FootballPainter, pitch_lines
-from regista.experiments.pictures import level_plots, plots
+from regista.experiments.pictures import keys, level_plots, plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
@@ -102,8 +105,13 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
     level_plots.levels(runs, Dots(), path)
     assert ink(path) > 0.1 and not has_colour(path, "#1f77d0")
     figure = plt.figure()
-    level_plots.point_legend(figure, Dots())
-    assert [text.get_text() for text in figure.legends[0].texts] == ["me", "goal"]
+    level_plots.draw_scales(figure, Dots())
+    assert [axes.get_title() for axes in figure.axes] == ["me", "goal"]
+    for axes, (_, shade, _) in zip(figure.axes, Dots.markers, strict=True):
+        (scale,) = axes.images
+        colors = scale.get_array()[0]  # from no opacity to that of the highest density
+        assert np.round(255 * colors[-1, :3]).tolist() == list(shade) and colors[0, 3] == 0
+        assert (np.diff(colors[:, 3]) > 0).all() and colors[-1, 3] == pytest.approx(keys.OPACITY)
     plt.close(figure)
 
 
@@ -119,6 +127,71 @@ def test_overview(runs, painter, tmp_path):
     overview(Comparison("1v1Restricted", runs, results, painter), path)
     assert ink(path) > 0.2
     assert all(has_colour(path, plots.METHOD_COLOURS[method]) for method in ("dr", "paired", "shoot"))
+
+
+def test_a_bar_without_results_is_absent(runs, painter):
+    import matplotlib.pyplot as plt
+
+    from regista.experiments.pictures import overview as pictures
+
+    results = [Result("dr", 0, "easy", 100, 0.5, 0.5, 50, 30.0, 1000, 10)]
+    results += [Result("paired", 0, scene, 100, 0.5, 0.5, 50, 30.0, 1000, 10) for scene in ("easy", "hard")]
+    figure, axes = plt.subplots()
+    pictures._draw_goals(axes, Comparison("a game", runs, results, painter))
+    assert len(axes.patches) == 3 and all(bar.get_height() == 0.5 for bar in axes.patches)
+    assert axes.get_ylim() == (0, 1)
+    plt.close(figure)
+
+
+def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(runs):
+    for run in itertools.chain.from_iterable(runs.values()):
+        table = run / "metrics.csv"
+        lines = table.read_text().splitlines()
+        table.write_text("\n".join([f"{lines[0]},success", *(f"{line},0.25" for line in lines[1:])]) + "\n")
+    figure = plots.learning_figure(runs)
+    axes = {axes.get_title(loc="left"): axes for axes in figure.axes}
+    assert axes["success on training levels"].get_ylim() == (0, 1)
+    assert all(panel.get_xlim()[0] == 0 for panel in figure.axes if panel.get_visible())
+    assert axes["regret of training levels"].get_ylim()[0] == 0
+    said = [text.get_text() for text in figure.legends[0].texts]
+    assert said == ["domain randomization", "PAIRED", *keys.RUNS]
+    alone = plots.learning_figure({method: paths[:1] for method, paths in runs.items()})
+    assert len(alone.legends[0].texts) == 2  # without bands, nothing explains them
+
+
+def test_titles_lie_within_the_picture_and_beside_each_other(runs):
+    for run in runs["dr"]:
+        table = run / "metrics.csv"
+        table.write_text(table.read_text().replace("eval/hard", f"eval/{'a scene with a long name ' * 4}"))
+    figure = plots.learning_figure(runs)
+    figure.canvas.draw()
+    boxes = [axes.title if not axes.get_title(loc="left") else axes._left_title for axes in figure.axes]
+    extents = [title.get_window_extent() for title in boxes if title.get_text()]
+    assert len(extents) >= 5 and max(len(title.get_text().splitlines()) for title in boxes) > 1
+    assert all(box.x0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1 for box in extents)
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(extents, 2))
+
+
+@pytest.mark.parametrize("kind", plots.FORMATS)
+def test_pictures_of_every_format(runs, tmp_path, kind):
+    path = tmp_path / f"curves.{kind}"
+    plots.learning_curves(runs, path)
+    first = path.read_bytes()
+    assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind])
+    if kind == "svg":
+        assert b"PAIRED" in first and plots.METHOD_COLOURS["paired"].encode() in first  # text, not outlines
+    if kind != "png":
+        plots.learning_curves(runs, path)
+        assert path.read_bytes() == first
+    if kind == "pdf":
+        assert b"/Type3" not in first
+
+
+def test_a_format_replaces_the_ending_of_a_picture():
+    found = [str(plots.in_format(Path(name), kind)) for name, kind in (("a.png", None), ("a.pdf", None), ("a", None))]
+    assert found == ["a.png", "a.pdf", "a.png"]
+    assert str(plots.in_format(Path("a.png"), "svg")) == "a.svg"
+    assert str(plots.in_format(Path("a.b"), "svg")) == "a.b.svg"
 
 
 def test_a_curve_averages_runs_on_one_axis(runs):

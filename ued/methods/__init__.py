@@ -52,63 +52,63 @@ class MethodRow:
 
 
 # fmt: off
-METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
+METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says what holds of the colors
     MethodRow(
-        "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomization", "#4a6fa5", "Tobin et al. 2017",
+        "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomization", "#5a69a5", "Tobin et al. 2017",
         "a random level for every episode", "1",
     ),
     MethodRow(
-        "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#7a5c48", "Dennis et al. 2020",
+        "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#690f00", "Dennis et al. 2020",
         "an adversary lowers the student's return", "1",
     ),
     MethodRow(
-        "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#e4572e", "Dennis et al. 2020",
+        "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#965a00", "Dennis et al. 2020",
         "an adversary maximizes a protagonist's regret",
         "2, for the student that counts",
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
-        "#f0a202", "the same, to the letter",
+        "#96694b", "the same, to the letter",
         "students learn from regret, without entropy", "2, plus truncated episodes",
     ),
     MethodRow(
-        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#d81e8c", "–",
+        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#9687ff", "–",
         "an adversary maximizes gain by practice", "1",
     ),
     MethodRow(
-        "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#8c1c2e",
+        "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#4b004b",
         "Jiang et al. 2021a", "PAIRED with a level buffer", "4",
     ),
     MethodRow(
-        "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#7cc6a4", "Jiang et al. 2021b",
+        "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#c3c300", "Jiang et al. 2021b",
         "random levels, and replayed ones with high scores", "1",
     ),
     MethodRow(
-        "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#00798c", "Jiang et al. 2021a",
+        "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#0f0078", "Jiang et al. 2021a",
         "PLR that learns only from replayed levels", "2", settings_of="plr",
     ),
     MethodRow(
-        "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#2e8b3d", "Parker-Holder et al. 2022",
+        "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#4b001e", "Parker-Holder et al. 2022",
         "edited copies of replayed levels enter the buffer", "2.25",
     ),
     MethodRow(
-        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#b59a3c", "Teoh et al. 2024",
+        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#b4c396", "Teoh et al. 2024",
         "ACCEL, or robust PLR, by regret and novelty", "2.25",
     ),
     MethodRow(
-        "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#7b4bb3", "Rutherford et al. 2024",
+        "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#5a3cd2", "Rutherford et al. 2024",
         "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
-        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#c98bb9", "Monette et al. 2025",
+        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#a5b4f0", "Monette et al. 2025",
         "a learned distribution over a buffer of levels", "2",
     ),
     MethodRow(
-        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#1f2a44", "Portelas et al. 2019",
+        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#c3b45a", "Portelas et al. 2019",
         "levels with changing returns, by mixtures", "1",
     ),
     MethodRow(
-        "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#8a8d91", "Bengio et al. 2009",
+        "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#0000ff", "Bengio et al. 2009",
         "ranges that you plan, lesson by lesson", "1",
     ),
 )}

@@ -18,13 +18,16 @@ QUALITY = 80  # of JPEG
 
 
 class FilmLog:
-    """Writes `/film/<student>` of a recording instead of `/scene/...`."""
+    """Writes `/film/<student>` and `/rollouts/<student>` of a recording instead of `/scene/...`."""
 
     def __init__(self, stream: rerun.RecordingStream) -> None:
         self.stream = stream
 
     def open(self, students: Sequence[str]) -> None:
-        """Do nothing: there is no static content."""
+        """Write the static content: the type of texts."""
+        for student in students:
+            markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
+            self.stream.log(f"rollouts/{student}", markdown, static=True)
 
     def note(self, theta: np.ndarray) -> None:
         """Do nothing: without a painter, only θ locates levels."""
@@ -36,7 +39,7 @@ class FilmLog:
         """Write the first frames of episodes, and their outcome."""
         if len(episodes.positions):
             self.stream.log(f"film/{student}", rerun.Image(episodes.positions[0]).compress(QUALITY))
-        self.stream.log(f"film_outcome/{student}", rerun.TextDocument(episodes.outcome))
+        self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the frames of episodes on timeline `movie` only, starting at second `began`."""

@@ -2,7 +2,7 @@
 
 *Overview* (map of levels, level with the highest score, returns, regret, test scenes, θ over updates), *Levels* (the
 six highest scores), *Rollouts* (each student on one level), *Theta* (histograms against the uniform, θ over updates),
-*Teacher* (sources, entropy, chosen levels, warnings), and *Buffer* for methods with a buffer.
+*Teacher* (sources, entropy, chosen levels, events), and *Buffer* for methods with a buffer.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def layout(
     if painter is None:
         return blueprint(rrb.Tabs(_plain(students), _theta(names), *more, active_tab=0), "update", 10, "Following")
     tabs = rrb.Tabs(
-        _overview(painter, students, mixed),
+        _overview(painter, students, mixed, "buffer" in kinds and len(students) == 1),
         _levels(painter),
         _rollouts(painter, students),
         _theta(names),
@@ -117,12 +117,13 @@ def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: s
     )
 
 
-def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> Any:
+def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool, buffered: bool) -> Any:
+    """Return the overview; of methods with a buffer and one student the curve of scores is beside the card."""
     title = "Levels (color: score) and their density"
+    card = rrb.TextDocumentView(origin="/levels/card", name="Level")
+    beside = rrb.Vertical(card, _score_curve(), row_shares=[1.6, 1]) if buffered else card
     level = rrb.Horizontal(
-        _scene(painter, "Level with the highest score", "/scene/levels/0/**"),
-        rrb.TextDocumentView(origin="/levels/card", name="Level"),
-        column_shares=[1.25, 1],
+        _scene(painter, "Level with the highest score", "/scene/levels/0/**"), beside, column_shares=[1.25, 1]
     )
     left = rrb.Vertical(_scene(painter, title, "/scene/heat/**", "/scene/batch"), level, row_shares=[1.15, 1])
     return rrb.Horizontal(left, _progress(students, mixed), column_shares=[1.25, 1], name="Overview")
@@ -131,8 +132,9 @@ def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool) -> An
 def _plain(students: Sequence[str]) -> Any:
     """Return the overview of environments without a painter: rendered frames, and the best level as text."""
     films = [rrb.Spatial2DView(origin=f"/film/{name}", name=name.capitalize()) for name in students]
-    card = rrb.TextDocumentView(origin="/levels/card", name="Level with the highest score")
-    left = rrb.Vertical(rrb.Horizontal(*films), card, row_shares=[1.4, 1])
+    told = [_episodes(name) for name in students]
+    cards = rrb.Horizontal(rrb.TextDocumentView(origin="/levels/card", name="Level with the highest score"), *told)
+    left = rrb.Vertical(rrb.Horizontal(*films), cards, row_shares=[1.4, 1])
     return rrb.Horizontal(left, _progress(students, False), name="Overview")
 
 
@@ -148,16 +150,33 @@ def _progress(students: Sequence[str], mixed: bool) -> Any:
 
 
 def _levels(painter: ScenePainter) -> Any:
-    views = [_scene(painter, f"Level {slot + 1} by score", f"/scene/levels/{slot}/**") for slot in range(TOP_LEVELS)]
+    """Return the levels of the highest scores, each with its card beside the scene."""
+    views = []
+    for slot in range(TOP_LEVELS):
+        scene = _scene(painter, f"Level {slot + 1} by score", f"/scene/levels/{slot}/**")
+        card = rrb.TextDocumentView(origin=f"/levels/{slot}", name=f"{slot + 1}")
+        views.append(rrb.Horizontal(scene, card, column_shares=[2.1, 1]))
     return rrb.Grid(*views, grid_columns=3, name="Levels")
 
 
 def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
-    views = [
-        plane_view(painter.reach, painter.background, name.capitalize(), "/scene/ground", f"/scene/rollout/{name}/**")
-        for name in students
-    ]
+    """Return the recorded episodes of each student, outcomes beside the scene; below it for several students."""
+    views = []
+    for name in students:
+        paths = "/scene/ground", f"/scene/rollout/{name}/**"
+        scene = plane_view(painter.reach, painter.background, name.capitalize(), *paths)
+        if len(students) == 1:
+            return rrb.Horizontal(scene, _episodes(name), column_shares=[3.4, 1], name="Rollouts")
+        views.append(rrb.Vertical(scene, _episodes(name), row_shares=[2, 1]))
     return rrb.Horizontal(*views, name="Rollouts")
+
+
+def _episodes(student: str) -> Any:
+    return rrb.TextDocumentView(origin=f"/rollouts/{student}", name=f"Episodes of the {student}")
+
+
+def _score_curve() -> Any:
+    return _curves("Score per level (mean ± std)", SCORE, "RightTop")
 
 
 def _theta(names: Sequence[str]) -> Any:
@@ -187,7 +206,7 @@ def _teacher(mixed: bool, chosen: bool) -> Any:
         name = "Options: frequency in proposals relative to the program"
         curves.append(_curves(name, f"{CHOICES}**", "RightTop"))
     aim = rrb.TextDocumentView(origin="/teacher/aim", name="Chosen levels of this update")
-    events = rrb.TextLogView(origin="/events", name="Warnings")
+    events = rrb.TextLogView(origin="/events", name="Events")
     return rrb.Horizontal(rrb.Vertical(*curves), rrb.Vertical(aim, events, row_shares=[1.6, 1]), name="Teacher")
 
 

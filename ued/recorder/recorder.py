@@ -7,12 +7,14 @@ The recorder is independent of the domain: a `ScenePainter` defines the look of 
     /scene/heat/map                  density of the painter's focus in recent levels
     /scene/batch                     the focus of each level of this update, colored by score
     /scene/levels/<slot>/...         the levels with the highest score, one per slot
-    /scene/rollout/<student>/path    a student's whole path on a level, on timeline `update`
+    /scene/rollout/<student>/path    a student's whole path on a level, on timeline `update`, start and ends labeled
     /scene/rollout/<student>/now     the same, animated, on timeline `movie`
     /metrics/<name>                  every metric of the method; returns and score with a band of one deviation
     /theta/<name>/...                quantiles and histogram of each column of θ
     /theta/over_time/...             update x bin densities of all columns, with a cursor
-    /levels/card                     the level with the highest score, as text
+    /levels/card                     the level with the highest score, as text, with the formula of its score
+    /levels/<slot>                   the levels with the highest score, as text
+    /rollouts/<student>              outcome and length of each recorded episode, as text
     /teacher/aim                     distribution of the chosen levels, as text
     /buffer/...                      scores, staleness and ancestry of a buffer's levels
     /events                          warnings, as text
@@ -36,13 +38,13 @@ from ued.core.painter import ScenePainter
 from ued.core.upomdp import Parameter
 from ued.levels.batch import LevelBatch
 from ued.levels.buffer import LevelBuffer
-from ued.recorder import buffer_log
+from ued.recorder import buffer_log, cards
 from ued.recorder.buffer_log import BufferLog
 from ued.recorder.film_log import FilmLog
-from ued.recorder.layout import layout, shown
+from ued.recorder.layout import TOP_LEVELS, layout, shown
 from ued.recorder.rows import MOVIE_SECONDS, Rows
-from ued.recorder.scene_log import Episodes, SceneLog, by_score
-from ued.recorder.shades import SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
+from ued.recorder.scene_log import Episodes, SceneLog
+from ued.recorder.shades import SCENE_COLOURS, SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
 from ued.recorder.theta_log import ThetaLog
 from ued.recorder.writer import Writer, compact
 
@@ -60,6 +62,7 @@ class Recording:
     total_env_steps: int
     properties: Mapping[str, Any]
     connect: str | None = None  # HOST:PORT of a live viewer; Rerun waits silently if none answers
+    score: str = ""  # the rule of `levels.scores` that scores levels, if any
 
 
 class CurriculumRecorder:
@@ -82,6 +85,7 @@ class CurriculumRecorder:
         self.theta = ThetaLog(self.stream, self.rows, draws)
         self.buffer = BufferLog(self.stream)
         self._opened, self._views = False, None
+        self._scenes: set[str] = set()  # test scenes whose curves have a style
         self._flushes = 0
         self._last = 0  # update that was recorded
 
@@ -100,14 +104,14 @@ class CurriculumRecorder:
         self._last = update
         for name, value in metrics.items():
             if name not in TIMELINES and np.isfinite(value):
+                self._look_of_scene(name)
                 self.rows.scalars(["metrics", *name.split("/")], [value])
         if not len(batch.theta):
             return
         self.recall(update, env_steps, batch.theta)
         self._bands(batch)
         self.scenes.record(batch)
-        self.stream.log("levels/card", rerun.TextDocument.from_fields(text=self._card(update, batch)))
-        self.stream.log("teacher/aim", rerun.TextDocument.from_fields(text=self._aim(batch)))
+        self._log_cards(update, batch)
         self.theta.record(update, batch.theta)
         if self.recording.connect:  # who watches does not wait for a checkpoint
             self.theta.record_densities(update)
@@ -172,7 +176,7 @@ class CurriculumRecorder:
         for source, colour in SOURCE_COLOURS.items():
             looks = rerun.SeriesLines(colors=[colour], names=[source], widths=[2.0])
             self.stream.log(f"metrics/levels/{source}", looks, static=True)
-        for path in ("levels/card", "teacher/aim"):
+        for path in ("levels/card", "teacher/aim", *(f"levels/{slot}" for slot in range(TOP_LEVELS))):
             markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
             self.stream.log(path, markdown, static=True)
         self.scenes.open(students)
@@ -192,40 +196,29 @@ class CurriculumRecorder:
             if len(known):
                 self.rows.band(["metrics", *name.split("/")], known)
 
+    def _log_cards(self, update: int, batch: LevelBatch) -> None:
+        """Write what stands beside the scenes, and of the chosen levels."""
+        names, values, rule = self.theta.names, self.theta.values, self.recording.score
+        texts = {
+            "levels/card": cards.level_card(update, batch, names, values, rule),
+            "teacher/aim": cards.aim_card(batch, names, values),
+        }
+        if self.painter is not None:
+            best = cards.by_score(batch, TOP_LEVELS).tolist()
+            texts |= {f"levels/{slot}": "" for slot in range(len(best), TOP_LEVELS)}  # a smaller batch
+            texts |= {f"levels/{slot}": cards.slot_card(batch, level, rule) for slot, level in enumerate(best)}
+        for path, text in texts.items():
+            self.stream.log(path, rerun.TextDocument.from_fields(text=text))
+
+    def _look_of_scene(self, name: str) -> None:
+        """Write the style of a test scene's curve with its first value: a color of its own, a wide line."""
+        if name.startswith("eval/") and name not in self._scenes:
+            shade = SCENE_COLOURS[len(self._scenes) % len(SCENE_COLOURS)]
+            self._scenes.add(name)
+            looks = rerun.SeriesLines(colors=[shade], names=[name.removeprefix("eval/")], widths=[2.5])
+            self.stream.log(rerun.new_entity_path(["metrics", *name.split("/")]), looks, static=True)
+
     def _look(self, path: str, name: str, colour: Colour) -> None:
         """Write the style of a band."""
         style = rerun.Measurements.from_fields(colors=[colour], names=[name], widths=[2.0])
         self.stream.log(path, style, static=True)
-
-    def _aim(self, batch: LevelBatch) -> str:
-        """Describe the levels chosen by the teacher, all except random ones, as a Markdown document."""
-        chosen = np.isin(batch.source, ("proposed", "replayed", "edited"))
-        sources = ", ".join(f"{int((batch.source == name).sum())} {name}" for name in dict.fromkeys(batch.source))
-        if not chosen.any():
-            return f"{sources}: no level was chosen"
-        low, middle, high = self.theta.values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
-        spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform
-        rows = "\n".join(
-            f"| {name} | {low[d]:.2f} | {middle[d]:.2f} | {high[d]:.2f} | {spread[d]:.0%} |"
-            for d, name in enumerate(self.theta.names)
-        )
-        head = "| θ of the chosen levels | 10% | median | 90% | spread / random levels |\n|---|---|---|---|---|"
-        return f"### {sources}\n\n{head}\n{rows}\n"
-
-    def _card(self, update: int, batch: LevelBatch) -> str:
-        """Describe the level with the highest score, as a Markdown document."""
-        score, level = batch.score, by_score(batch)[0]
-        quantiles = (np.quantile(batch.theta, share, 0) for share in (0.1, 0.9))
-        low, value, high = map(self.theta.values, (next(quantiles), batch.theta[level], next(quantiles)))  # [D] each
-        returns = "\n".join(
-            f"| {name} | {values[level]:+.2f} | {batch.episodes[name][level]} |"
-            for name, values in batch.returns.items()
-        )
-        rows = "\n".join(
-            f"| {name} | {value[d]:.2f} | {low[d]:.2f} to {high[d]:.2f} |" for d, name in enumerate(self.theta.names)
-        )
-        title = f"score {score[level]:.3f}, the highest of {len(score)}" if np.isfinite(score[level]) else "one level"
-        return (
-            f"### Update {update}: {title}\n\n| student | return | episodes |\n|---|---|---|\n{returns}\n\n"
-            f"| θ | value | batch, 10% to 90% |\n|---|---|---|\n{rows}\n"
-        )

@@ -13,13 +13,13 @@ import rerun
 
 from ued.core.painter import ScenePainter, tiles_of, trails_of
 from ued.levels.batch import LevelBatch
-from ued.levels.record import NONE
+from ued.recorder.cards import by_score, episodes_card, origin
 from ued.recorder.layout import TOP_LEVELS, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # decay of the heat map per update
-NOTE_SHARE = 0.02  # half the line height of a note, relative to the view
+MARK_COLOUR = (235, 235, 235)  # of starts and ends
 END_SIZE = 0.55  # size of end points relative to start points
 FILLING_RADIUS = 0.31  # of a line that fills a square from -1 to 1, as Rerun has no filled squares
 FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # its points
@@ -32,13 +32,28 @@ class Episodes(NamedTuple):
         positions: points `[T, K, 2]`; without a painter images, uint8 `[T, height, width, 3]`, or empty.
         begins: first frame of each episode, beginning with 0.
         step_seconds: time between two frames.
-        outcome: a sentence about the outcome.
+        outcome: a text about all of them.
+        ends: outcome of each episode in a few words; by default none is known.
     """
 
     positions: np.ndarray
     begins: Sequence[int]
     step_seconds: float
     outcome: str
+    ends: Sequence[str] = ()
+
+    def parts(self) -> list[np.ndarray]:
+        """Return the frames of each episode."""
+        return np.split(self.positions, self.begins[1:]) if len(self.positions) else []
+
+    def card(self) -> str:
+        """Return a description in Markdown, a row for each episode."""
+        lengths = [max(len(part) - 1, 0) for part in self.parts()]
+        return episodes_card(self.outcome, self.ended(), lengths)
+
+    def ended(self) -> list[str]:
+        """Return the outcome of each episode, "unknown" where none is known."""
+        return [*self.ends, *["unknown"] * len(self.begins)][: len(self.parts())]
 
 
 class SceneLog:
@@ -65,15 +80,12 @@ class SceneLog:
         self.stream.log("scene/batch", rerun.Points2D.from_fields(show_labels=False), static=True)
         rollouts = [f"scene/rollout/{student}" for student in students]
         points = [*(f"{root}/{part}" for root in rollouts for part in ("now", "path/start"))]
-        notes = [f"{root}/path/outcome" for root in rollouts]
-        for slot in range(TOP_LEVELS):
-            points.append(f"scene/levels/{slot}/points")
-            notes.append(f"scene/levels/{slot}/note")
+        points += [f"scene/levels/{slot}/points" for slot in range(TOP_LEVELS)]
         for path in points:
             self.stream.log(path, self._looks(), static=True)
-        for path in notes:
-            note = rerun.Points2D.from_fields(colors=(225, 225, 225), radii=0.01, show_labels=True)
-            self.stream.log(path, note, static=True)
+        for student in students:
+            markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
+            self.stream.log(f"rollouts/{student}", markdown, static=True)
 
     def note(self, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the heat map."""
@@ -88,14 +100,13 @@ class SceneLog:
     def record(self, batch: LevelBatch) -> None:
         """Write the map of an update's levels, and those with the highest scores."""
         places = self.painter.positions(batch.theta)  # [L, K, 2]
-        best, labels = by_score(batch), captions(batch)
+        best, labels = by_score(batch, TOP_LEVELS), captions(batch)
         for slot in range(TOP_LEVELS):
             path = f"scene/levels/{slot}"
             if slot < len(best):
                 shown = places[best[slot]]
                 self._log_tiles(path, shown)
                 self.stream.log(f"{path}/points", rerun.Points2D.from_fields(positions=self._moving(shown)))
-                self.stream.log(f"{path}/note", self._note_above(labels[best[slot]], self.painter.bounds))
             else:  # a smaller batch: clear the slot
                 self.stream.log(path, rerun.Clear(recursive=True))
         share = unit(batch.score)
@@ -110,8 +121,8 @@ class SceneLog:
         self.stream.log("scene/heat/map", self._heat_image())
 
     def record_path(self, student: str, episodes: Episodes) -> None:
-        """Write the whole paths of a student's episodes, with their start and end points."""
-        root, parts = f"scene/rollout/{student}/path", np.split(episodes.positions, episodes.begins[1:])
+        """Write the whole paths of a student's episodes, with the start and the labeled end of each."""
+        root, parts = f"scene/rollout/{student}/path", episodes.parts()
         strips = [strip for part in parts for strip in part[:, self._trails].transpose(1, 0, 2)]
         colours = np.tile(self._colours[self._trails], (len(parts), 1))
         self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colours, radii=0.2))
@@ -120,7 +131,21 @@ class SceneLog:
         radii = np.tile(self._radii[self._trails] * END_SIZE, len(parts))
         self._log_tiles(root, parts[0][0])
         self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
-        self.stream.log(f"{root}/outcome", self._note_above(episodes.outcome, self.painter.reach))
+        self._log_marks(root, parts, episodes.ended())
+        self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))
+
+    def _log_marks(self, root: str, parts: Sequence[np.ndarray], ended: Sequence[str]) -> None:
+        """Write labels at the focus: where each episode starts, and its outcome where it ends."""
+        focus, many = self.painter.focus, len(parts) > 1
+        starts: dict[tuple[float, float], list[str]] = {}
+        for number, part in enumerate(parts, start=1):
+            x, y = part[0, focus].tolist()
+            starts.setdefault((round(x, 1), round(y, 1)), []).append(str(number))
+        texts = [f"start {', '.join(numbers)}" if len(starts) > 1 else "start" for numbers in starts.values()]
+        texts += [f"end {k}: {end}" if many else f"end: {end}" for k, end in enumerate(ended, start=1)]
+        places = np.array([*starts, *(part[-1, focus] for part in parts)])
+        marks = rerun.Points2D(places, labels=texts, colors=MARK_COLOUR, radii=0.35, show_labels=True, draw_order=40)
+        self.stream.log(f"{root}/marks", marks)
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on timeline `movie` only, starting at second `began`."""
@@ -155,12 +180,6 @@ class SceneLog:
         """Return the style of the points of a scene."""
         return rerun.Points2D.from_fields(class_ids=self.painter.classes, radii=self._radii, show_labels=False)
 
-    def _note_above(self, text: str, bounds: Sequence[float]) -> Any:
-        """Return a note at the upper edge of bounds: x low, x high, y low, y high."""
-        x_low, x_high, y_low, y_high = bounds
-        place = [[(x_low + x_high) / 2, y_high - NOTE_SHARE * (y_high - y_low) * (1 + text.count("\n"))]]
-        return rerun.Points2D.from_fields(positions=place, labels=[text])
-
     def _heat_image(self) -> Any:
         density = smooth(self._heat)
         density /= density.max() + 1e-9
@@ -169,11 +188,6 @@ class SceneLog:
         height, width, _ = image.shape
         pixels = rerun.components.ImageFormat(width=width, height=height, color_model="RGBA", channel_datatype="U8")
         return rerun.Image.from_fields(buffer=image.tobytes(), format=pixels)
-
-
-def by_score(batch: LevelBatch) -> np.ndarray:
-    """Return the indices of the levels with the highest scores, best first, at most TOP_LEVELS."""
-    return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:TOP_LEVELS]
 
 
 def captions(batch: LevelBatch) -> list[str]:
@@ -188,10 +202,5 @@ def captions(batch: LevelBatch) -> list[str]:
 
 def titles(batch: LevelBatch) -> list[str]:
     """Return a title for each level: its number, source, and score if available."""
-    columns = (batch.records["id"], batch.source, batch.records["parent"], batch.score)
-    return [_title(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
-
-
-def _title(level: int, source: str, parent: int, score: float) -> str:
-    origin = source if parent == NONE else f"{source} from {parent}"
-    return f"level {level}, {origin}" + (f", score {score:.2f}" if score == score else "")
+    scores = [f", score {score:.2f}" if np.isfinite(score) else "" for score in batch.score.tolist()]
+    return [origin(batch, level) + score for level, score in enumerate(scores)]

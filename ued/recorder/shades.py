@@ -14,6 +14,16 @@ from ued.core.painter import Colour
 
 STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
 SCORE_COLOUR: Colour = (255, 82, 82)
+SCENE_COLOURS: tuple[Colour, ...] = (  # of test scenes, on a dark background: Okabe and Ito 2008, lightened
+    (86, 180, 233),
+    (230, 159, 0),
+    (0, 205, 150),
+    (240, 228, 66),
+    (225, 140, 190),
+    (245, 120, 50),
+    (235, 235, 235),
+    (150, 130, 255),
+)
 SOURCE_COLOURS: dict[str, Colour] = {  # of levels, by source
     "random": (158, 158, 158),
     "proposed": (66, 165, 245),

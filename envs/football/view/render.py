@@ -119,7 +119,11 @@ class FootballPainter:
     def draw(self, axes: Axes, theta: np.ndarray, dots: float = 60.0) -> None:
         """Draw the scenes of θ `[L, D]` on one pitch."""
         draw_pitch(axes, self.bounds)
-        for places in self.positions(theta):
+        matches = self._lineup.starts(theta, np.zeros(len(theta), np.uint64))
+        players = matches["players"][:, : len(self.classes) - 1]
+        headings = np.stack([players["facing_x"], players["facing_y"]], -1)  # [L, P, 2]
+        for places, facing in zip(self.places(matches), headings, strict=True):
+            draw_headings(axes, places, facing, self.classes)
             draw_scene(axes, places, self.classes, dots)
 
 
@@ -152,6 +156,7 @@ def _arc(x: float, radius: float, start: float, end: float) -> np.ndarray:
 
 # ---------------------------------------------------------------- Matplotlib
 
+NOSE = 3.2  # m, length of a heading from the center of a player
 PAPER_GRASS = "#f3f6f2"
 PAPER_CHALK = "#b9c6bb"
 PAPER_COLOURS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light background
@@ -169,6 +174,13 @@ def draw_pitch(axes: Axes, bounds: tuple[float, float, float, float]) -> None:
     axes.set_yticks([])
     for spine in axes.spines.values():
         spine.set_visible(False)
+
+
+def draw_headings(axes: Axes, places: np.ndarray, facing: np.ndarray, classes: np.ndarray) -> None:
+    """Draw where players at `places` `[K, 2]` face, unit vectors `[P, 2]`; `classes` `[K]` index MARKERS."""
+    for place, ahead, kind in zip(places, facing, classes, strict=False):
+        x, y = np.stack([place, place + NOSE * ahead], 1)
+        axes.plot(x, y, color=PAPER_COLOURS[kind], linewidth=1.6, zorder=2, solid_capstyle="round")
 
 
 def draw_scene(axes: Axes, places: np.ndarray, classes: np.ndarray, dots: float = 60.0) -> None:

@@ -1,0 +1,64 @@
+"""Colors of methods: none is a team's, and readers with a color vision deficiency tell all from each other."""
+
+import itertools
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+
+from regista.envs.football.view import render
+from regista.experiments.pictures import plots
+
+# Machado, Oliveira and Fernandes 2009, severity 1: linear RGB as it is seen, rows by channel.
+DEFICIENCIES = {
+    "none": np.eye(3),
+    "protanopia": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
+    "deuteranopia": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
+}
+TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+WHITE = np.array([0.9505, 1.0, 1.089])
+
+
+def lab(colors, deficiency="none"):
+    """Return colors `[n, 3]` in CIELAB, as they are seen: 2.3 is the least difference that is noticed."""
+    rgb = np.array([to_rgb(color) for color in colors])
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    share = np.clip(linear @ DEFICIENCIES[deficiency].T, 0, 1) @ TO_XYZ.T / WHITE
+    f = np.where(share > 0.008856, np.cbrt(share), 7.787 * share + 16 / 116)
+    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], 1)
+
+
+def closest(colors, deficiency):
+    """Return the smallest distance between two of the colors."""
+    return min(np.linalg.norm(one - other) for one, other in itertools.combinations(lab(colors, deficiency), 2))
+
+
+@pytest.mark.parametrize("deficiency", DEFICIENCIES)
+def test_methods_and_baselines_differ_for_every_reader(deficiency):
+    baselines = [plots.METHOD_COLOURS[name] for name in plots.BASELINES]
+    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
+    assert closest(methods, deficiency) > 20 and closest(baselines, deficiency) > 10
+    apart = lab(methods, deficiency)[:, None] - lab(baselines, deficiency)[None]
+    assert np.linalg.norm(apart, axis=2).min() > 20
+
+
+@pytest.mark.parametrize("deficiency", DEFICIENCIES)
+def test_variants_differ_for_every_reader(deficiency):
+    assert closest(plots.VARIANT_COLOURS, deficiency) > 10
+
+
+def test_no_method_has_the_color_of_a_team():
+    teams = [*render.PAPER_COLOURS[: render.BALL], *(np.array(shade) / 255 for _, shade, _ in render.MARKERS[:4])]
+    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
+    shown = lab([*methods, *plots.VARIANT_COLOURS])
+    assert np.linalg.norm(shown[:, None] - lab(teams)[None], axis=2).min() > 15
+
+
+def test_a_methods_color_does_not_depend_on_the_other_methods():
+    before = {name: plots.colour(name) for name in plots.METHOD_COLOURS}
+    plots.distinguish(["a variant", "another"])
+    try:
+        assert {name: plots.colour(name) for name in plots.METHOD_COLOURS} == before
+        assert plots.line_style("a variant") == "--" and {plots.line_style(name) for name in before} == {"-"}
+    finally:
+        plots.distinguish([])

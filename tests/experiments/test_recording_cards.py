@@ -1,0 +1,90 @@
+"""Cards of a recording: the formula of a score with its numbers, the outcome of each episode, beside the scenes."""
+
+import numpy as np
+import pytest
+
+from tests.experiments.probe import DRAWS, ProbePainter, batch
+from ued.core.level_space import level_dtype
+from ued.levels.batch import LevelBatch
+from ued.levels.record import level_record_dtype, make_records
+from ued.levels.scores import SCORES, fields, score
+from ued.recorder import cards
+
+rerun = pytest.importorskip("rerun")
+
+from ued.recorder.recorder import CurriculumRecorder, Recording  # noqa: E402
+from ued.recorder.scene_log import Episodes  # noqa: E402
+
+
+def scored(rule="max_mc"):
+    """Return two levels of one student, scored by a rule: best returns 1.0 and 0.0, values 0.25 and -0.1."""
+    level = level_dtype(3)
+    records = make_records(level_record_dtype(level, 1, 1, extra=fields(rule, 1)), np.zeros(2, level))
+    records["id"], records["num_played"] = (7, 8), 1
+    records["returns"][:, 0, 0], records["best"] = (0.5, 0.0), (1.0, 0.0)
+    if "mean_value" in records.dtype.names:
+        records["mean_value"][:, 0, 0] = 0.25, -0.1
+    records["score"] = score(rule, records, records["best"])
+    return LevelBatch(records, ["student"])
+
+
+def test_every_score_has_a_formula():
+    assert set(cards.FORMULAS) == set(SCORES)
+
+
+def test_max_mc_is_told_with_its_two_numbers():
+    levels = scored()
+    text = "**MaxMC** = best return ever − mean value of the critic = "
+    assert cards.formula(levels, 0, "max_mc") == f"{text}1.00 − 0.25 = **0.75**"
+    assert cards.formula(levels, 1, "max_mc") == f"{text}0.00 − (-0.10) = **0.10**"
+    assert cards.formula(levels, 0, "") == ""
+    assert "your function = **0.75**" in cards.formula(levels, 0, "mine:score")
+    card = cards.level_card(3, levels, ["a", "b", "c"], lambda theta: theta, "max_mc")
+    assert "1.00 − 0.25" in card and "Level 7, random" in card
+    assert "1.00 − 0.25" in cards.slot_card(levels, 0, "max_mc")
+
+
+@pytest.fixture
+def written(tmp_path):
+    """Return what a recording of one update with two episodes says, by entity."""
+    from rerun.chunk import RrdReader
+
+    path = tmp_path / "curriculum.rrd"
+    recorder = CurriculumRecorder(Recording(path, "cards", "probe", 1000, {}), ProbePainter(), DRAWS)
+    recorder.record(1, 1000, batch(1, np.random.default_rng(0)), {"eval/a scene": 0.5, "eval/another": 0.1})
+    walk = np.cumsum(np.full((12, 2, 2), 0.5), 0)
+    ends = ["return +1.00", "return +0.00"]
+    recorder.episodes("protagonist", 1, 1000, Episodes(walk, [0, 7], 0.1, "protagonist in update 1", ends))
+    recorder.close()
+    return [(str(chunk.entity_path), chunk.to_record_batch()) for chunk in RrdReader(str(path)).stream()]
+
+
+def column(written, entity, name):
+    (found,) = [rows.column(name).to_pylist() for path, rows in written if path == entity and name in rows.column_names]
+    return found[-1]
+
+
+def test_start_end_and_outcome_of_each_episode_are_marked(written):
+    labels = column(written, "/scene/rollout/protagonist/path/marks", "Points2D:labels")
+    assert labels == ["start 1", "start 2", "end 1: return +1.00", "end 2: return +0.00"]
+    places = column(written, "/scene/rollout/protagonist/path/marks", "Points2D:positions")
+    assert np.allclose(places, [[0.5, 0.5], [4.0, 4.0], [3.5, 3.5], [6.0, 6.0]])
+    (card,) = column(written, "/rollouts/protagonist", "TextDocument:text")
+    assert "| 1 | return +1.00 | 6 |\n| 2 | return +0.00 | 4 |" in card
+
+
+def test_no_text_lies_over_a_level(written):
+    over = {
+        path for path, rows in written if path.startswith("/scene/levels") and "Points2D:labels" in rows.column_names
+    }
+    assert not over
+    assert "level " in column(written, "/levels/0", "TextDocument:text")[0]
+
+
+def test_test_scenes_have_wide_lines_in_colors_of_their_own(written):
+    scenes = ["/metrics/eval/a\\ scene", "/metrics/eval/another"]
+    looks = {path: rows for path, rows in written if path in scenes and "SeriesLines:colors" in rows.column_names}
+    assert len(looks) == 2
+    colors = [rows.column("SeriesLines:colors").to_pylist()[0][0] for rows in looks.values()]
+    assert len(set(colors)) == 2
+    assert all(rows.column("SeriesLines:widths").to_pylist()[0][0] >= 2 for rows in looks.values())

@@ -1,0 +1,33 @@
+"""Pictures of recordings in the documentation have all colors: RGB, with those of their legends."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from tests.pages import ROOT
+from ued.recorder.shades import SCENE_COLOURS, SOURCE_COLOURS, STUDENT_COLOURS
+
+FOLDER = ROOT / "docs" / "pictures" / "recording"
+PICTURES = sorted(FOLDER.glob("*.png"))
+LEGENDS = {
+    "paired-overview": [*STUDENT_COLOURS[:2], *SCENE_COLOURS[:3]],
+    "plr-overview": [STUDENT_COLOURS[0], *SCENE_COLOURS[:3]],
+    "accel-overview": [STUDENT_COLOURS[0], *SCENE_COLOURS[:3]],
+    "paired-teacher": [SOURCE_COLOURS["random"], SOURCE_COLOURS["proposed"]],
+    "plr-teacher": [SOURCE_COLOURS["random"], SOURCE_COLOURS["replayed"]],
+    "accel-teacher": [SOURCE_COLOURS["replayed"], SOURCE_COLOURS["edited"]],
+}
+
+
+@pytest.mark.parametrize("path", PICTURES, ids=lambda path: path.stem)
+def test_a_picture_is_rgb(path):
+    with Image.open(path) as picture:
+        assert picture.mode == "RGB"
+
+
+@pytest.mark.parametrize("name", LEGENDS)
+def test_the_colors_of_its_legend_occur_in_a_picture(name):
+    with Image.open(FOLDER / f"{name}.png") as picture:
+        pixels = np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0).astype(int)
+    for color in LEGENDS[name]:
+        assert np.abs(pixels - color).max(1).min() <= 6, f"{color} is missing in {name}.png"

@@ -1,0 +1,105 @@
+"""Texts of a recording, in Markdown: cards of levels, of chosen levels, and of recorded episodes.
+
+Read next: `recorder.recorder`, which writes them; `levels.scores`, the formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ued.levels.batch import LevelBatch
+from ued.levels.record import NONE
+
+Values = Callable[[np.ndarray], np.ndarray]  # columns of θ in the units of the parameters, see `ThetaLog.values`
+
+# By rule: its name, its formula, and columns of `LevelBatch.outcomes` whose numbers stand in the formula.
+FORMULAS: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "max_mc": ("MaxMC", "best return ever − mean value of the critic", ("best_ever", "value")),
+    "positive_value_loss": ("positive value loss", "mean of max(A, 0) over steps", ("positive_advantage",)),
+    "l1_value_loss": ("L1 value loss", "mean of |A| over steps", ("absolute_advantage",)),
+    "learnability": ("learnability", "p (1 − p), p the success rate, unbiased", ()),
+    "generalized_learnability": ("learnability of returns", "std of returns × density of their mean", ()),
+    "mna": ("MNA", "sum of −A over steps, 0 if never solved", ()),
+}
+
+
+def formula(batch: LevelBatch, level: int, rule: str) -> str:
+    """Return a line on how the score of a level comes about; empty without a score or a rule."""
+    score = batch.score[level]
+    if not rule or not np.isfinite(score):
+        return ""
+    name, text, columns = FORMULAS.get(rule, (rule, "your function", ()))
+    outcomes = batch.outcomes()
+    found = [f"{outcomes[column][level]:.2f}" for column in columns if column in outcomes]
+    numbers = [f"({number})" if number.startswith("-") else number for number in found]
+    told = f"**{name}** = {text} = "
+    return told + (f"{' − '.join(numbers)} = " if len(numbers) > 1 else "") + f"**{score:.2f}**"
+
+
+def by_score(batch: LevelBatch, most: int) -> np.ndarray:
+    """Return the indices of the levels with the highest scores, best first, at most `most`."""
+    return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:most]
+
+
+def level_card(update: int, batch: LevelBatch, names: Sequence[str], values: Values, rule: str = "") -> str:
+    """Describe the level with the highest score: its score by `rule`, returns, and θ by the `names` of its columns."""
+    score, level = batch.score, by_score(batch, 1)[0]
+    quantiles = (np.quantile(batch.theta, share, 0) for share in (0.1, 0.9))
+    low, value, high = map(values, (next(quantiles), batch.theta[level], next(quantiles)))  # [D] each
+    best = batch.best
+    returns = "\n".join(
+        f"| {name} | {means[level]:+.2f} | {best[name][level]:+.2f} | {batch.episodes[name][level]} |"
+        for name, means in batch.returns.items()
+    )
+    rows = "\n".join(f"| {name} | {value[d]:.2f} | {low[d]:.2f} to {high[d]:.2f} |" for d, name in enumerate(names))
+    title = f"score {score[level]:.3f}, the highest of {len(score)}" if np.isfinite(score[level]) else "one level"
+    parts = [
+        f"### Update {update}: {title}",
+        origin(batch, level).capitalize(),
+        formula(batch, level, rule),
+        f"| student | return | best | episodes |\n|---|---|---|---|\n{returns}",
+        f"| θ | value | batch, 10% to 90% |\n|---|---|---|\n{rows}",
+    ]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def slot_card(batch: LevelBatch, level: int, rule: str = "") -> str:
+    """Describe a level in a few short lines: number, source, score, and returns of the students."""
+    best = batch.best
+    lines = [f"**{origin(batch, level)}**"]
+    if np.isfinite(batch.score[level]):
+        lines.append(formula(batch, level, rule) or f"score {batch.score[level]:.2f}")
+    for name, means in batch.returns.items():
+        lines.append(f"{name}: return {means[level]:+.2f}, best {best[name][level]:+.2f}")
+    return "\n\n".join(lines) + "\n"
+
+
+def origin(batch: LevelBatch, level: int) -> str:
+    """Return the number of a level and where it comes from."""
+    record = batch.records[level]
+    parent = f" from {record['parent']}" if record["parent"] != NONE else ""
+    return f"level {record['id']}, {batch.source[level]}{parent}"
+
+
+def aim_card(batch: LevelBatch, names: Sequence[str], values: Values) -> str:
+    """Describe the levels chosen by the teacher, all except random ones."""
+    chosen = np.isin(batch.source, ("proposed", "replayed", "edited"))
+    sources = ", ".join(f"{int((batch.source == name).sum())} {name}" for name in dict.fromkeys(batch.source))
+    if not chosen.any():
+        return f"{sources}: no level was chosen"
+    low, middle, high = values(np.quantile(batch.theta[chosen], [0.1, 0.5, 0.9], axis=0))
+    spread = batch.theta[chosen].std(0) / np.sqrt(1 / 3)  # relative to the deviation of the uniform
+    rows = "\n".join(
+        f"| {name} | {low[d]:.2f} | {middle[d]:.2f} | {high[d]:.2f} | {spread[d]:.0%} |" for d, name in enumerate(names)
+    )
+    head = "| θ of the chosen levels | 10% | median | 90% | spread / random levels |\n|---|---|---|---|---|"
+    return f"### {sources}\n\n{head}\n{rows}\n"
+
+
+def episodes_card(outcome: str, ends: Sequence[str], lengths: Sequence[int]) -> str:
+    """Describe recorded episodes: a text, and a row for each with its outcome and its length in steps."""
+    rows = "\n".join(f"| {k + 1} | {end} | {steps} |" for k, (end, steps) in enumerate(zip(ends, lengths, strict=True)))
+    text = "\n\n".join(outcome.split("\n"))
+    return f"{text}\n\n| episode | outcome | steps |\n|---|---|---|\n{rows}\n"
