@@ -3,7 +3,7 @@
     run = regista.load_run("runs/paired")
     run.metrics().plot("env_steps", "success")
 
-docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, which makes them.
+docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, which writes them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class RunData:
     name: str
 
     def columns(self, table: str = "metrics") -> dict[str, np.ndarray]:
-        """Return a table by column, arrays `[rows]`: `metrics` or `levels`. This needs no pandas.
+        """Return a table by column, arrays `[rows]`: `metrics` or `levels`. It does not need pandas.
 
         Numbers are float64, NaN where not available; `source` and `program` of levels are text. A table without rows
         is empty. Raises `UsageError` for another table, `CommandError` for a damaged one.
@@ -49,7 +49,7 @@ class RunData:
         from ued.levels.table import read_levels
 
         if table not in ("metrics", "levels"):
-            raise UsageError(f"columns are of the table metrics or levels, got {table!r}")
+            raise UsageError(f"the table must be metrics or levels, got {table!r}")
         if table == "metrics":
             return read_columns(self.path / "metrics.csv")
         try:
@@ -64,7 +64,7 @@ class RunData:
         return _pandas().DataFrame(self.columns("metrics"))
 
     def levels(self) -> DataFrame:
-        """Return the table of levels, one row per playing of a level. Raises `CommandError` without pandas."""
+        """Return the table of levels, one row per visit of a level. Raises `CommandError` without pandas."""
         return _pandas().DataFrame(self.columns("levels"))
 
     def events(self) -> DataFrame:

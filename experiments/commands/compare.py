@@ -91,7 +91,7 @@ def folder_of(config: CompareConfig, game: Game) -> Path:
 def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     """Train and evaluate all runs, and write tables and pictures; return the exit code.
 
-    `most` is the maximum number of processes that evaluate; None: as many as train.
+    `most` is the maximum number of processes for evaluation; None: as many as for training.
     """
     folder, seeds = folder_of(config, game), range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))

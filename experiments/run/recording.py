@@ -35,7 +35,7 @@ class RunRecorder:
         env = build.make_upomdp(task.make, 1, config.seed)
         self.stage = Stage(env, task.painter(upomdp) if task.painter else None)
         if connect is not None and not viewer_answers(connect):
-            print(f"regista: no viewer answers at {connect}: live view disabled; see rerun --port", file=sys.stderr)
+            print(f"regista: no viewer at {connect}: live view disabled; see rerun --port", file=sys.stderr)
             connect = None
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
@@ -63,7 +63,7 @@ class RunRecorder:
             self.recorder.close()
 
     def _recall(self) -> None:
-        """Pass the recorder the levels of updates in an earlier part of the recording."""
+        """Pass the levels of updates in an earlier part of the recording to the recorder."""
         levels, metrics = read_levels(self.run.path, "update", "theta/"), read_columns(self.run.metrics.path)
         if not levels or self.recorder is None:
             return
@@ -95,8 +95,8 @@ class RunRecorder:
         named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
         for replay in saved:
             played = self.stage.play(replay)
-            said = ", ".join(f"{value:+.2f}" for value in replay.returns)
-            text = f"{replay.student} in update {update.number}\n{named[replay.id]}\nreturns {said}"
+            returns = ", ".join(f"{value:+.2f}" for value in replay.returns)
+            text = f"{replay.student} in update {update.number}\n{named[replay.id]}\nreturns {returns}"
             if not replays.came_out_alike(replay, played.returns):
                 text += "\nreplay differs from the recorded episodes: the environment uses randomness beyond its seed"
             episodes = Episodes(

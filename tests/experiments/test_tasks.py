@@ -387,7 +387,7 @@ def test_a_baseline_that_is_no_policy_is_a_sentence(name, message, task):
 def test_a_painter_that_fails_ends_the_recording_and_not_the_training(task, tmp_path, capsys):
     assert train(task.replace(":push", ":wrong"), tmp_path / "run", "--method", "dr", "--total-env-steps", "128") == 0
     said = capsys.readouterr().err
-    assert "nothing more is recorded: the painter's positions() must return an array of shape (" in said
+    assert "no more updates are recorded: the painter's positions() must return an array of shape (" in said
 
 
 def test_a_painter_that_fails_is_a_sentence(task):

@@ -123,7 +123,7 @@ def test_a_score_that_nobody_knows(config):
 
 
 def test_a_network_that_nobody_knows():
-    with pytest.raises(ValueError, match="network must be auto or mlp or cnn, or yours as module:class or"):
+    with pytest.raises(ValueError, match="network must be auto or mlp or cnn, or your own, module:class or"):
         PPOConfig(network="resnet")
     with pytest.raises(ValueError, match="score must be learnability or generalized_learnability, or yours"):
         SFLConfig(score="mna")
@@ -186,7 +186,7 @@ def test_agents_of_one_policy_share_a_network_of_the_user():
     ppo = dataclasses.replace(OWN, team="shared", critic="central")
     metrics = DR(Roles(4), ppo, seed=0).update()
     assert metrics["student/gradient_steps"] > 0
-    with pytest.raises(OwnCodeError, match="serves one policy: several agents need team = shared"):
+    with pytest.raises(OwnCodeError, match="supports one policy: several agents need team = shared"):
         DR(Roles(4), OWN, seed=0)
 
 

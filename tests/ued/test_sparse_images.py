@@ -89,7 +89,7 @@ def test_spaces_that_are_no_binary_images_are_refused(space, said):
 def test_images_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="at most 3 pixels that are not 0, got "):
         SparseImage(BYTES, 3).sparse(images())
-    with pytest.raises(ValueError, match="are 0 or 255, got others"):
+    with pytest.raises(ValueError, match="must be 0 or 255, got other values"):
         SPACE.sparse(images() // 2)
 
 

@@ -87,7 +87,7 @@ class _Levelled(gymnasium.Wrapper):
         """Return an observation. Raises `ValueError` unless it has the shape of the space."""
         shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
         if shape != self._shape and self._shape is not None:
-            raise ValueError(f"the observation has shape {shape}, observation_space says {self._shape}")
+            raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
         return observation
 
     @contextmanager
@@ -242,7 +242,7 @@ class _Slot(_Levelled):
         if options is None:  # a vector environment resets on its own account
             return self.env.reset(seed=seed)[0], {}
         theta, seeds, luck, begins = options["starts"]  # [N, D], [N], [N], [N]
-        if not begins[self.index]:  # the first reset of a batch asks all
+        if not begins[self.index]:  # the first reset of a batch resets all
             self._last = np.zeros(self.observation_space.shape, self.observation_space.dtype)
             return self._last, {}
         start = Start(theta[self.index].copy(), int(seeds[self.index]), int(luck[self.index]))
@@ -387,7 +387,7 @@ class GymUPOMDP(UPOMDP):
     def get_state(self) -> dict[str, Any]:
         """Return the whole state; the environments are Python objects, copied deeply."""
         if self.vectorization == "async":
-            raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
+            raise NotImplementedError('environments in other processes support no state; use vectorization="sync"')
         try:
             envs = copy.deepcopy(self.vector)
         except Exception as error:  # whatever the environments hold: windows, clocks, connections
@@ -416,7 +416,7 @@ class GymUPOMDP(UPOMDP):
         return twin
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return what each environment shows of itself, if it was made with a `render_mode`."""
+        """Return the rendered frame of each environment, if it was made with a `render_mode`."""
         return self.vector.render()
 
     def close_extras(self, **kwargs: Any) -> None:

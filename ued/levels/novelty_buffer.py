@@ -22,7 +22,7 @@ def novelty_slot_dtype(level: np.dtype) -> np.dtype:
 
 
 class NoveltyBuffer(LevelBuffer):
-    """A `LevelBuffer` whose levels have a novelty, too. Level records have a field `novelty` `[1, n]`, of episodes.
+    """A `LevelBuffer` whose levels also have a novelty. Level records have a field `novelty` `[1, n]`, of episodes.
 
     Args:
         space, config, budget: see `LevelBuffer`.

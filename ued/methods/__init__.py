@@ -52,7 +52,7 @@ class MethodRow:
 
 
 # fmt: off
-METHODS = {row.name: row for row in (  # neighbours in a usual comparison differ in hue and in lightness
+METHODS = {row.name: row for row in (  # methods that are often compared differ in hue and in lightness
     MethodRow(
         "dr", "ued.methods.dr", "DR", config.DRConfig, "domain randomization", "#4a6fa5", "Tobin et al. 2017",
         "a random level for every episode", "1",

@@ -23,7 +23,7 @@ from ued.methods.method import Method
 class Minimax(Method):
     """Trains one student against an adversary; see `Method` for the arguments.
 
-    Raises `ValueError` where the environment has no free parameters.
+    Raises `ValueError` if the environment has no free parameters.
     """
 
     def setup(self, config: MinimaxConfig | None, seed: int) -> None:
