@@ -30,7 +30,7 @@ class Interval(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """Whether there is an interval, not an estimate alone."""
+        """Whether there is an interval, not only an estimate."""
         return self.low == self.low and self.high == self.high
 
 
@@ -44,7 +44,7 @@ class Difference(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """Whether there is an interval, not an estimate alone."""
+        """Whether there is an interval, not only an estimate."""
         return self.low == self.low and self.high == self.high
 
     @property

@@ -103,7 +103,7 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     if not trained:
         return stop.exit_code
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
+    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has its own processes
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
     parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)

@@ -49,7 +49,7 @@ def mixed_task(tasks: Mapping[str, Task]) -> Task:
 
 
 def _mixture(makes: Sequence[Make], names: tuple[str, ...], only: int | None, num_envs: int) -> UPOMDP:
-    """Make the environments of a mixture; with `only`, an index, always that task, whatever θ is."""
+    """Make the environments of a mixture; with `only`, an index, always that task, for every θ."""
     from ued.adapters.mixture import Mixture
 
     members = [make(num_envs) for make in makes]

@@ -62,7 +62,7 @@ class _Levelled(gymnasium.Wrapper):
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode; `options` are the user's own for `reset`."""
         self.start = start
-        with self._telling("the function that applies levels"):
+        with self._level_errors("the function that applies levels"):
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
         if isinstance(returned, dict):
@@ -71,7 +71,7 @@ class _Levelled(gymnasium.Wrapper):
             options = {**options, self.luck: start.luck}
         rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
         given = rule(seed) if callable(rule) else seed if rule else None
-        with self._telling("reset"):
+        with self._level_errors("reset"):
             observation, info = self.env.reset(seed=given, options=options or None)
             if callable(self.luck):
                 seen = self.luck(self.env, start.luck)
@@ -79,7 +79,7 @@ class _Levelled(gymnasium.Wrapper):
             return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        with self._telling("step"):
+        with self._level_errors("step"):
             observation, reward, terminated, truncated, info = self.env.step(action)
             return self._checked(observation), reward, terminated, truncated, info
 
@@ -91,7 +91,7 @@ class _Levelled(gymnasium.Wrapper):
         return observation
 
     @contextmanager
-    def _telling(self, what: str) -> Iterator[None]:
+    def _level_errors(self, what: str) -> Iterator[None]:
         """Raise any exception as a `LevelError`."""
         try:
             yield
@@ -358,11 +358,11 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        self._observations, rewards, _, _, told = self.vector.step(actions)
-        terminated, truncated = (np.array(told.get(end, self._going_on), bool) for end in ENDS)
+        self._observations, rewards, _, _, infos = self.vector.step(actions)
+        terminated, truncated = (np.array(infos.get(end, self._going_on), bool) for end in ENDS)
         self._check_finite("a reward", rewards)
         self._check_finite("an observation", self._observations)
-        info = {"success": self._success(told)}
+        info = {"success": self._success(infos)}
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
@@ -373,13 +373,13 @@ class GymUPOMDP(UPOMDP):
         level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index]))
         raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
 
-    def _success(self, told: Mapping[str, Any]) -> np.ndarray:
+    def _success(self, infos: Mapping[str, Any]) -> np.ndarray:
         """Return `info["success"]` `[N]` from the infos of the environments, NaN where one does not report it."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
-            if name in told:
-                says = told.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[says] = np.asarray(told[name], float)[says]
+            if name in infos:
+                reported = infos.get(f"_{name}", np.ones(self.num_envs, bool))
+                success[reported] = np.asarray(infos[name], float)[reported]
         return success
 
     supports_state = False  # Python objects

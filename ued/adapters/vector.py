@@ -146,35 +146,37 @@ class VectorUPOMDP(UPOMDP):
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         try:
-            seen, rewards, terminated, truncated, told = self.vector.step(actions)
+            seen, rewards, terminated, truncated, infos = self.vector.step(actions)
         except Exception as error:  # whatever the user's code raises
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         ended, observations = terminated | truncated, np.array(seen)
         self._its_own = observations.copy()
         if self.mode == AutoresetMode.SAME_STEP and ended.any():
-            observations[ended] = self._final_observations(told, ended)
-            told = told.get("final_info", {})
+            observations[ended] = self._final_observations(infos, ended)
+            infos = infos.get("final_info", {})
         self._observations = observations
         self._check_finite("a reward", np.asarray(rewards))
         self._check_finite("an observation", observations)
-        info = {"success": self._success(told, ended)}
+        info = {"success": self._success(infos, ended)}
         return observations.copy(), np.array(rewards, np.float64), terminated, truncated, info
 
-    def _final_observations(self, told: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
+    def _final_observations(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
         """Return the last observations of the episodes that ended, `[k, ...]`, which a reset has replaced."""
-        last = told.get("final_obs")
+        last = infos.get("final_obs")
         if last is None:
-            raise LevelError(f"{self.vector} resets in the same step, so its info must have 'final_obs', got {[*told]}")
+            raise LevelError(
+                f"{self.vector} resets in the same step, so its info must have 'final_obs', got {[*infos]}"
+            )
         return np.stack([np.asarray(last[env]) for env in np.flatnonzero(ended)])
 
-    def _success(self, told: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
+    def _success(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
         """Return `info["success"]` `[N]` of episodes that ended, NaN where the environments do not report it."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
-            if name in told:
-                says = ended & told.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[says] = np.asarray(told[name], float)[says]
+            if name in infos:
+                reported = ended & infos.get(f"_{name}", np.ones(self.num_envs, bool))
+                success[reported] = np.asarray(infos[name], float)[reported]
         return success
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:

@@ -23,7 +23,7 @@ class KLRegularizer:
     coef: float
 
     def divergence(self, batch: Batch, policy: Policy) -> Tensor:
-        """Return KL(other ‖ policy) `[]`, the mean over the minibatch; gradients flow into `policy` alone.
+        """Return KL(other ‖ policy) `[]`, the mean over the minibatch; gradients flow only into `policy`.
 
         A recurrent `student` plays in other environments, so it starts each sequence with an empty memory.
         """

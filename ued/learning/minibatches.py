@@ -71,7 +71,7 @@ class Batch:
     def to(self, device: torch.device) -> Batch:
         """Return the batch on a device. All columns are copied at once, from pinned memory.
 
-        Observations are there already; see `learning.upload`.
+        Observations are already on the device; see `learning.upload`.
         """
         if device.type == "cpu":
             return self
