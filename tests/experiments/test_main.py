@@ -181,7 +181,7 @@ def test_benchmark_prints_json_and_a_table(capsys, monkeypatch):
     assert all(speed > 0 for speed in speeds.values())
     assert main([*words, "--threads", "2"]) == 0
     machine, _, head, *_ = capsys.readouterr().out.splitlines()
-    assert machine.endswith("threads 2") and head.startswith("what ")
+    assert machine.endswith("threads 2") and head.startswith("measurement ")
 
 
 # ---------------------------------------------------------------- progress

@@ -54,8 +54,8 @@ def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
     assert looked("plr", limit=10).line().endswith("; PLR starts replay after 500 levels")
     assert looked("plr", PLRConfig(min_fill=0.01)).line().endswith("; PLR starts replay after 10 levels")
     paired = looked("paired").line()
-    assert paired.startswith("about 25 levels of at most 1_000 steps per episode, 4_000 env_steps each; PAIRED teaches")
-    assert "starts to replay" in looked("repaired").line() and "teaches" in looked("repaired").line()
+    assert paired.startswith("about 25 levels of at most 1_000 steps per episode, 4_000 env_steps each; PAIRED updates")
+    assert "starts replay" in looked("repaired").line() and "updates its adversary" in looked("repaired").line()
 
 
 @pytest.mark.parametrize(

@@ -271,7 +271,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/nowhere.py:push"], "there is no file"),
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
-        (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
+        (["train", "{}/push_task.py"], "a Python task must be file.py:name"),
         (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine applies to programs; a task is Python"),
         (["inspect", "{}/push_task.py:push", "--rrd", "{}/x.rrd"], "--rrd and --show are for Scenic programs"),
         (["inspect", "{}/push_task.py:push", "--show", "code"], "--rrd and --show are for Scenic programs"),

@@ -202,5 +202,5 @@ def test_a_deployed_policy_sees_images():
 
 def test_cenie_refuses_images_as_coordinates():
     upomdp = SimpleNamespace(agent_observation_space=SPACE, agent_action_space=Discrete(5))
-    with pytest.raises(ValueError, match=r"these have 12,480 \(40 x 52 x 6\)"):
+    with pytest.raises(ValueError, match=r"got 12,480 \(40 x 52 x 6\)"):
         pair_columns(upomdp)
