@@ -1,6 +1,6 @@
 """The application: the command line, run folders, comparisons, pictures and benchmarks.
 
-This package may import all others. It is imported as `regista.experiments`; `regista/experiments` is a link to this
+This package may import all others. Import it as `regista.experiments`; `regista/experiments` is a link to this
 folder. Read next: `__main__`, then `commands.train`, then `run.build`.
 """
 

@@ -29,13 +29,13 @@ usage: regista COMMAND [flags]
 
 A curriculum-learning toolkit for reinforcement learning: train agents on levels
 that a method of unsupervised environment design (UED) chooses, and compare
-methods, in Gymnasium environments of yours, in mazes and in football.
+methods, in your own Gymnasium environments, in mazes and in football.
 
 commands:
 {commands}
 
 flags of every command:
-  --help        its arguments; --help all: every flag
+  --help        the arguments of the command; --help all: every flag
   --debug       the traceback of an error
   --trust       run the Python file that a run folder names
   --version     the version, without a command

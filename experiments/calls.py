@@ -168,8 +168,8 @@ class Inspection:
         name: of the task.
         parameters: one for each column of θ: its name, kind and range.
         theta: random valid levels `[n, D]`, in [-1, 1].
-        values: what each of them means, by name.
-        text: what `regista inspect` prints.
+        values: the values of each level, by name.
+        text: the output of `regista inspect`.
     """
 
     name: str
@@ -216,14 +216,14 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
 
 
 def _game(task: Any) -> Any:
-    """Return the game of a task, a function that makes environments, or a name; its file may run."""
+    """Return the game of a task, a function that makes environments, or a name; allow its file to run."""
     game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
     trust.allow(game.name)
     return game
 
 
 def _start(game: Any, settings: Mapping[str, Any]) -> Any:
-    """Return the default settings of a game with these replaced, whose code of the user may run.
+    """Return the default settings of a game with these replaced; allow the user code that they name to run.
 
     Raises `UsageError` for an unknown one.
     """

@@ -3,7 +3,7 @@
     run = regista.load_run("runs/paired")
     run.metrics().plot("env_steps", "success")
 
-docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, which makes them.
+docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, which writes them.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class RunData:
         from ued.levels.table import read_levels
 
         if table not in ("metrics", "levels"):
-            raise UsageError(f"columns are of the table metrics or levels, got {table!r}")
+            raise UsageError(f"the table must be metrics or levels, got {table!r}")
         if table == "metrics":
             return read_columns(self.path / "metrics.csv")
         try:

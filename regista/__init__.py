@@ -1,4 +1,4 @@
-"""Curriculum learning for reinforcement learning: what most programs need of it, by name.
+"""Curriculum learning for reinforcement learning: the functions and classes that most programs need.
 
     import regista
 
@@ -7,9 +7,9 @@
     policy = regista.load_policy(run)
     metrics = regista.load_run(run).metrics()
 
-All of `ued` is here, too: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when first used.
-`gymnasium.make("regista:regista/1v1Free-v1")` needs no import at all: the minigames are registered here.
-Read next: `regista.experiments.calls`, what `train`, `evaluate`, `compare` and `inspect` do; `ued`, the methods.
+It also exports all names of `ued`: `regista.GymUPOMDP`, `regista.Range`, `regista.Paired` ... Names are loaded when
+first used. `gymnasium.make("regista:regista/1v1Free-v1")` needs no import, since this package registers the minigames.
+Read next: `regista.experiments.calls`: `train`, `evaluate`, `compare` and `inspect`; `ued`, the methods.
 """
 
 from importlib import import_module
@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 
 def _check_siblings() -> None:
-    """Raise `ImportError` where Python finds another `ued` or `scenic_lite` first, such as a user's own `ued.py`."""
+    """Raise `ImportError` if Python finds another `ued` or `scenic_lite` first, such as a user's own `ued.py`."""
     home = Path(__file__).resolve().parent.parent
     for name in ("ued", "scenic_lite"):
         spec = find_spec(name)
@@ -27,15 +27,15 @@ def _check_siblings() -> None:
         if found and found.parent != home / name:
             raise ImportError(
                 f"Regista needs its own package {name!r}, at {home / name}, but Python finds {found} first. "
-                f"Rename that, or put its folder later on sys.path."
+                f"Rename that file, or put its folder later on sys.path."
             )
 
 
-_check_siblings()  # before anything of Regista imports the wrong one
+_check_siblings()  # before a module of Regista imports the wrong package
 
 from regista import minigames as minigames  # noqa: E402
 
-if TYPE_CHECKING:  # what editors and type checkers see
+if TYPE_CHECKING:  # for editors and type checkers
     from regista.experiments.calls import compare as compare
     from regista.experiments.calls import evaluate as evaluate
     from regista.experiments.calls import inspect as inspect

@@ -1,7 +1,7 @@
-"""`import envs` in a checkout gives the modules of `regista.envs`, not a second copy of them under another name.
+"""`import envs` in a checkout returns the modules of `regista.envs`, not a second copy of them under another name.
 
-The root of a checkout is often on `sys.path`, and with it the folders that `regista.kernels`, `regista.envs`,
-`regista.minigames` and `regista.experiments` are links to. Each calls `lead_inside` when it is imported under its bare
+The root of a checkout is often on `sys.path`, and with it the folders to which `regista.kernels`, `regista.envs`,
+`regista.minigames` and `regista.experiments` link. Each folder calls `lead_inside` when it is imported under its bare
 name.
 """
 
@@ -15,7 +15,7 @@ from typing import Any
 
 
 class _Inside(MetaPathFinder, Loader):
-    """Find `envs.x` as `regista.envs.x`, as long as `envs` is Regista's own."""
+    """Find `envs.x` as `regista.envs.x` if `envs` is the package of Regista."""
 
     def find_spec(self, fullname: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
         top = fullname.partition(".")[0]
@@ -30,13 +30,13 @@ class _Inside(MetaPathFinder, Loader):
         sys.modules[module.__name__] = import_module(f"regista.{module.__name__}")
 
     def get_code(self, fullname: str) -> Any:
-        """Return the code of a module, which `python -m` asks for."""
+        """Return the code of a module for `python -m`."""
         spec: Any = find_spec(f"regista.{fullname}")
         return spec.loader.get_code(spec.name)
 
 
 def lead_inside(name: str) -> None:
-    """Let `name`, one of the four folders, be the package `regista.name`, and so everything below it."""
+    """Make `name`, one of the four folders, and its modules aliases of the package `regista.name`."""
     if not any(isinstance(finder, _Inside) for finder in sys.meta_path):
         sys.meta_path.insert(0, _Inside())
     sys.modules[name] = import_module(f"regista.{name}")

@@ -77,7 +77,7 @@ def test_another_package_of_the_same_name_is_refused(unpacked, tmp_path, name, f
     done = run([sys.executable, "-c", code], tmp_path, PYTHONPATH=f"{tmp_path}:{unpacked}")
     assert done.stdout == (
         f"Regista needs its own package '{name}', at {unpacked / name}, but Python finds {other} first. "
-        f"Rename that, or put its folder later on sys.path. False\n"
+        f"Rename that file, or put its folder later on sys.path. False\n"
     ), done.stderr
 
 

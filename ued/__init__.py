@@ -1,10 +1,10 @@
-"""Unsupervised environment design: the seam between environments and methods, and the methods.
+"""Unsupervised environment design: the interface between environments and methods, and the methods.
 
     from ued import DR, GymUPOMDP, Paired, PPOConfig, evaluate
 
 Names are loaded when first used, so that `import ued` stays quick and environments need no torch; editors and type
 checkers read them in `__init__.pyi`.
-Read next: `core.upomdp`, the seam; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
+Read next: `core.upomdp`, the interface; then `learning.rollout`, `learning.worker`, `learning.ppo` and `methods.dr`.
 """
 
 import os
@@ -12,8 +12,8 @@ import sys
 from importlib import import_module
 from typing import Any
 
-# Torch and Numba bring an OpenMP pool each, whose threads wait by spinning and take the cores from each other's work,
-# ten times slower. It must be said before torch starts its own: import it after this, or set the variable yourself.
+# Torch and Numba each have an OpenMP pool, whose threads wait by spinning. They then compete for the cores, which is
+# ten times slower. The variable must be set before torch starts its pool: import torch after this, or set it yourself.
 if "torch" not in sys.modules:
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 

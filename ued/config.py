@@ -1,7 +1,7 @@
 """Hyperparameters: frozen dataclasses whose fields carry their own help text.
 
-`settings` says how fields are declared; what others need of it is importable from here. Read next: `learning.ppo` and
-`methods.dr`, which are configured by them.
+`settings` defines how fields are declared; this module re-exports its public names. Read next: `learning.ppo` and
+`methods.dr`, which use these settings.
 """
 
 from __future__ import annotations
@@ -191,7 +191,7 @@ class PairedConfig(TeacherConfig):
 
 @dataclass(frozen=True)
 class PairedLiteralConfig(TeacherConfig):
-    """Settings of literal PAIRED, as usually published: no random levels, entropy bonus or negative regret."""
+    """Settings of literal PAIRED, as usually published: no random levels, no entropy bonus, no negative regret."""
 
     adversary: AdversaryConfig = field(
         default_factory=lambda: AdversaryConfig(learning_rate=3e-3, ent_coef=0.0, update_epochs=5, context_size=16),
@@ -269,7 +269,7 @@ class ACCELConfig(PLRConfig):
     edit_size: float = setting(0.2, "maximum change by an edit, on the scale [-1, 1] of theta", ">0", most=2)
     parents: Literal["all", "easy"] = setting("all", "replayed levels to edit: all, or the easier half")
     new_levels: Literal["random", "simplest"] = setting(
-        "random", "levels that no edit made: random, or the simplest of a level family, such as empty mazes"
+        "random", "new levels (not edited): random, or the simplest of a level family, such as empty mazes"
     )
 
 
@@ -277,11 +277,11 @@ class ACCELConfig(PLRConfig):
 class CoverageConfig(Checked):
     """Settings of the mixture of Gaussians over past state-action pairs."""
 
-    window: int = setting(2048, "state-action pairs that the mixture is fitted to, the latest", most=16_384, least=16)
+    window: int = setting(2048, "number of latest state-action pairs to fit the mixture to", most=16_384, least=16)
     pairs_per_update: int = setting(64, "pairs that enter the window per update", ">=1", most=16_384)
     fit_every: int = setting(16, "updates between two fits; fewer at first", ">=1", most=10**9)
     max_components: int = setting(
-        8, "maximum number of Gaussians; the silhouette selects a power of two", most=64, least=2
+        8, "maximum number of Gaussians; the silhouette score selects a power of two", most=64, least=2
     )
 
 
@@ -344,13 +344,13 @@ class NCCConfig(Checked):
         0.25, "share of random levels that are only evaluated, as candidates for the buffer", "0-1"
     )
     rescore_share: float = setting(
-        0.25, "share of levels of the buffer that are only evaluated, those first whose scores are oldest", "0-1"
+        0.25, "share of buffer levels that are only evaluated, starting with the oldest scores", "0-1"
     )
     learning_rate: float = setting(
         28.0, "step size of the ascent of the level distribution, relative to 1 / capacity", ">0", most=1e6
     )
     ent_coef: float = setting(0.032, "weight of the entropy of the level distribution (in nats)", ">=0", most=1e6)
-    floor: float = setting(0.04, "share of the probability that all levels of the buffer have in equal parts", "0-1")
+    floor: float = setting(0.04, "share of the probability that is uniform over the levels of the buffer", "0-1")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -364,7 +364,7 @@ class NCCConfig(Checked):
 class ALPGMMConfig(Checked):
     """Settings of ALP-GMM."""
 
-    fit_every: int = setting(250, "refit after this many episodes, on as many of the latest", most=1_000_000, least=2)
+    fit_every: int = setting(250, "refit every N episodes, on the latest N episodes", most=1_000_000, least=2)
     random_share: float = setting(0.2, "share of random levels", "0-1")
     max_components: int = setting(
         10, "maximum number of Gaussians; Akaike's criterion selects how many", ">=1", most=1_000

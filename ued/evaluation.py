@@ -69,7 +69,7 @@ class Schedule:
     Attributes:
         levels: `[L]` records of the levels.
         index: `[E]` which of them each episode plays.
-        visits: `[E]` at which visit of the level, which fixes the episode's luck.
+        visits: `[E]` the number of the visit of its level, which determines the episode's luck.
     """
 
     def __init__(self, upomdp: UPOMDP, episodes: int, seed: int, levels: np.ndarray | None = None) -> None:
@@ -105,7 +105,7 @@ def _play(
     """
     episodes, num_envs = len(playlist), upomdp.num_envs
     returns, success, lengths = np.zeros(episodes), np.zeros(episodes), np.zeros(episodes, np.int64)
-    episode = np.arange(num_envs)  # [N] which one each environment plays; beyond the last: none of the list
+    episode = np.arange(num_envs)  # [N] the index of each environment's episode; E or more: not in the list
     next_episode = num_envs
     upomdp.idle[:] = episode >= episodes
     announced = _announce(upomdp, playlist, next_episode)

@@ -1,11 +1,11 @@
-"""The plan of a curriculum by hand, as text: lessons, each a region of levels and a criterion to move on.
+"""The plan of a manual curriculum, as text: lessons, each with a region of levels and a criterion to move on.
 
     "gravity=5..7, ground=grass|ice until success 0.8"
     "gravity=5..15 until return 0.5 or steps 20%"
     "all"
 
-A region gives parameters in their own units: a range, a value, or options. Parameters that it does not name have their
-whole range; `all` names none. Read next: `levels.regions`, from names to columns of θ; `methods.lessons`.
+A region restricts parameters, in their own units, to a range, a value, or options. Other parameters have their whole
+range; `all` restricts none. Read next: `levels.regions`, from names to columns of θ; `methods.lessons`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MIDDLE = "all=theta -0.25..0.25 until success 0.8"  # the first lesson unless a 
 
 
 class Criterion(NamedTuple):
-    """A reason to move on: the mean of a `measure` over the last episodes, or the length of a lesson, is at `least`.
+    """A criterion to move on: the mean of a `measure` over the last episodes, or a lesson's length, is at `least`.
 
     `measure` is "success" (a rate from 0 to 1), "return", "episodes", "steps", or "share" (of the steps of the run).
     """
@@ -34,7 +34,7 @@ class Criterion(NamedTuple):
 
 
 class Lesson(NamedTuple):
-    """A lesson: its text, names of parameters with the text of their values, and criteria, of which one suffices."""
+    """A lesson: its text, names of parameters with the text of their values, and alternative criteria."""
 
     text: str
     region: tuple[tuple[str, str], ...]
@@ -42,7 +42,7 @@ class Lesson(NamedTuple):
 
 
 def lesson_of(text: str) -> Lesson:
-    """Return the lesson of a text. Raises ValueError for a text that is none."""
+    """Parse a lesson. Raises ValueError for an invalid text."""
     region, *ends = re.split(r"\s+until\s+", text.strip())
     if len(ends) > 1:
         raise ValueError(f"the lesson {text!r} has more than one 'until'; join its criteria by 'or'")
@@ -67,7 +67,7 @@ def _criterion(text: str, part: str) -> Criterion:
         )
     measure, least = found[1].lower(), float(found[2].replace("_", "")) / (100 if found[3] else 1)
     if found[3] and measure not in ("success", "steps"):
-        raise ValueError(f"the lesson {text!r} counts {measure} in percent; only success and steps may be")
+        raise ValueError(f"the lesson {text!r} has {measure} in percent; only success and steps may be in percent")
     measure = "share" if found[3] and measure == "steps" else measure
     if (measure in ("success", "share") and not 0 < least <= 1) or (measure in COUNTS and least < 1):
         most = "above 0 and at most 1 (100%)" if measure in ("success", "share") else "at least 1"
@@ -77,23 +77,23 @@ def _criterion(text: str, part: str) -> Criterion:
 
 @dataclass(frozen=True)
 class LessonsConfig(Checked):
-    """Settings of a curriculum by hand."""
+    """Settings of a manual curriculum."""
 
     plan: tuple[str, ...] = setting(
         (MIDDLE, "all"),
-        'lessons in their order, each "NAME=VALUES, ... until CRITERION": ranges 5..7, values 5, options a|b, or '
+        'ordered lessons, each "NAME=VALUES, ... until CRITERION": ranges 5..7, values 5, options a|b, or '
         '"all"; criteria success 0.8, return 0.5, episodes 500 or steps 200_000',
         metavar="LESSON",
     )
     increments: int = setting(
         1,
-        "parts in which ranges move from a lesson to the next, each when the criterion holds; 1: at once; 100 with "
-        '"steps": a linear schedule',
+        "increments by which ranges move from a lesson to the next, one each time the criterion holds; 1: at once; 100 "
+        'with "steps": a linear schedule',
         ">=1",
         most=1_000_000,
     )
     window: int = setting(
-        100, "episodes over which success and return are averaged, and the fewest of a part", ">=1", most=1_000_000
+        100, "episodes to average success and return over; minimum episodes per increment", ">=1", most=1_000_000
     )
 
     def __post_init__(self) -> None:
@@ -113,5 +113,5 @@ class LessonsConfig(Checked):
             if not lesson.until:
                 raise ValueError(f"the lesson {lesson.text!r} never ends; all but the last need 'until CRITERION'")
         if plan[-1].until:
-            raise ValueError(f"the last lesson, {plan[-1].text!r}, goes on to the end of the run; remove its 'until'")
+            raise ValueError(f"the last lesson, {plan[-1].text!r}, lasts until the end of the run; remove its 'until'")
         return plan

@@ -1,10 +1,10 @@
-"""Environments with known answers, on which methods can be compared in minutes.
+"""Environments with known optimal curricula, on which methods can be compared in minutes.
 
     regista compare ued.probes:frontier --methods dr plr accel paired --seeds 10
 
-`Frontier` is made so that domain randomization wastes most of its steps: the levels that can be learned next are a thin
-shell, which moves outward as the student learns. The success rate on the test "every length" is the share of the turns
-that the student knows. Read next: `core.task`; `methods`, the methods.
+In `Frontier`, domain randomization wastes most of its steps: the levels that can be learned next are a thin shell,
+which moves outward as the student learns. The success rate on the test "every length" is the share of turns that the
+student has learned. Read next: `core.task`; `methods`, the methods.
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ ACTIONS = 4
 
 
 class Frontier(UPOMDP):
-    """Walks along a path of hidden turns; θ says how long the path is.
+    """A path of hidden turns; θ determines its length.
 
-    At each place k of the path one of four actions is right, the same one on every level. A path of length L pays 1 at
-    its end if all L actions were right, else 0; after a wrong one the walker is lost and has to walk on to the end.
-    A student that knows the first K turns solves every path of length up to K, and a path of length K + 1 once in four
-    times: that is the frontier. Much longer paths teach nothing, shorter ones nothing new.
+    At each place k of the path one of four actions is correct, the same one on every level. A path of length L has the
+    reward 1 at its end if all L actions were correct, else 0; after a wrong action the episode continues to the end.
+    A student that has learned the first K turns solves every path of length up to K, and a path of length K + 1 with
+    probability 1/4: that is the frontier. Much longer paths give no reward; shorter ones are already solved.
 
     The length grows with the largest of the first D - 1 columns of θ, so that a share of (K / longest)^(D - 1) of all
-    levels is no longer than K: short paths are rare. Where the last column exceeds `blocked_above`, the path is
-    blocked, and the reward is always 0; a minimax adversary converges to such levels.
+    levels is no longer than K: short paths are rare. If the last column exceeds `blocked_above`, the path is blocked,
+    and the reward is always 0; a minimax adversary converges to such levels.
 
-    Observation `[longest + 2]`: one-hot of the place, whether lost, and L / longest. Answers: a student of K turns has
-    a success rate of `min(K, L) >= L` on open levels, so the mean over lengths of `test_levels` is K / longest.
+    Observation `[longest + 2]`: one-hot of the place, whether an action was wrong, and L / longest. A student that has
+    learned K turns solves the open levels with L <= K, so its success rate on `test_levels` is K / longest.
 
     Args:
         num_envs: N.
-        longest: of the paths.
+        longest: maximum length of a path.
         dim: D.
-        blocked_above: last column of θ beyond which a path is blocked; 1: none is.
+        blocked_above: paths are blocked if the last column of θ exceeds it; 1: none is.
         turns: seed of the hidden turns.
     """
 
@@ -62,7 +62,7 @@ class Frontier(UPOMDP):
         super().__init__(num_envs, Box(0.0, 1.0, (longest + 2,), np.float32), Discrete(ACTIONS), draws)
         self.place = np.zeros(num_envs, np.int64)
         self.lost = np.zeros(num_envs, bool)
-        self.knowing = False  # whether all turns are known, whatever the actions
+        self.knowing = False  # whether it plays the correct actions instead of those passed to it
 
     def length(self, theta: np.ndarray) -> np.ndarray:
         """Return the length `[n]` of the paths of levels θ `[n, D]`: 1 .. longest."""
@@ -101,7 +101,7 @@ class Frontier(UPOMDP):
         return self._observe(), reward, ended, np.zeros_like(ended), {}
 
     def with_scripted_policy(self) -> Frontier:
-        """Return a copy that knows all turns: the scripted antagonist."""
+        """Return a copy that plays the correct actions: the scripted antagonist."""
         twin = self.copy()
         twin.knowing = True
         return twin
@@ -112,7 +112,7 @@ class Frontier(UPOMDP):
     def set_state(self, state: dict[str, Any]) -> np.ndarray:
         place = np.asarray(state["place"]) if isinstance(state, dict) and "place" in state else self.place
         if not (place.shape == (self.num_envs,) and ((place >= 0) & (place <= self.longest)).all()):
-            raise ValueError(f"place must be {self.num_envs} steps on paths of {self.longest}, got {place}")
+            raise ValueError(f"place must be {self.num_envs} integers from 0 to {self.longest}, got {place}")
         self.set_level_state(state, "place", "lost")
         self.place[:], self.lost[:] = place, state["lost"]
         return self._observe()
@@ -122,7 +122,7 @@ class Frontier(UPOMDP):
 
 
 LONGEST = 15  # path of the task `frontier`
-# Short episodes, small networks and buffers. PAIRED trains on no random levels here: they teach nothing.
+# Short episodes, small networks and buffers. PAIRED trains on no random levels, since they give no reward.
 DEFAULTS = {
     "total_env_steps": 200_000,
     "num_envs": 32,

@@ -1,4 +1,4 @@
-"""How a setting is declared and checked: a dataclass field with a default, one line of help, a rule and bounds.
+"""Declaration and checks of settings: a dataclass field with a default, one line of help, a rule and bounds.
 
 The command line is derived from such fields (`regista.experiments.run.arguments`). No torch is needed here, so
 `--help` is quick. Read next: `config`, the settings of methods.
@@ -30,11 +30,11 @@ RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 LARGEST_SEED = 2**32 - 1
 Check = tuple[str, Mapping[str, Any], bool, tuple[Any, ...] | None]
-Bound = float | Callable[[], float]  # a number, or what computes it on this machine
+Bound = float | Callable[[], float]  # a number, or a function that computes it on this machine
 
 
 def most_threads() -> int:
-    """Return how many threads, or processes that hold a game engine, a command may have on this machine."""
+    """Return the maximum number of threads, or of game engine processes, of a command on this machine."""
     return 4 * (os.cpu_count() or 1)
 
 
@@ -48,19 +48,19 @@ def setting(
 ) -> Any:
     """Return a dataclass field: its default, one line of help, as the command line shows it, and a rule of `RULES`.
 
-    A number has a maximum, `most`, and where no rule gives its minimum, `least`. `metavar` stands for the value in the
-    help.
+    A number has a maximum, `most`, and a minimum, `least`, if no rule gives it. `metavar` is the placeholder of the
+    value in the help.
     """
     about = {"help": help, "rule": rule, "most": most, "least": least, "metavar": metavar}
     return field(default=default, metadata=about)
 
 
 def named(default: str, help: str, names: tuple[str, ...], kind: str) -> Any:
-    """Return the field of a setting that is one of our names, or the name of a function or class of the user.
+    """Return the field of a setting that is a built-in name, or the name of a function or class of the user.
 
-    `kind` is what the user's is: "function" or "class". See `core.own_code`.
+    `kind` is the type of the user's object: "function" or "class". See `core.own_code`.
     """
-    about = {"help": f"{help}; or yours, module:{kind} or file.py:{kind}", "names": names, "kind": kind}
+    about = {"help": f"{help}; or your own, module:{kind} or file.py:{kind}", "names": names, "kind": kind}
     return field(default=default, metadata=about)
 
 
@@ -72,7 +72,7 @@ def own_names(config: Any) -> list[str]:
 
 
 def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
-    """Return the least and the largest number that a field of this metadata allows; infinite where there is none."""
+    """Return the smallest and the largest number that a field of this metadata allows; infinite without a bound."""
     rule, least, most = about.get("rule", ""), about.get("least"), about.get("most")
     if rule == "0-1":
         return 0, 1
@@ -82,11 +82,11 @@ def bounds_of(about: Mapping[str, Any]) -> tuple[float, float]:
 
 
 def complaint(about: Mapping[str, Any], value: Any) -> str | None:
-    """Return what is wrong with a value for a field of this metadata, None if nothing is."""
+    """Return the error of a value for a field of this metadata; None if it is valid."""
     names = about.get("names", ())
     if names and value not in names and not is_name(str(value)):
         kind = about["kind"]
-        return f"must be {' or '.join(names)}, or yours as module:{kind} or file.py:{kind}, got {value!r}"
+        return f"must be {' or '.join(names)}, or your own, module:{kind} or file.py:{kind}, got {value!r}"
     holds, words = RULES[about.get("rule", "")]
     if not holds(value):
         return f"{words}, got {value!r}"
@@ -96,13 +96,13 @@ def complaint(about: Mapping[str, Any], value: Any) -> str | None:
             if not least <= number:
                 return f"must be at least {spelled(least)}, got {number!r}"
             if not number <= most:
-                here = " on this machine" if callable(about.get("most")) else ""
-                return f"must be at most {spelled(most)}{here}, got {number!r}"
+                scope = " on this machine" if callable(about.get("most")) else ""
+                return f"must be at most {spelled(most)}{scope}, got {number!r}"
     return None
 
 
 def spelled(number: float) -> str:
-    """Return a bound as it is typed: 1_000_000, 0.5, 1e+12."""
+    """Return a bound as users type it: 1_000_000, 0.5, 1e+12."""
     return f"{number:_}" if isinstance(number, int) else f"{number:g}"
 
 
@@ -116,7 +116,7 @@ def hints_of(kind: Any) -> dict[str, Any]:
 def _checks_of(kind: Any) -> list[Check]:
     """Return name, metadata, whether None is allowed, and the values of a `Literal` of each field of a class.
 
-    Cached: a command makes hundreds of settings to state the defaults of games and presets in its help.
+    Cached: a command creates hundreds of settings to show the defaults of games and presets in its help.
     """
     hints = hints_of(kind)
     checks: list[Check] = []
@@ -128,9 +128,9 @@ def _checks_of(kind: Any) -> list[Check]:
 
 
 class Checked:
-    """Settings that obey the rules and bounds of their fields, and are values that a `Literal` annotation allows.
+    """Settings that are checked against the rules, bounds and `Literal` annotations of their fields.
 
-    Raises `ValueError` for the first one that does not.
+    Raises `ValueError` for the first invalid setting.
     """
 
     def __post_init__(self) -> None:
@@ -145,5 +145,5 @@ class Checked:
                 wrong = complaint(about, value)
             if wrong:
                 raise ValueError(f"{name} {wrong}")
-            if about.get("names"):  # a file is found from every working directory
+            if about.get("names"):  # makes the path of a file absolute
                 object.__setattr__(self, name, value if value in about["names"] else canonical(value))

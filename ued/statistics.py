@@ -1,11 +1,10 @@
-"""What a comparison of methods may claim: intervals that resample whole runs, and intervals for one run's episodes.
+"""Statistics of comparisons: confidence intervals that resample whole runs, and intervals for one run's episodes.
 
-Fewer than `LEAST` values have no interval, their ends are nan: two numbers show their own range, not what the next one
-will be.
+Fewer than `LEAST` values have no interval, and its ends are nan: they are too few to estimate the variance.
 
 In curriculum learning one trained student is evaluated on all test levels, so the levels of a run are not independent:
-resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. Here a run is
-resampled with all its levels. Read next: the tables in `regista.experiments.run.results`.
+resampling them one by one (the stratified bootstrap of rliable) gives intervals that are too narrow. The bootstrap of
+this module resamples a run with all its levels. Read next: the tables in `regista.experiments.run.results`.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ POWER_Z = 0.841621  # normal quantile of a power of 80%
 
 
 class Interval(NamedTuple):
-    """An estimate and its confidence interval; low and high are nan where there is none."""
+    """An estimate and its confidence interval; low and high are nan without an interval."""
 
     estimate: float
     low: float
@@ -31,12 +30,12 @@ class Interval(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """Whether there is an interval, not an estimate alone."""
+        """Whether there is an interval, not only an estimate."""
         return self.low == self.low and self.high == self.high
 
 
 class Difference(NamedTuple):
-    """A difference with its confidence interval and two-sided p-value of no difference; nan where there is none."""
+    """A difference with its confidence interval and two-sided p-value of no difference; nan if not available."""
 
     estimate: float
     low: float
@@ -45,7 +44,7 @@ class Difference(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """Whether there is an interval, not an estimate alone."""
+        """Whether there is an interval, not only an estimate."""
         return self.low == self.low and self.high == self.high
 
     @property
@@ -55,7 +54,7 @@ class Difference(NamedTuple):
 
 
 def iqm(values: np.ndarray) -> float:
-    """Return the interquartile mean: that of the middle half (Agarwal et al. 2021), fractions of a value included."""
+    """Return the interquartile mean: the mean of the middle half (Agarwal et al. 2021), with fractional weights."""
     ordered = np.sort(np.asarray(values, float), axis=None)
     if not len(ordered):
         raise ValueError("the interquartile mean of no values is undefined")
@@ -72,9 +71,9 @@ def mean(values: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """A statistic of some runs and values `[S]` that it might as well have had: nan where the runs are too few.
+    """A statistic of runs and its bootstrap draws `[S]`, nan for fewer than `LEAST` runs.
 
-    The difference of two is that of independent sets of runs.
+    The difference of two treats their sets of runs as independent.
     """
 
     estimate: float
@@ -93,11 +92,11 @@ class Bootstrap:
 
         The p-value inverts the interval: it is the smallest level at which the percentile interval excludes 0 (Efron
         and Tibshirani 1993, section 15.4). One draw is added to the count, so that it is never 0 (Davison and Hinkley
-        1997, equation 4.11). Of 4,000 draws the smallest is 0.0005, for any number of runs from `LEAST` on. A
-        permutation test of whole runs, 2 / C(2n, n) at least for n runs of each method, cannot go below 0.0079 with
-        five runs, where nothing would survive `holm` over seven differences, and below 1.1e-5 with ten. Its null
-        hypothesis is also another one: equal distributions, not equal means. The price of the bootstrap: p-values near
-        its smallest rest on the tails of Student's t (see `bootstrap`), not on what five runs can show by themselves.
+        1997, equation 4.11). With 4,000 draws the smallest is 0.0005, for any number of runs from `LEAST` on. A
+        permutation test of whole runs has p >= 2 / C(2n, n) for n runs of each method: 0.0079 with five runs, which is
+        never significant by `holm` over seven differences, and 1.1e-5 with ten. Its null hypothesis is equal
+        distributions, not equal means. A limit of the bootstrap: its smallest p-values depend on the tails of Student's
+        t (see `bootstrap`), not only on the data of five runs.
         """
         less = min(float((self.draws <= 0).sum()), float((self.draws >= 0).sum()))
         p = min(1.0, 2 * (less + 1) / (len(self.draws) + 1)) if np.isfinite(self.draws).all() else np.nan
@@ -111,13 +110,13 @@ def bootstrap(
     errors: np.ndarray | None = None,
     samples: int = SAMPLES,
 ) -> Bootstrap:
-    """Resample whole runs: give a statistic of R runs `[R, ...]` and what it might have been.
+    """Resample whole runs; return a statistic of R runs `[R, ...]` and its bootstrap draws.
 
-    Few runs vary less among themselves than runs do: the bootstrap's 95% interval of two covers the truth half of the
-    time. So its deviations are widened as Student's t widens the normal's, by the root of R / chi-squared(R - 1).
-    `errors` `[R, ...]` are the standard errors of a run's own values, whose noise is resampled: without them, runs that
-    agree by chance would look certain. Fewer than `LEAST` runs say too little of the next; see `wilson` and `student_t`
-    for what the episodes of a single run say. Raises `ValueError` for no run.
+    A sample of few runs underestimates their variance: with two runs, the plain bootstrap's 95% interval has a coverage
+    of 50%. So deviations are widened as Student's t widens the normal's, by the root of R / chi-squared(R - 1).
+    `errors` `[R, ...]` are the standard errors of each run's values, whose noise is resampled: without them, runs that
+    agree by chance would have too narrow an interval. Fewer than `LEAST` runs have no interval; see `wilson` and
+    `student_t` for the episodes of a single run. Raises `ValueError` without a run.
     """
     runs = np.asarray(per_run, float)
     count = len(runs) if runs.ndim else 0
@@ -136,7 +135,7 @@ def bootstrap(
 
 
 def _of_each(statistic: Callable[[np.ndarray], float], samples: np.ndarray) -> np.ndarray:
-    """Return a statistic of each of the samples `[N, R, ...]`, as `[N]`; the mean, the usual one, of all at once."""
+    """Return a statistic of each of the samples `[N, R, ...]`, as `[N]`; the mean is vectorized."""
     if statistic is mean:
         return samples.reshape(len(samples), -1).mean(1)
     return np.array([statistic(sample) for sample in samples])
@@ -145,8 +144,8 @@ def _of_each(statistic: Callable[[np.ndarray], float], samples: np.ndarray) -> n
 def holm(p_values: Sequence[float]) -> list[float]:
     """Return adjusted p-values of a family of tests (Holm 1979): one that is at most 5% is significant.
 
-    The chance that any true null hypothesis is rejected is then at most 5%, however the tests depend on each other:
-    they share the runs of a reference. nan is no test, stays, and does not count.
+    The probability of rejecting any true null hypothesis is then at most 5% under any dependence of the tests, which
+    share the runs of a reference. A nan is not a test: it is returned as it is and not counted.
     """
     p = np.asarray(p_values, float)
     adjusted, most = np.full(len(p), np.nan), 0.0
@@ -158,18 +157,18 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 
 def detectable(groups: Sequence[np.ndarray], errors: Sequence[np.ndarray] | None = None) -> float:
-    """Return the smallest true difference of two methods that so many runs detect: power 80%, level 5%.
+    """Return the smallest true difference of two methods that these numbers of runs detect: power 80%, level 5%.
 
     It is the sum of two quantiles of Student's t times the standard error of a difference of two means (Bloom 1995).
     The first, 97.5%, has the degrees of freedom of one method's runs, since the bootstrap above widens the deviations
     of each method by itself; the second, 80%, those of the variance, which is pooled over all groups. The two smallest
-    groups are compared. So it is the power of the intervals here: normal runs that differ by this size had an interval
-    without 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with a pooled variance
-    would detect slightly smaller differences. A correction for several differences takes larger ones.
+    groups are compared. So it is the power of this module's intervals. For normal runs that differ by this size, the
+    interval excluded 0 in 79%, 81%, 79% and 80% of 1,500 cases each, for 5, 7, 10 and 20 runs. A t test with a pooled
+    variance would detect slightly smaller differences. A correction for several differences requires larger ones.
 
     Args:
         groups: values `[R]` of each method's runs; those of fewer than three runs do not count.
-        errors: their standard errors `[R]`; runs that agree by chance vary at least so much.
+        errors: their standard errors `[R]`, a lower bound on the deviation of runs.
 
     Returns nan for fewer than two groups of at least three runs.
     """
@@ -188,7 +187,7 @@ def detectable(groups: Sequence[np.ndarray], errors: Sequence[np.ndarray] | None
 def wilson(successes: int, trials: int, z: float = Z) -> Interval:
     """Return a success rate with Wilson's score interval (1927); `z` is the normal quantile, 1.96 for 95%.
 
-    It covers the chance in one student's episodes, not the chance in training: for that, use several runs. Fewer than
+    It covers the randomness of one student's episodes, not that of training, which needs several runs. Fewer than
     `LEAST` trials have no interval.
     Raises `ValueError` unless 0 <= successes <= trials and trials >= 1.
     """
@@ -216,8 +215,8 @@ def student_t(estimate: float, error: float, count: int) -> Interval:
 def t_quantile(z: float, degrees: int) -> float:
     """Return the quantile of Student's t at the probability of the normal quantile `z`.
 
-    It is expanded in the degrees of freedom (Abramowitz and Stegun 1964, 26.7.5): right to 0.001 from four degrees on,
-    to 1% from two on, for probabilities up to 97.5%.
+    It is expanded in the degrees of freedom (Abramowitz and Stegun 1964, 26.7.5). The error is below 0.001 from four
+    degrees on, and below 1% from two on, for probabilities up to 97.5%.
     """
     value = z + (z**3 + z) / (4 * degrees)
     value += (5 * z**5 + 16 * z**3 + 3 * z) / (96 * degrees**2)
@@ -226,7 +225,7 @@ def t_quantile(z: float, degrees: int) -> float:
 
 
 def of_episodes(returns: np.ndarray) -> Interval:
-    """Return the mean return of one student's episodes `[E]` with its interval: Wilson's of returns 0 and 1, else t."""
+    """Return the mean return of one student's episodes `[E]` with its interval: Wilson's for 0 and 1, else t."""
     values = np.asarray(returns, float)
     if np.isin(values, (0.0, 1.0)).all():
         return wilson(int(values.sum()), len(values))
@@ -237,9 +236,9 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = Z)
     """Return the probability that a run of one method scores above a run of another, ties counting half.
 
     `one` `[R]` and `other` `[Q]` are scores of runs (Agarwal et al. 2021, section 4.3; Mann and Whitney 1947). The
-    interval is Newcombe's (2006, method 5): all probabilities under which the observed one lies within `z` standard
-    errors. Unlike a bootstrap's it stays open where every run of one method beats every run of the other. Fewer than
-    `LEAST` runs of either have none.
+    interval is Newcombe's (2006, method 5): all probabilities for which the observed one lies within `z` standard
+    errors. Unlike a bootstrap interval, it keeps a width above 0 if every run of one method beats every run of the
+    other. Fewer than `LEAST` runs of either method have no interval.
     """
     gap = np.asarray(one, float)[:, None] - np.asarray(other, float)[None, :]
     observed = float(np.mean((gap > 0) + 0.5 * (gap == 0)))
@@ -252,12 +251,11 @@ def probability_of_improvement(one: np.ndarray, other: np.ndarray, z: float = Z)
 
 
 def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> float:
-    """Return the conditional value at risk: the mean of the worst `share` of values, fractions of a value included.
+    """Return the conditional value at risk: the mean of the worst `share` of values, with fractional weights.
 
     For success rates on random levels it measures robustness (Rutherford et al. 2024). Ranking levels by the episodes
-    that give their rates confuses luck with difficulty: `by` are estimates from other episodes that rank the values;
-    ties count alike. Raises `ValueError` for no value, a share beyond
-    (0, 1] and another number of `by`.
+    that give their rates confuses luck with difficulty. So `by` ranks the values by estimates from other episodes; ties
+    have equal weights. Raises `ValueError` without values, for a share outside (0, 1], and for another number of `by`.
     """
     array = np.asarray(values, float).ravel()
     rank = array if by is None else np.asarray(by, float).ravel()
@@ -272,7 +270,7 @@ def cvar(values: np.ndarray, share: float, by: np.ndarray | None = None) -> floa
 
 
 def spearman(one: Sequence[float], other: Sequence[float]) -> float:
-    """Return Spearman's rank correlation of paired values, equal ones sharing their mean rank; nan where all are equal.
+    """Return Spearman's rank correlation of paired values; ties have their mean rank; nan if all values are equal.
 
     Raises `ValueError` for unlike numbers of values.
     """
@@ -284,15 +282,15 @@ def spearman(one: Sequence[float], other: Sequence[float]) -> float:
 
 
 def _ranks(values: np.ndarray) -> np.ndarray:
-    """Return how many values are below each, less how many are above."""
+    """Return the number of values below each value minus the number above."""
     return np.sign(values[:, None] - values[None, :]).sum(1)
 
 
 def stratified(per_run: np.ndarray, rng: np.random.Generator, samples: int = 2000) -> Interval:
-    """Return the IQM of scores `[R, tasks]` with rliable's interval, which resamples runs for each task apart.
+    """Return the IQM of scores `[R, tasks]` with rliable's interval, which resamples runs separately for each task.
 
-    It takes the tasks of a run for independent, so it is too narrow where one student is tested on all of them; it is
-    here for comparison with published tables (Agarwal et al. 2021, section 4.1). Fewer than `LEAST` runs have none.
+    It treats the tasks of a run as independent, so it is too narrow if one student is tested on all of them. Use it for
+    comparison with published tables (Agarwal et al. 2021, section 4.1). Fewer than `LEAST` runs have no interval.
     """
     runs = np.asarray(per_run, float)
     count, tasks = runs.shape

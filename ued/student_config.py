@@ -1,4 +1,4 @@
-"""Settings of students: PPO, cloning, and how a student that was trained before goes on. No torch is needed.
+"""Settings of students: PPO, behavior cloning and fine-tuning. No torch is needed.
 
 Read next: `config`, the settings of methods; `learning.ppo`.
 """
@@ -39,18 +39,20 @@ class PPOConfig(Checked):
     hidden_size: int = setting(128, "units in each hidden layer", ">=1", most=16_384)
     network: str = named(
         "auto",
-        "first layers: convolutions for images (auto), also for those that vectors declare, as mazes do (cnn), or none "
+        "first layers: convolutions for images (auto), also for images inside vectors, as in mazes (cnn), or none "
         "(mlp)",
         ("auto", "mlp", "cnn"),
         "class",
     )
     hidden_layers: int = setting(
-        2, "hidden layers of each torso; observations that are one image have a single one", ">=0", most=64
+        2, "hidden layers of each torso; 1 if the observation is a single image", ">=0", most=64
     )
     head_size: int = setting(0, "units of a hidden layer before the policy and the value; 0: none", ">=0", most=16_384)
     shared_torso: bool = setting(False, "share the hidden layers of actor and critic")
     memory: Literal["none", "gru"] = setting("none", "memory within an episode: none, or a GRU after the hidden layers")
-    bptt_steps: int = setting(0, "steps that gradients flow back; a divisor of num_steps, 0: all", ">=0", most=65_536)
+    bptt_steps: int = setting(
+        0, "steps of truncated backpropagation; a divisor of num_steps, 0: all", ">=0", most=65_536
+    )
     team: Literal["independent", "shared"] = setting(
         "independent", "policies of several agents: one each, or a shared one that observes the index of the agent"
     )
@@ -59,8 +61,8 @@ class PPOConfig(Checked):
     )
     obs_std_floor: float = setting(
         0.1,
-        "divide each observation by its standard deviation, but by at least this many of its units if the environment "
-        "specifies them",
+        "divide each observation by its standard deviation, but at least by this multiple of the scale that the "
+        "environment specifies",
         ">=0",
         most=1e6,
     )
@@ -102,7 +104,7 @@ class CloningConfig(Checked):
 
 @dataclass(frozen=True)
 class FineTuningConfig(Checked):
-    """Settings of a training run that starts from an already trained student."""
+    """Settings of a training run that starts from a trained student."""
 
     kl_to_clone: float = setting(
         0.0, "weight of the KL divergence from the initial policy, annealed to 0", ">=0", most=1e6

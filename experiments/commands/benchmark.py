@@ -49,7 +49,7 @@ def main(argv: Sequence[str]) -> int:
         print(json.dumps({"machine": about, "env_steps_per_second": speeds}, indent=2))
     else:
         print(", ".join(f"{name} {value}" for name, value in about.items()), end="\n\n")
-        print(align([["what", "env steps/s"], *([label, f"{speed:,.0f}"] for label, speed in speeds.items())]))
+        print(align([["measurement", "env steps/s"], *([label, f"{speed:,.0f}"] for label, speed in speeds.items())]))
     return 0
 
 

@@ -73,7 +73,7 @@ def main(argv: Sequence[str]) -> int:
     from regista.experiments.imitation.demonstrations import Demonstrations
 
     demos = Demonstrations.open(config.demonstrations)
-    versions.check_present(demos.simulator, f"{demos.path} was played on", "it cannot be cloned")
+    versions.check_present(demos.simulator, f"{demos.path} was recorded on", "it cannot be cloned")
     data = CloningData(demos, config.cloning.gamma, config.cloning.validation, config.seed)
     method, run, source = _begin(config, demos, data)
     with StopRequest() as stop:
@@ -110,14 +110,14 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     return method, run, game.source(training)
 
 
-def _open(path: Path, training: TrainConfig, asked: dict[str, Any]) -> RunFolder:
+def _open(path: Path, training: TrainConfig, settings: dict[str, Any]) -> RunFolder:
     """Create the run folder, or continue one that has the same settings."""
-    file, text = path / "clone.json", json.dumps(asked, indent=2) + "\n"
+    file, text = path / "clone.json", json.dumps(settings, indent=2) + "\n"
     if file.exists():
         if file.read_text(errors="replace") != text:
             raise CommandError(f"{path} holds a clone with other settings, see {file}; choose another --out")
         run = RunFolder.open(path)
-        versions.check_present(run.simulator, f"{path} was begun on", "it cannot be continued")
+        versions.check_present(run.simulator, f"{path} was started on", "it cannot be continued")
         return run
     run = RunFolder.create(path, training)
     try:

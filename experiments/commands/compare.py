@@ -92,7 +92,7 @@ def folder_of(config: CompareConfig, game: Game) -> Path:
 def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     """Train and evaluate all runs, and write tables and pictures; return the exit code.
 
-    `most` is the maximum number of processes that evaluate; None: as many as train.
+    `most` is the maximum number of processes for evaluation; None: as many as for training.
     """
     folder, seeds = folder_of(config, game), range(config.first_seed, config.first_seed + config.seeds)
     rows = rows_of(config.methods, config.variants, replace(config.train, minigame=game.name))
@@ -104,7 +104,7 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
     if not trained:
         return stop.exit_code
     print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
-    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has processes of its own
+    alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has its own processes
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
     parallel = min(parallel, most or parallel)
     report = Evaluator(scenes, config.levels, config.level_episodes, alike=True, processes=parallel).report(runs)

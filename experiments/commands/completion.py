@@ -4,7 +4,7 @@
     eval "$(regista completion zsh)"              # in ~/.zshrc, after compinit
     regista completion fish | source              # in ~/.config/fish/config.fish
 
-The script holds all words, so that a shell never waits for Python. Read next: `run.arguments`, the flags.
+The script contains all words, so that a shell never waits for Python. Read next: `run.arguments`, the flags.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class CompletionConfig(Checked):
 
 
 class Words(NamedTuple):
-    """What completes a command: its flags, and the values of those that have a list of them."""
+    """Completions of a command: its flags, and the values of flags with a fixed list."""
 
     flags: list[str]
     values: dict[str, list[str]]
@@ -104,7 +104,7 @@ def words_of_commands() -> dict[str, Words]:
 
 
 def bash(known: dict[str, Words], games: Sequence[str]) -> str:
-    """Return the script for bash, which zsh reads, too."""
+    """Return the script for bash, which zsh also reads."""
     values = [
         f'      "{name} {flag}") words="{" ".join(words)}" ;;'
         for name, entry in known.items()

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from regista.experiments.imitation.demonstrator import Choose
 
 DESCRIPTION = "Save episodes of a program or of a trained student as records and as a Minari dataset."
-RUN_SAYS = {"representation", "control", "right_control"}
+SET_BY_RUN = {"representation", "control", "right_control"}
 SIDE_BY_SIDE = {"smm": 64, "smm_stacked": 64}  # parallel episodes, by representation; 256 for small observations
 
 
@@ -47,7 +47,7 @@ class DemonstrateConfig(Checked):
     run: Path | None = setting(None, "let the student of this run act instead of the program")
     keep: Literal["successful", "all"] = setting("successful", "episodes to save: successful or all")
     success_above: float | None = setting(
-        None, "success threshold on the return (default: the game's own success criterion)", most=1e9, least=-1e9
+        None, "success threshold on the return (default: the success criterion of the game)", most=1e9, least=-1e9
     )
     max_played: int = setting(
         0, "give up after playing this many episodes; 0: 100 per requested episode", ">=0", most=10**9
@@ -62,15 +62,15 @@ class DemonstrateConfig(Checked):
 
 def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
-    said = arguments.typed_settings(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
-    typed = arguments.replace_paths(DemonstrateConfig(), said)
+    given = arguments.typed_settings(DemonstrateConfig(), argv, "demonstrate", DESCRIPTION)
+    typed = arguments.replace_paths(DemonstrateConfig(), given)
     if not typed.minigame and typed.run is None:
         raise UsageError("demonstrate needs a minigame's name, a .scenic file, or --run RUN")
-    for name in sorted(RUN_SAYS & said.keys()) if typed.run else ():
-        raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run acts as it was trained")
+    for name in sorted(SET_BY_RUN & given.keys()) if typed.run else ():
+        raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run has its training settings")
     check_installed()
-    config, program, student = _who_plays(typed)
-    # Made before the folder, so that an error leaves no folder
+    config, program, student = _policy_of(typed)
+    # before the folder, so that an error leaves no folder
     env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
     demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
@@ -83,7 +83,7 @@ def main(argv: Sequence[str]) -> int:
     return stop.exit_code
 
 
-def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
+def _policy_of(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
     """Return the settings of the folder, the program, and for a student a function that makes its policy by seed."""
     from regista.envs.football.config import FootballConfig
 
@@ -104,10 +104,10 @@ def _who_plays(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
         program = load_program((game.expert if alone else game.team_expert) or game.program, None)
         return DemonstrationsConfig(minigame=found.name, part=part, env=env, **chosen), program, None
     if typed.minigame:
-        raise UsageError(f"{typed.minigame} and --run exclude each other: a run acts in its own minigame")
+        raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
     run = RunFolder.open(typed.run)
     played = single_game(run.config.minigame)
-    env = replace(run.config.scored().env, pixels="dense")  # a student reads images, too
+    env = replace(run.config.scored().env, pixels="dense")  # students also accept images
     part = SIDE_BY_SIDE.get(env.representation, 256)
     program = played.program(run.config)
     config = DemonstrationsConfig(
@@ -132,7 +132,7 @@ def _fill(
     typed: DemonstrateConfig,
     stop: StopRequest,
 ) -> None:
-    """Play parts until enough episodes are saved, and print a summary."""
+    """Play parts until the requested episodes are saved, and print a summary."""
     from regista.experiments.imitation.demonstrator import parts
 
     config, most = demos.config, typed.max_played or 100 * typed.episodes

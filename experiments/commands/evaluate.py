@@ -144,7 +144,7 @@ def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
     if not run.levels.path.exists():
         raise CommandError(f"{run.path} has no table of levels: no update has finished yet")
     path, game = run.path / "gallery.html", build.find_game(run.config.minigame)
-    with read_from(f"the tables of {run.path} are of other environments than it has now, or"):
+    with read_from(f"the tables of {run.path} belong to other environments, or"):
         made = make_page(run, game, path, config.gallery_levels, config.gallery_replays)
     print(f"{path}: {made.levels} of {made.played} levels, {made.replays} with replays")
     if made.otherwise:
@@ -152,7 +152,7 @@ def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
 
 
 def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:
-    """Return the evaluator for the scenes of a run's settings; by default GRF plays fewer episodes."""
+    """Return the evaluator for the scenes of a run's settings; in GRF the default is fewer episodes."""
     real = first.engine == "grf"
     minutes = GRF_MINUTES if real and config.episodes is None and config.minutes is None else config.minutes
     episodes = (config.episodes or EPISODES) if minutes is None else ROUND

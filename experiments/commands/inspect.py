@@ -3,11 +3,11 @@
     regista inspect 1v1Free
     regista inspect mine.scenic --show nodes
     regista inspect 1v1Free --png scenes.png --n 12 --seed 3
-    regista inspect mine.scenic --engine scenic3            # as Scenic 3 reads it
+    regista inspect mine.scenic --engine scenic3            # interpreted by Scenic 3
     regista inspect mine.scenic --rrd scenes.rrd
     regista inspect --adversary runs/paired                 # proposals of a run's adversary, by parameter
 
-Read next: `scenic_lite.scene.program`, the program; `pictures.scene_view`, how scenes are drawn.
+Read next: `scenic_lite.scene.program`, the program; `pictures.scene_view`, which draws scenes.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def main(argv: Sequence[str]) -> int:
     if isinstance(game, PythonTask):
         return inspect_task(game, config)
     if config.dialect not in (None, 2, 3):
-        raise UsageError(f"--dialect is 2 or 3, not {config.dialect}")
+        raise UsageError(f"--dialect must be 2 or 3, got {config.dialect}")
     path = single_game(config.program).minigame.program
     if config.engine == "scenic3":
         return inspect_scenic3(path, config)
@@ -149,7 +149,7 @@ def inspect_task(game: PythonTask, config: InspectConfig) -> int:
 
 
 def inspect_scenic3(path: Path, config: InspectConfig) -> int:
-    """Show a program as Scenic itself reads it."""
+    """Show a program as interpreted by Scenic itself."""
     if config.show not in ("theta", "scenes") or config.png is not None or config.rrd is not None:
         raise UsageError("with --engine scenic3, inspect supports --show theta and scenes, without pictures")
     try:
@@ -200,11 +200,11 @@ def _draws_table(program: Program, theta: np.ndarray | None) -> str:
     rows = [["θ", "name", "kind", "from", "to", "line"]]
     values = None if theta is None else program.describe(theta[0])
     if values is not None:
-        rows[0] += ["θ value", "means"]
+        rows[0] += ["θ value", "value"]
     for column, draw in enumerate(program.draws):
         kind: Any = draw.kind
-        told = kind if isinstance(kind, str) else type(kind).__name__.lower()
-        row = [str(column), draw.name, told, _number(draw.low), _number(draw.high), _line(program, draw.place)]
+        label = kind if isinstance(kind, str) else type(kind).__name__.lower()
+        row = [str(column), draw.name, label, _number(draw.low), _number(draw.high), _line(program, draw.place)]
         if theta is not None and values is not None:
             row += [f"{theta[0, column]:+.2f}", _number(values[draw.name])]
         rows.append(row)
@@ -262,7 +262,7 @@ def draw_scenes(program: Program, theta: np.ndarray, path: Path, football: bool)
     if football:
         try:
             return draw_matches(FootballPainter(Lineup(program)), theta, path)
-        except NotAMatchError:  # football without a ball, or with something else on the pitch
+        except NotAMatchError:  # football without a ball, or with other objects on the pitch
             pass
     view = view_of(program, probes(program, theta), football)
     draw_pictures(view, program.instantiate(theta), path)
@@ -285,14 +285,14 @@ def write_recording(program: Program, theta: np.ndarray, path: Path, football: b
 
 
 def probes(program: Program, theta: np.ndarray) -> np.ndarray:
-    """Return θ and additional random rows, from which the extent of the scene is estimated."""
+    """Return θ and additional random rows, to estimate the extent of the scene."""
     from regista.experiments.pictures.scene_view import PROBES
 
     return np.vstack([theta, np.random.default_rng(0).uniform(-1, 1, (PROBES, program.dim))])
 
 
 def card(program: Program, theta: np.ndarray, index: int) -> str:
-    """Return the meaning of one row of θ, in Markdown."""
+    """Return the values of one row of θ, in Markdown."""
     from regista.experiments.pictures.scene_recording import card_of
 
     values = program.describe(theta)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Show the minigames: players (left v right), number D of free parameters θ (training, test scenes), the players "
-    "that one agent and a team control, and the published goal differences of PPO. Below them, built-in tasks."
+    "that one agent and a team control, and the published goal differences of PPO. Then show the built-in tasks."
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
@@ -57,7 +57,7 @@ AGENTS = {
 class ListConfig(Checked):
     """Arguments of `regista list`."""
 
-    words: tuple[str, ...] = positional("minigames or tasks to show: a name, or part of some", default=())
+    words: tuple[str, ...] = positional("minigames or tasks to show: names, or parts of names", default=())
     solved: bool = setting(False, "train a student on these games and report the share of random levels it solves")
     solving: SolvedConfig = group(
         SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
@@ -117,8 +117,8 @@ def line(game: Minigame) -> list[str]:
     players, dim = look(game)
     tests = dict.fromkeys(str(look(test)[1]) for test in game.test_games())
     teams = [find_published(game.name, "team_ppo", control=control) for control in game.team_control]
-    told = [find_published(game.name, "ppo", split) for split in ("train", "test")]
-    numbers = [*map(number, told), " ".join(filter(None, map(number, teams)))]
+    alone = [find_published(game.name, "ppo", split) for split in ("train", "test")]
+    numbers = [*map(number, alone), " ".join(filter(None, map(number, teams)))]
     return [
         game.name, players, str(dim), " ".join(tests), game.control, " ".join(game.team_control), *numbers,
         game.description,
@@ -126,7 +126,7 @@ def line(game: Minigame) -> list[str]:
 
 
 def table(rows: list[list[str]], width: int) -> str:
-    """Return the table of minigames; where it is wider than `width`, its most important columns."""
+    """Return the table of minigames; if it is wider than `width`, its most important columns."""
     whole = align(rows)
     if _width(whole) <= width:
         return whole
@@ -134,7 +134,7 @@ def table(rows: list[list[str]], width: int) -> str:
     taken = sum(max(len(row[column]) for row in rows) + 2 for column in chosen)
     room = max(width - taken, SHORTEST)
     lines = align([[*(row[column] for column in chosen), shortened(row[what], room)] for row in rows])
-    return f"{lines}\n\nregista list NAME shows all of one; a terminal of {_width(whole)} columns all of each"
+    return f"{lines}\n\nregista list NAME shows one in full; a terminal of {_width(whole)} columns shows all columns"
 
 
 def _width(text: str) -> int:
@@ -200,7 +200,7 @@ def wrapped(rows: list[list[str]]) -> str:
 
 
 def listed(rows: Mapping[str, Any], indent: int) -> str:
-    """Return names and their values, one each line; values wrap below themselves. Empty values are left out."""
+    """Return names and their values, one per line, with wrapped values indented. Empty values are omitted."""
     width = max(shutil.get_terminal_size().columns, indent + SHORTEST)
     margins: Any = {"subsequent_indent": " " * indent, "break_long_words": False, "break_on_hyphens": False}
     return "\n".join(
@@ -211,7 +211,7 @@ def listed(rows: Mapping[str, Any], indent: int) -> str:
 
 
 def task_card(name: str) -> str:
-    """Return the details of a built-in task: what it is, its levels, its tests."""
+    """Return the details of a built-in task: a description, its levels, its tests."""
     game = build.find_game(name)
     config = game.start("fast")
     task = game.task(config)
@@ -232,7 +232,7 @@ def task_card(name: str) -> str:
 
 
 def measured(game: Minigame) -> list[list[str]]:
-    """Return the table of published results of a minigame; the header alone if there are none."""
+    """Return the table of published results of a minigame; only the header if there are none."""
     from regista.minigames.published import published
 
     rows = [["published", "moves", "on", "goal difference", "runs", "episodes", "source"]]

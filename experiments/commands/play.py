@@ -9,7 +9,7 @@
     regista play --level runs/paired --id 1234                     # the level with this id in the run's levels.csv
     regista play --replay match.npz --video match.gif              # a recorded match, replayed exactly
 
-Read next: `run.players`, the players; `run.level_stage`, levels; `regista.envs.football.replay`, what a record is.
+Read next: `run.players`, the players; `run.level_stage`, levels; `regista.envs.football.replay`, the records.
 """
 
 from __future__ import annotations
@@ -56,22 +56,20 @@ class PlayConfig(Checked):
         "minigame, path of a .scenic program, or task (default: that of --player RUN)", default=""
     )
     player: str = setting(
-        "bot", "policy of the agents: a run folder, bot (tasks: random), random, idle; of a task also a baseline"
+        "bot", "policy of the agents: a run folder, bot (tasks: random), random, idle; for tasks also a baseline"
     )
     greedy: bool = setting(False, "the student of a run takes its most likely actions")
-    scene: str = setting(TRAINING_SCENE, "the test scene that is played")
+    scene: str = setting(TRAINING_SCENE, "test scene to play")
     episodes: int = setting(
-        1, "number of episodes, with seeds from --seed on; a video shows them all", ">=1", most=10_000
+        1, "number of episodes, with consecutive seeds from --seed; a video shows all", ">=1", most=10_000
     )
     control: str = setting(
         "active",
-        "left players of agents: active, closest1 to closest3, all, a number, ...; a run's are those it trained",
+        "left players of agents: active, closest1 to closest3, all, a number, ...; a run has its own",
     )
-    steps: int = setting(
-        600, "maximum number of steps of an episode, in football of 0.1 s; it may end earlier", ">=1", most=1_000_000
-    )
+    steps: int = setting(600, "maximum number of steps of an episode (0.1 s each in football)", ">=1", most=1_000_000)
     seed: int = setting(
-        0, "seed of the level and the episode; with --level, only of a player's actions", ">=0", most=LARGEST_SEED
+        0, "seed of the level and the episode; with --level, only of the actions", ">=0", most=LARGEST_SEED
     )
     level: Path | None = setting(None, "instead of a program: play a level of this run folder")
     id: int | None = setting(None, "id of that level: column id of the table of levels", least=0, most=LARGEST_SEED)
@@ -96,7 +94,7 @@ def main(argv: Sequence[str]) -> int:
     config = arguments.replace_paths(PlayConfig(), typed)
     if config.replay is not None:
         if typed.keys() - WITH_REPLAY:
-            raise UsageError("--replay repeats a recorded match: it takes --match, --video and --speed alone")
+            raise UsageError("--replay repeats a recorded match: it supports only --match, --video and --speed")
         return _replay(config)
     if not config.program and config.level is None:
         config = replace(config, program=_game_of_player(config.player))
@@ -139,7 +137,7 @@ def _play_program(config: PlayConfig, controlled: bool) -> int:
     """Play matches of a program on random levels; `controlled`: --control is given."""
     student = None if config.player in SCRIPTED else MatchStudent.open(config.player)
     if student and controlled:
-        raise UsageError("--control and --player RUN exclude each other: a student moves the players that it trained")
+        raise UsageError("--control and --player RUN exclude each other: a student keeps the control of its training")
     env = build.make_matches(_program(config, student), 1, _match_settings(config, student), config.seed)
     actor = student.actor(env, config.greedy) if student else scripted_player(config.player)
     return play_matches(config, env, actor, lambda episode: env.reset(seed=config.seed + episode))
@@ -148,7 +146,7 @@ def _play_program(config: PlayConfig, controlled: bool) -> int:
 def _program(config: PlayConfig, student: MatchStudent | None) -> Any:
     """Return the compiled program: that of the game or of one of its test scenes.
 
-    A run's own program is read with the settings of its training, unless others are given.
+    A run's own program is read with its training settings, unless others are given.
     """
     game = single_game(config.program)
     path, reading = _scene(game.minigame, config.scene), config.reading
@@ -219,7 +217,7 @@ def _stage(config: PlayConfig, student: MatchStudent | None) -> LevelStage:
         raise UsageError("tasks and levels of runs have their own settings: omit --control and those of programs")
     if config.level is None:
         if config.playing != usual.playing:
-            raise UsageError("--engine applies to football; a task brings its own environments")
+            raise UsageError("--engine applies to football; a task has its own environments")
         return LevelStage.of_task(build.find_game(config.program), config.scene, config.seed)
     assert config.id is not None
     if config.scene != usual.scene:

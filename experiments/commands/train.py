@@ -52,11 +52,11 @@ class TrainFlags:
         "run folder (default runs/MINIGAME-METHOD-SEED); with --seeds, their folder (default runs/MINIGAME-METHOD)",
     )
     resume: Path | None = setting(
-        None, "continue this run, or the runs in this folder; only their budget and bookkeeping may change"
+        None, "continue this run, or the runs in this folder; only their budget and logging may change"
     )
     seeds: int | None = setting(
         None,
-        "number of runs to train in parallel processes, with seeds from --seed on, in folders METHOD-SEED",
+        "number of runs to train in parallel processes, with consecutive seeds from --seed, in folders METHOD-SEED",
         ">=1",
         most=10_000,
     )
@@ -96,7 +96,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     """Train until the budget is spent or a stop is requested; return the env_steps done.
 
     `connect` is the address of a Rerun viewer that shows the recording live.
-    Until the first update begins there is nothing to save, and a signal ends the process at once.
+    Before the first update there is nothing to save, and a signal ends the process at once.
     """
     from regista.experiments.run.evaluator import EvalScenes
 
@@ -120,7 +120,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
                 metrics |= scenes.metrics(method.student)
             elapsed += (seconds := time.perf_counter() - began)
             reporters.report(method, metrics | {"time/elapsed": elapsed})
-            run.save_config()  # only after the first update is written: a run that fails earlier stays unchanged
+            run.save_config()  # after the first update is written, so that a run that fails earlier stays unchanged
             if run.checkpoint_due(seconds):
                 save(run, method, elapsed)
                 reporters.flush()
@@ -179,7 +179,7 @@ def restore(run: RunFolder, method: Any) -> float:
 
 
 def save(run: RunFolder, method: Any, elapsed: float) -> None:
-    """Write the checkpoint: all that `train` needs to continue as if it had never stopped.
+    """Write the checkpoint: the state from which `train` continues exactly.
 
     If the environments do not support saving their state, open episodes are restarted.
     """
@@ -238,7 +238,7 @@ def _begin(typed: dict[str, Any]) -> RunFolder:
 
 
 def _settings(typed: dict[str, Any]) -> tuple[TrainFlags, origin.Origin | None, str]:
-    """Return the settings of new runs, where their students come from or None, and the usual name of their folder."""
+    """Return the settings of new runs, the origin of their students or None, and the default name of their folder."""
     path = typed.get("from_")
     if path is not None and "seeds" in typed:  # a folder may hold a student for each seed; all have the same network
         path = origin.of_seed(path, int(typed.get("config.seed", 0)))
@@ -280,7 +280,7 @@ def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:
     for name in ("out", "preset", "from_", "config_", "fine_tuning.kl_to_clone", "fine_tuning.kl_share"):
         if name in typed:
             flag = arguments.flag_name(name.partition(".")[2] or name)
-            raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its origin")
+            raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its settings")
     if run.label == "clone":
         raise CommandError(f"{run.path} is a clone; start a new run from it: regista train --from {run.path}")
     flags = arguments.replace_paths(TrainFlags(config=run.config), typed)

@@ -1,1 +1,1 @@
-"""Demonstrations and behavior cloning: what `regista demonstrate` saves and `regista clone` learns from."""
+"""Demonstrations and behavior cloning: the data of `regista demonstrate`, from which `regista clone` learns."""

@@ -33,7 +33,7 @@ class CloningData:
         saved = sum(int(summary.kept.sum()) for summary in summaries)
         if saved < self.episodes:
             raise CommandError(
-                f"{demos.path} is incomplete: of its {self.episodes} episodes it holds {saved}; run the same regista "
+                f"{demos.path} is incomplete: it holds {saved} of its {self.episodes} episodes; run the same regista "
                 "demonstrate command to play the missing ones"
             )
         if self.episodes < 2:
@@ -99,8 +99,8 @@ class CloningData:
         if not columns[0]:
             nothing = torch.zeros(0)
             return Demonstrated(nothing, nothing.long(), nothing.bool(), nothing)
-        seen, actions, told, returns = (torch.from_numpy(np.concatenate(column)) for column in columns)
-        return Demonstrated(seen, actions.long(), told, returns.float())
+        seen, actions, mask, returns = (torch.from_numpy(np.concatenate(column)) for column in columns)
+        return Demonstrated(seen, actions.long(), mask, returns.float())
 
     def _steps(self, file: Any, episode: int) -> tuple[np.ndarray, ...]:
         """Return observations, actions, mask of known actions, and returns of an episode.
@@ -108,15 +108,15 @@ class CloningData:
         Raises `ValueError` for arrays of inconsistent shapes or invalid values.
         """
         group = file[f"episode_{episode}"]
-        actions, told, rewards = (group[name][()] for name in ("actions", "infos/told", "rewards"))
+        actions, mask, rewards = (group[name][()] for name in ("actions", "infos/told", "rewards"))
         seen = group["observations"][: len(actions)]
         shapes = seen.shape == (len(actions), *self._shapes[0]) and rewards.shape == (len(actions),)
-        if not shapes or actions.shape[1:] != self._shapes[1] or told.shape != actions.shape:
+        if not shapes or actions.shape[1:] != self._shapes[1] or mask.shape != actions.shape:
             raise ValueError("its arrays have inconsistent shapes")
-        whole = told.dtype == bool and actions.dtype.kind == "i" and ((actions >= 0) & (actions < NUM_ACTIONS)).all()
+        whole = mask.dtype == bool and actions.dtype.kind == "i" and ((actions >= 0) & (actions < NUM_ACTIONS)).all()
         if not whole or not (np.isfinite(rewards).all() and np.isfinite(seen).all()):
             raise ValueError("observations must be finite and actions in [0, 19)")
-        return seen, actions, told, discounted(rewards, self.gamma)
+        return seen, actions, mask, discounted(rewards, self.gamma)
 
 
 def _parts_of(summaries: Sequence[Summary], episodes: int) -> list[list[int]]:

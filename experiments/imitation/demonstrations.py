@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 EXTRA = "pip install 'regista[demonstrations]'"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are mostly zeros
-SMALL = 8192  # bytes, below which compression does not pay
+SMALL = 8192  # bytes, below which arrays are not compressed
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class DemonstrationsConfig(Checked):
     source: str = setting("program", "policy: program, or the path of a run")
     keep: Literal["successful", "all"] = setting("successful", "episodes to save: successful or all")
     success_above: float | None = setting(
-        None, "success threshold on the return (default: the game's own success criterion)", most=1e9, least=-1e9
+        None, "success threshold on the return (default: the success criterion of the game)", most=1e9, least=-1e9
     )
     greedy: bool = setting(False, "the student takes its most likely action")
     seed: int = setting(0, "seed of levels and episodes", ">=0", most=LARGEST_SEED)
@@ -94,14 +94,14 @@ class Demonstrations:
     def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:
         """Create a folder, or continue one that has the same settings and program."""
         if (path / "demonstrations.json").exists():
-            there = cls.open(path)
-            versions.check_present(there.simulator, f"{path} was played on", "nothing can be added to it")
-            for name, (old, new) in configs.differences(there.config, config).items():
+            found = cls.open(path)
+            versions.check_present(found.simulator, f"{path} was recorded on", "nothing can be added to it")
+            for name, (old, new) in configs.differences(found.config, config).items():
                 raise CommandError(f"{path} was made with {name} = {old}; it cannot continue with {new}")
             if (path / "program.scenic").read_text(errors="replace") != program:
                 raise CommandError(f"the program has changed since {path} was created, see its program.scenic")
-            return there
-        if path.exists() and not (path.is_dir() and all(map(_begun_with, path.iterdir()))):
+            return found
+        if path.exists() and not (path.is_dir() and all(map(_is_initial, path.iterdir()))):
             raise CommandError(f"{path} exists and holds no demonstrations; choose another --out")
         try:
             for folder in ("records", "data"):
@@ -222,13 +222,13 @@ class Demonstrations:
             for row in range(len(summary.kept)):
                 label = number if summary.kept[row] and number < episodes else None
                 number += bool(summary.kept[row])
-                told = (summary.seed[row], summary.returns[row], int(summary.success[row]), summary.lengths[row])
-                cells = [part, row, label, *told, *summary.theta[row]]
+                results = (summary.seed[row], summary.returns[row], int(summary.success[row]), summary.lengths[row])
+                cells = [part, row, label, *results, *summary.theta[row]]
                 lines.append(",".join(spell(cell) for cell in cells))
         return "\n".join(lines) + "\n"
 
 
-def _begun_with(path: Path) -> bool:
+def _is_initial(path: Path) -> bool:
     """Return whether a folder may hold this file before it has a demonstrations.json."""
     empty = path.name in ("records", "data") and path.is_dir() and not any(path.iterdir())
     return empty or path.name == "program.scenic" or is_partial(path.name)
@@ -283,7 +283,7 @@ def _write_episode(group: Any, episode: Episode) -> None:
         "rewards": episode.rewards,
         "terminations": ends[0],
         "truncations": ends[1],
-        "infos/told": episode.told,
+        "infos/told": episode.mask,
     }
     if episode.actions.ndim > 1:
         arrays["infos/agent_rewards"] = episode.agent_rewards

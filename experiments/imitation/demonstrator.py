@@ -28,14 +28,14 @@ class Episode:
     Attributes:
         observations: `[T + 1, ...]`, the last one after the last step.
         actions: `[T]` or `[T, A]`, in [0, 19).
-        told: bool, like `actions`: whether the behavior matches one of the 19 actions; if not, the action is 0.
+        mask: bool, like `actions`: whether the behavior matches one of the 19 actions; if not, the action is 0.
         rewards: `[T]`, and `agent_rewards` `[T, A]`.
         terminated: whether it ended by an event rather than the time limit.
     """
 
     observations: np.ndarray
     actions: np.ndarray
-    told: np.ndarray
+    mask: np.ndarray
     rewards: np.ndarray
     agent_rewards: np.ndarray
     terminated: bool
@@ -69,10 +69,10 @@ def play_part(env: FootballVectorEnv, choose: Choose | None, levels: np.ndarray)
     returns, success = np.zeros(size), np.zeros(size)
     shape = env.action_space.shape
     assert shape is not None
-    idle_hands = np.zeros(shape, np.int64)
+    no_actions = np.zeros(shape, np.int64)
     while running.any():
         env.idle[:] = ~running
-        actions = idle_hands if choose is None else choose(observation)
+        actions = no_actions if choose is None else choose(observation)
         seen = observation
         observation, rewards, terminated, truncated, info = env.advance(actions)
         over = (terminated | truncated) & running
@@ -127,11 +127,11 @@ class _Steps:
         seen = np.stack([*(array[index] for array in self._seen[:length]), self._last[index]])
         actions = np.stack([array[index] for array in self.actions[:length]])
         actions = actions if self._agents > 1 else actions[:, 0]
-        told = actions != NO_ACTION
+        mask = actions != NO_ACTION
         return Episode(
             self._unpacked(seen),
-            np.where(told, actions, 0),
-            told,
+            np.where(mask, actions, 0),
+            mask,
             np.array([array[index] for array in self._rewards[:length]]),
             np.stack([array[index] for array in self._agent_rewards[:length]]),
             bool(self._terminated[length - 1][index]),
@@ -148,9 +148,9 @@ class _Steps:
 
 
 def parts(env: FootballVectorEnv, choose: Callable[[int], Choose] | None, seed: int, first: int) -> Iterator[Part]:
-    """Play part after part from number `first` on; each has its own levels, seeds and generator.
+    """Play parts in order, starting with number `first`; each has its own levels, seeds and generator.
 
-    So stopping changes nothing: part p is the same whether or not earlier parts were played in the same process.
+    So part p is the same whether or not earlier parts were played in the same process.
     """
     number = first
     while True:

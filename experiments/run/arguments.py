@@ -65,16 +65,16 @@ LISTING = "--list-flags"  # the whole command line of `parser_of`
 
 
 class Listed(Exception):
-    """The parser of a command, to whoever asks for its flags."""
+    """Carries the parser of a command to `parser_of`."""
 
 
 def parser_of(main: Callable[[Sequence[str]], Any]) -> argparse.ArgumentParser:
-    """Return the parser of a command's `main`, which begins with `typed_settings`; nothing else of it is run."""
+    """Return the parser of a command's `main`, which must start with `typed_settings`; nothing else of it runs."""
     try:
         main([LISTING])
     except Listed as found:
         return found.args[0]
-    raise TypeError(f"{main.__module__} reads its command line otherwise than by typed_settings")
+    raise TypeError(f"{main.__module__} must read its command line by typed_settings")
 
 
 def typed_settings(
@@ -269,7 +269,7 @@ def _whole(text: str) -> int:
     """Parse 5000000, 5_000_000 or 5e6."""
     number = _number(text)
     if number != int(number):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number")
+        raise argparse.ArgumentTypeError(f"'{text}' is not an integer")
     return int(text.replace("_", "")) if text.replace("_", "").lstrip("+-").isdigit() else int(number)
 
 

@@ -1,7 +1,6 @@
-"""From names to objects: games, methods, devices, and environments with seeded random streams.
+"""Games, methods, devices and environments by name, with seeded random streams.
 
-Heavy packages are imported on use. Read next: `run.games` and `run.tasks`, the kinds of names;
-`commands.train`.
+Heavy packages are imported on use. Read next: `run.games` and `run.tasks`, the kinds of names; `commands.train`.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ def find_game(name: str) -> Game:
 def find_method(name: str) -> str:
     """Return the name of a method unchanged. Raises `UsageError` for an unknown method."""
     if name not in METHODS:
-        raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; known are {', '.join(METHODS)}")
+        raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; methods are {', '.join(METHODS)}")
     return name
 
 
@@ -56,7 +55,7 @@ def find_device(name: str) -> torch.device:
     device = torch.device("cuda" if name == "auto" else name)
     if (device.index or 0) >= gpus:
         seen = {0: "no GPU", 1: "one GPU, cuda:0"}.get(gpus, f"{gpus} GPUs")
-        raise UsageError(f"there is no device {name}: torch sees {seen}; use --device cpu")
+        raise UsageError(f"there is no device {name}: torch finds {seen}; use --device cpu")
     return device
 
 
@@ -110,7 +109,7 @@ def room_for(what: str) -> Iterator[None]:
         yield
     except RoomError as error:
         flags = " and ".join(f"--{name.replace('_', '-')}" for name in error.settings)
-        raise UsageError(f"{flags}: too much for the {what}: {error}") from error
+        raise UsageError(f"{flags}: too large for the {what}: {error}") from error
 
 
 def _bytes_of_one(upomdp: Any, seed: int) -> int:

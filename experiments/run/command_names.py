@@ -2,7 +2,7 @@
 
 COMMANDS = {
     "train": "train students on a game or a task, with or without a curriculum",
-    "evaluate": "evaluate trained runs on test scenes, with intervals; --gallery: a page of a run's levels",
+    "evaluate": "evaluate trained runs on test scenes, with intervals; --gallery: page of levels",
     "compare": "train several methods over seeds, evaluate them, write tables and pictures",
     "inspect": "show a program or a task: its free parameters, random levels, its syntax",
     "list": "show the minigames, published results, test scenes; --solved: how hard they are",

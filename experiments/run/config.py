@@ -58,11 +58,11 @@ def football_ppo() -> PPOConfig:
 
 @dataclass(frozen=True)
 class ProgramConfig:
-    """How a program is compiled; the names are those of Scenic's own command line."""
+    """Settings for compiling a program; the names are those of Scenic's command line."""
 
     param: tuple[str, ...] = option((), "set a global parameter of the program", "-p", True, "NAME=VALUE")
     scenario: str | None = setting(None, "modular scenario to run (default: Main, or the only one)")
-    model: str | None = option(None, "world model, instead of the program's own", "-m")
+    model: str | None = option(None, "world model, instead of the one that the program names", "-m")
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class RunConfig(Checked):
     record_limit: int = setting(2_000, "maximum MB of the recording", ">=1", most=1_000_000)
     levels_format: Literal["csv", "parquet"] = setting("csv", "format of the table of levels")
     report: tuple[Literal["tensorboard", "wandb"], ...] = setting((), "also log to tensorboard, wandb")
-    ppo: PPOConfig = group(PPOConfig, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
+    ppo: PPOConfig = group(PPOConfig, "PPO, the students' algorithm", topics={"ppo": "PPO, the students' algorithm"})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -126,7 +126,7 @@ class RunConfig(Checked):
         return ()
 
     def on_engine(self, playing: EngineConfig) -> Any:
-        """Return these settings; football has engines to choose from. Raises `UsageError` for `grf`."""
+        """Return these settings; only football has several engines. Raises `UsageError` for `grf`."""
         _check_no_engine(playing)
         return self
 
@@ -149,14 +149,14 @@ class RunConfig(Checked):
 
 def _check_no_engine(playing: EngineConfig) -> None:
     if playing.engine == "grf":
-        raise UsageError("--engine grf plays football; this task brings its own environments")
+        raise UsageError("--engine grf plays football; this task has its own environments")
 
 
 @dataclass(frozen=True)
 class FootballRunConfig(RunConfig):
     """Settings of a training run on football."""
 
-    ppo: PPOConfig = group(football_ppo, "PPO: how students learn", topics={"ppo": "PPO: how students learn"})
+    ppo: PPOConfig = group(football_ppo, "PPO, the students' algorithm", topics={"ppo": "PPO, the students' algorithm"})
     program: ProgramConfig = group(ProgramConfig, "the training program")
     env: FootballConfig = group(
         FootballConfig,
@@ -184,7 +184,7 @@ class FootballRunConfig(RunConfig):
         return self.program, self.env.dialect
 
     def on_engine(self, playing: EngineConfig) -> Any:
-        """Return these settings, on another engine if one is named."""
+        """Return these settings, on another engine if one is given."""
         return dataclasses.replace(self, env=playing.instead_of(self.env))
 
     def scored(self) -> Any:
@@ -192,7 +192,7 @@ class FootballRunConfig(RunConfig):
         return dataclasses.replace(self, env=dataclasses.replace(self.env, rewards="scoring"))
 
     def watched(self, playing: EngineConfig) -> FootballConfig:
-        """Return the settings of matches with raw observations, on another engine if one is named."""
+        """Return the settings of matches with raw observations, on another engine if one is given."""
         return playing.instead_of(dataclasses.replace(self.env, representation="raw"))
 
     def seen(self) -> dict[str, Any]:
@@ -226,7 +226,7 @@ TaskSettings: Any = _with_methods(RunConfig)
 
 
 class TrainConfig(FootballSettings):
-    """Settings of one training run. Runs with equal settings on one machine give equal numbers."""
+    """Settings of one training run. Runs with equal settings on one machine have equal results."""
 
 
 class TaskTrainConfig(TaskSettings):
@@ -235,7 +235,7 @@ class TaskTrainConfig(TaskSettings):
 
 # ---------------------------------------------------------------- JSON
 
-ABOUT = "about"  # key of config.json that holds no setting
+ABOUT = "about"  # key of config.json that is not a setting
 LARGEST = 10**300  # largest integer that is read as a float
 LARGEST_FILE = 10_000_000  # bytes of a config.json
 OF_MACHINES = 1_024  # upper limit of threads on any machine
@@ -245,9 +245,9 @@ ADDED: dict[str, Any] = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bp
 ADDED |= {"ppo.head_size": 0, "ppo.norm_reward": False, "accel.new_levels": "random", "sfl.score": "learnability"}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv"}
 ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")}
-TAUGHT = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
-ADDED |= {f"{method}.adversary.builder": "auto" for method in TAUGHT} | {"env.pixels": "dense"}
-ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in TAUGHT}
+WITH_ADVERSARY = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
+ADDED |= {f"{method}.adversary.builder": "auto" for method in WITH_ADVERSARY} | {"env.pixels": "dense"}
+ADDED |= {f"{method}.adversary.steps": dataclasses.asdict(BuilderConfig()) for method in WITH_ADVERSARY}
 RENAMED = {"distribution": {"squashed": "tanh_gaussian"}, "roles": {"fixed": "dennis2020"}}  # old names of values
 
 
@@ -268,7 +268,7 @@ def from_dict(kind: type[Config], data: Any, where: str) -> Config:
     Raises `ConfigError` for an unknown or missing key and for a value of the wrong type; `where` names the source.
     """
     config: Config = _read(kind, data, where, path="")
-    note_read(*own_names(config))  # code, which a file of a stranger may name
+    note_read(*own_names(config))  # user code that an untrusted file may name
     return config
 
 
@@ -303,8 +303,8 @@ def _paths(section: Mapping[str, Any], prefix: str = "") -> list[str]:
 
 def save(config: Any, path: Path, about: Mapping[str, Any] | None = None) -> None:
     """Write a configuration as JSON, with the information of `provenance.about`."""
-    told = {ABOUT: about} if about else {}
-    write_whole(path, json.dumps(to_dict(config) | told, indent=2) + "\n")
+    section = {ABOUT: about} if about else {}
+    write_whole(path, json.dumps(to_dict(config) | section, indent=2) + "\n")
 
 
 def about(path: Path) -> dict[str, Any]:
@@ -328,7 +328,7 @@ def load(kind: type[Config] | None, path: Path) -> Config:
 
 
 def _rename(section: dict[str, Any]) -> None:
-    """Replace old names of values by the present ones, in nested sections too."""
+    """Replace old names of values by the present ones, also in nested sections."""
     for key, value in section.items():
         if isinstance(value, dict):
             _rename(value)
@@ -382,7 +382,7 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         if name not in data and path + name not in ADDED:
             raise ConfigError(f"{where}: key '{path}{name}' is missing")
         values[name] = _value(hints[name], data.get(name, ADDED.get(path + name)), where, path + name)
-    values = {item.name: _as_here(item, values[item.name]) for item in fields(kind)}
+    values = {item.name: _clipped(item, values[item.name]) for item in fields(kind)}
     if kind is FootballConfig:
         values["grf_python"] = None  # an executable: only the command line may choose it, never a file
     try:
@@ -391,10 +391,10 @@ def _read(kind: Any, data: Any, where: str, path: str) -> Any:
         raise ConfigError(f"{where}: {error}") from error
 
 
-def _as_here(item: Any, value: Any) -> Any:
+def _clipped(item: Any, value: Any) -> Any:
     """Clip a machine-dependent setting, such as `threads`, to this machine's maximum; results do not depend on it.
 
-    So a run of a larger machine can be read on a smaller one. Values beyond any machine stay, and are rejected later.
+    So a run of a larger machine can be read on a smaller one. Values beyond any machine are rejected later.
     """
     most = item.metadata.get("most")
     return min(value, most()) if callable(most) and value <= OF_MACHINES else value

@@ -67,7 +67,7 @@ def refused(error: Exception) -> str:
 
 @contextmanager
 def read_from(what: str) -> Iterator[None]:
-    """Convert errors from reading damaged files into a `CommandError` that names `what`."""
+    """Convert errors from reading damaged files into a `CommandError`; `what` is the start of its message."""
     try:
         yield
     except DAMAGE as error:
@@ -118,12 +118,12 @@ def _failed(error: BaseException, debug: bool) -> int:
         forget_terminal()  # `regista inspect ... | head`
         return 128 + signal.SIGPIPE
     if isinstance(error, ModuleNotFoundError) and error.name in EXTRAS and not debug:
-        print(f"regista: this needs {error.name}: pip install 'regista[{EXTRAS[error.name]}]'", file=sys.stderr)
+        print(f"regista: this command needs {error.name}: pip install 'regista[{EXTRAS[error.name]}]'", file=sys.stderr)
         return 1
     code = exit_code(error)
     if debug or not code:
         raise error
-    # An error in a program begins with its location, file:line:column, which editors recognize.
+    # An error in a program starts with its location, file:line:column, which editors recognize.
     print(error if getattr(error, "place", None) else f"regista: {str(error) or OUT_OF_MEMORY}", file=sys.stderr)
     return code
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 SEED = 20_000  # of every evaluation: all policies get the same levels and random numbers
 LEVELS_SEED = 20_001  # of random levels
 MOST_EPISODES = 10**9  # of a timed evaluation
-SHARED_SECONDS = 30.0  # of evaluation above which processes pay off; they take some seconds to start
+SHARED_SECONDS = 30.0  # of evaluation, above which processes save time; they take some seconds to start
 ROUNDS_APART = 1_000_003  # difference between the seeds of two rounds
 
 
@@ -64,7 +64,7 @@ class EvalScenes:
         try:
             return theta_of_scene(scene, self.scenes[name])
         except ValueError as error:
-            raise CommandError(f"the levels of the test '{name}' do not fit {self.game.short}: {error}") from error
+            raise CommandError(f"the levels of the test '{name}' do not match {self.game.short}: {error}") from error
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
         """Play `episodes` whole episodes on each scene, or on each of these; `policy.play` chooses the actions.
@@ -156,7 +156,7 @@ class Policy(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """What every policy is evaluated on, for other processes: arguments of `EvalScenes` and of the random levels."""
+    """The evaluation of every policy, for other processes: arguments of `EvalScenes` and of the random levels."""
 
     config: Any
     episodes: int
@@ -179,7 +179,7 @@ class Plays(NamedTuple):
 
 
 def _play_source(plan: Plan, source: Path | str) -> Plays:
-    """Play a plan, in a process of its own, with the policy of a run folder (a path) or a baseline (a name).
+    """Play a plan, in a separate process, with the policy of a run folder (a path) or a baseline (a name).
 
     Its code is trusted: the process that made the plan has checked it.
     """
@@ -208,7 +208,7 @@ class Evaluator:
     `alike`: all runs have the same kind of initial student, so the method alone labels them.
     `minutes`: repeat the scenes in rounds over all policies, while another round fits into this time.
     `tell`: print the number of episodes to stderr.
-    `processes`: play in up to so many processes if that takes long; the numbers are the same.
+    `processes`: maximum number of processes for a long evaluation; results do not depend on it.
     """
 
     scenes: EvalScenes
@@ -259,7 +259,7 @@ class Evaluator:
         return Policy(name, run.config.seed, trained, student, run.path)
 
     def _play_all(self, policies: Sequence[Policy], watch: Watch) -> list[Plays]:
-        """Play the scenes and random levels with every policy; in other processes if that is quicker."""
+        """Play the scenes and random levels with every policy; in other processes if that is faster."""
         if self.processes > 1 and self.minutes is None and self._seconds(policies) > SHARED_SECONDS:
             scenes = self.scenes
             configs = [RunFolder.open(one.source).config for one in policies if isinstance(one.source, Path)]
@@ -278,7 +278,7 @@ class Evaluator:
         ]
 
     def _seconds(self, policies: Sequence[Policy]) -> float:
-        """Estimate how long one process would play, from the first policy on the training distribution."""
+        """Estimate the seconds of one process, from the first policy on the training distribution."""
         began = time.monotonic()
         self.scenes.play(policies[0].policy, [TRAINING_SCENE])
         each = len(self.scenes.scenes) + self.levels * self.episodes / self.scenes.episodes
@@ -303,7 +303,7 @@ class Evaluator:
 
 
 def check_one_game(runs: Sequence[RunFolder]) -> None:
-    """Raise `CommandError` for runs of several games or tasks, or that read their program with different settings."""
+    """Raise `CommandError` for runs of several games or tasks, or with different settings of their program."""
     games = {run.config.minigame for run in runs}
     if len(games) > 1:
         raise CommandError(

@@ -41,9 +41,9 @@ class Estimate(NamedTuple):
 
 
 class Watch:
-    """Follows the rows of metrics.csv and reports each event when it begins; it can recur after it has ended.
+    """Monitors the rows of metrics.csv and reports each event when it starts; it can recur after it has ended.
 
-    It depends only on these rows, so a resumed run first passes the existing ones.
+    It depends only on these rows, so a resumed run first passes the existing ones to it.
 
     Args:
         total: env_steps of the run; None: unknown.
@@ -59,7 +59,7 @@ class Watch:
         self._options = Averages()
 
     def look(self, row: Mapping[str, float]) -> list[Event]:
-        """Return the events that begin with this row."""
+        """Return the events that start with this row."""
         lasts = {}
         events = list(self._forgetting(row))
         for event, about, updates, text in (*_signs(row, self.limit), *self._neglect(row)):
@@ -79,7 +79,7 @@ class Watch:
             scores = [self._options.score[other] for other in options if other.rpartition("/")[0] == column]
             mean, score, ratio = sum(scores) / len(scores), self._options.score[name], self._options.ratio[name]
             if score > HIGH * mean > 0 and ratio < NEGLECTED:
-                text = f"{name} scores {score:.2f}, the mean option {mean:.2f}"
+                text = f"{name} has a score of {score:.2f}, the mean option {mean:.2f}"
                 text += f", but is proposed {ratio:.2f} times as often as in random levels"
                 yield "neglected option", name, NEGLECT_UPDATES, text
 
@@ -104,7 +104,7 @@ class Watch:
 
 
 class Learning:
-    """Counts the updates in which each student and teacher took gradient steps; reports if they are few."""
+    """Counts the updates in which each student and teacher took gradient steps; reports too few of them."""
 
     def __init__(self, total: int | None = None) -> None:
         self.total = total

@@ -2,7 +2,7 @@
 
     config.json       the TrainConfig, enough to repeat the run; `about`: id, command, commit, versions, machine,
                       the version of the simulator, and the name of a variant
-    program.scenic    the text of the program when the run began; task.py for a Python task
+    program.scenic    the text of the program at the start of the run; task.py for a Python task
     metrics.csv       one row per update; eval_env_steps are the steps of evaluations, not part of env_steps
     levels.csv        one row per played level: source, θ in [-1, 1], returns, score; or the folder levels.parquet
     events.csv        warnings, if any: see `run.events`
@@ -64,7 +64,7 @@ class RunFolder:
     def create(
         cls, path: Path, config: TrainConfig, prepare: Callable[[RunFolder], None] = lambda run: None, name: str = ""
     ) -> RunFolder:
-        """Create the folder and write its configuration; `prepare` writes other files first. `name` as in `name`.
+        """Create the folder and write its configuration; `prepare` writes other files first. For `name` see `name`.
 
         The configuration comes last, since a folder that has one can be resumed. Raises `CommandError` if the folder
         already holds a run.
@@ -116,7 +116,7 @@ class RunFolder:
         return versions.saved_version(self.config, self.about, f"{self.path / 'config.json'}: '{configs.ABOUT}'")
 
     def extend(self, config: TrainConfig) -> None:
-        """Change the budget or bookkeeping settings; settings that affect results must not differ.
+        """Change the budget or logging settings; settings that affect results must not differ.
 
         `save_config` writes the change, so a folder that turns out to be damaged stays unchanged. Raises `CommandError`
         for a run of another simulator version.
@@ -152,7 +152,7 @@ class RunFolder:
     @property
     def argv(self) -> list[str]:
         """Arguments of `regista` that resume the run, in any working directory."""
-        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # typed here, in no file
+        engine = getattr(getattr(self.config, "env", None), "grf_python", None)  # from the command line, in no file
         typed = ["--grf-python", engine] if engine else []
         return [
             "train",
@@ -174,7 +174,7 @@ class RunFolder:
             except OSError as error:
                 raise cannot_write(saved, error) from error
         elif source.frozen and saved.exists() and saved.read_text(errors="replace") != source.text:
-            raise CommandError(f"{self.config.minigame} has changed since {self.path} began, see {saved}")
+            raise CommandError(f"{self.config.minigame} has changed since {self.path} was started, see {saved}")
 
     @property
     def picture(self) -> Path:
@@ -220,7 +220,7 @@ class RunFolder:
         """
         from ued.core import checkpoint
 
-        self.levels.flush()  # first: rows beyond a checkpoint are cut on resume, missing ones would be lost
+        self.levels.flush()  # first: rows beyond a checkpoint are cut on resume, but missing ones would be lost
         checkpoint.save(self.checkpoint, {"config": configs.to_dict(self.config), **state})
         self.saved_update = state["update"]
         self._saved_at = time.monotonic()

@@ -1,8 +1,7 @@
 """Football games on the command line: a minigame's name, the path of a .scenic program, or a mixture `a+b`.
 
 `run.build.find_game` makes a game from its name. `run.tasks.PythonTask` is a task in a Python file with the same
-methods. Read next: `minigames.suites`, the names;
-`run.mixed`, mixtures.
+methods. Read next: `minigames.suites`, the names; `run.mixed`, mixtures.
 """
 
 from __future__ import annotations
@@ -123,10 +122,10 @@ def prepare_kernels(env: FootballConfig, threads: int) -> None:
 
 
 def compile_football() -> None:
-    """Compile all kernels that Python calls, in one process: one alone would first compile what it shares with others.
+    """Compile all kernels that Python calls, before several processes would compile their shared parts.
 
     The types of their arguments are the same for all programs and representations, so one match of any program with
-    behaviors does for all. Processes that start together share the work.
+    behaviors compiles all kernels. Processes that start together share the work.
     """
     from regista.kernels.jit import compiled, linked
     from regista.kernels.notices import COMPILING, at_work, say_once
@@ -238,7 +237,7 @@ def _single(name: str) -> FootballGame:
             raise UsageError(f"there is no program {name}")
         return FootballGame(Minigame(path.stem, path, (), "your program"), str(path.resolve()))
     if path.suffix == ".py":
-        raise UsageError(f"a Python task is given as file.py:name, got {name!r}")
+        raise UsageError(f"a Python task must be file.py:name, got {name!r}")
     if ":" in name or name in BUILT_IN:
         raise UsageError(f"{name} is a Python task; this command needs a football game")
     meant = nearest(name, [*NAMED, *BUILT_IN], 3)

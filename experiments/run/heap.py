@@ -1,4 +1,4 @@
-"""How the C library keeps memory that was freed. Read next: `run.build`, which calls it for every training run."""
+"""Settings of the C library for freed memory. Read next: `run.build`, which applies them to every training run."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import ctypes
 
 # Parameters of `mallopt` (malloc.h) and their values in bytes.
 KEEP = {
-    -3: 32 * 2**20,  # M_MMAP_THRESHOLD, from which on a block has pages of its own: the largest value allowed
-    -1: 2_000_000_000,  # M_TRIM_THRESHOLD: free bytes at the end of the heap above which they go back to the system
-    -2: 64 * 2**20,  # M_TOP_PAD: bytes by which the heap grows beyond what is requested; untouched ones take no memory
+    -3: 32 * 2**20,  # M_MMAP_THRESHOLD, from which on a block has its own pages: the largest value allowed
+    -1: 2_000_000_000,  # M_TRIM_THRESHOLD: maximum free bytes at the end of the heap; more are returned to the system
+    -2: 64 * 2**20,  # M_TOP_PAD: bytes by which the heap grows beyond a request; unused ones take no memory
 }
 
 
 def keep_freed_memory() -> bool:
-    """Let the C library keep freed memory for the next request; return whether it can (glibc on Linux can).
+    """Make the C library keep freed memory for the next request; return whether it supports this (glibc on Linux).
 
     By default glibc returns large blocks to the system as soon as they are free. Each operation of torch on a minibatch
-    allocates such blocks for its result and frees its inputs, so the system hands out, and clears, the same pages
-    again and again: 1,000 to 2,500 page faults in an update of PPO on 8,192 steps. In exchange, the process keeps the
-    memory that it had at its peak, at most 2 GB of it, until it ends.
+    allocates such blocks for its result and frees its inputs, so the system repeatedly allocates and clears the same
+    pages: 1,000 to 2,500 page faults in an update of PPO on 8,192 steps. In exchange, the process keeps its peak
+    memory, at most 2 GB of it, until it ends.
     """
     try:
         mallopt = ctypes.CDLL(None).mallopt

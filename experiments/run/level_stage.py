@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from regista.experiments.run.games import Game
 
 Choose = Callable[[Any], Any]  # observations -> actions
-FRAMES_PER_SECOND = 10  # of environments that do not state theirs
+FRAMES_PER_SECOND = 10  # of environments without `render_fps`
 
 
 class PlayedTask(NamedTuple):
@@ -40,7 +40,7 @@ class LevelStage:
     """A single environment at the start of a level.
 
     Attributes:
-        game: what the environment belongs to.
+        game: the game of the environment.
         env: the vector environment, of size 1.
         level: the level, a record `[1]`; `visit`: the visit whose random numbers it uses.
         choices: θ `[L, D]` of the levels of a test scene; None: the levels are random.
@@ -56,7 +56,7 @@ class LevelStage:
     def of_task(cls, game: Game, scene: str, seed: int) -> LevelStage:
         """Make the environment of a task on a random level of one of its scenes, or on its first level.
 
-        Raises `UsageError` for an unknown scene, `CommandError` for levels that do not fit the environments.
+        Raises `UsageError` for an unknown scene, `CommandError` for levels that do not match the environments.
         """
         from ued.core.task import theta_of_scene
 
@@ -68,7 +68,7 @@ class LevelStage:
         try:
             theta = theta_of_scene(scenes[scene], env)
         except ValueError as error:
-            raise CommandError(f"the levels of the test '{scene}' do not fit {game.short}: {error}") from error
+            raise CommandError(f"the levels of the test '{scene}' do not match {game.short}: {error}") from error
         return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0, theta)
 
     def on_next_level(self, seed: int, episode: int) -> LevelStage:
@@ -89,7 +89,7 @@ class LevelStage:
     ) -> LevelStage:
         """Make the environment of a run and reset it to one of its levels.
 
-        `env` are the settings of football's matches; None: those for watching, with raw observations.
+        `env` are the settings of football matches; None: those for watching, with raw observations.
         Raises `CommandError` for a run without this level, or whose environments have changed.
         """
         from ued.levels.table import read_visit

@@ -1,7 +1,7 @@
 """The table of a run's levels as it grows: levels.csv, or with `--levels-format parquet` the folder levels.parquet.
 
-Both hold the same numbers. A run that was killed and resumed has the same bytes as one that was not, since the rows
-alone determine them. `ued.levels.table` reads both. Read next: `run.folder`, which owns the table.
+Both hold the same numbers. A killed and resumed run has the same bytes as an uninterrupted one, since only the rows
+determine them. `ued.levels.table` reads both. Read next: `run.folder`, which owns the table.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def open_levels(folder: Path, form: Format) -> CsvLevels | ParquetLevels:
 class CsvLevels(Table):
     """levels.csv: rows are on disk as soon as they are appended.
 
-    A column that follows from others, see `implied_by`, is left out until a row differs; then the file is rewritten.
+    A column that follows from others, see `implied_by`, is omitted until a row differs; then the file is rewritten.
     """
 
     def append_levels(self, columns: Mapping[str, np.ndarray]) -> None:
@@ -68,7 +68,7 @@ class CsvLevels(Table):
     def _add(self, names: Sequence[str]) -> None:
         """Rewrite the file with these columns, which are more than it has."""
         if not set(self.columns) <= set(names):
-            return  # `append_columns` refuses them
+            return  # `append_columns` rejects them
         rows, self.columns = read_rows(self.path), list(names)
         self.replace([",".join(map(quoted, names)) + "\n", *(self._line(row | _implied(row, names)) for row in rows)])
 
@@ -131,7 +131,7 @@ class ParquetLevels:
         return cuts
 
     def replace(self, cuts: Sequence[tuple[Path, pa.Table | None]]) -> None:
-        """Cut the table back, see `until`. After a kill in between it has rows beyond the update, but lacks none."""
+        """Cut the table back, see `until`. After a kill in between, it may have rows beyond the update."""
         try:
             for path, rows in cuts:
                 path.unlink() if rows is None else write_whole(path, _encoded(rows))
@@ -178,13 +178,13 @@ def _follows(name: str, columns: Mapping[str, np.ndarray]) -> bool:
 
 
 def _implied(row: Mapping[str, str], names: Sequence[str]) -> dict[str, Any]:
-    """Return the cells that a row of levels.csv leaves out."""
+    """Return the cells that a row of levels.csv omits."""
     sources = {name: implied_by(name) for name in names if name not in row}
     return {name: row[source] if isinstance(source, str) else source for name, source in sources.items()}
 
 
 def _arrow(name: str, values: np.ndarray) -> pa.Array:
-    """Return a column of levels.parquet: whole numbers, words, or numbers as in levels.csv; null for nan."""
+    """Return a column of levels.parquet: integers, text, or numbers as in levels.csv; null for nan."""
     import pyarrow as pa
 
     if name in WORDS:

@@ -25,7 +25,7 @@ from ued.core.upomdp import UPOMDP
 def mixed_task(tasks: Mapping[str, Task]) -> Task:
     """Combine several tasks, by name, into one. Its tests are all tasks and all of their test scenes.
 
-    Tests of the tasks must be functions that make environments, since levels of one task do not fit the mixture.
+    Tests of the tasks must be functions that make environments, since levels of one task are not levels of the mixture.
     """
     names, makes = tuple(tasks), [task.make for task in tasks.values()]
 
@@ -49,7 +49,7 @@ def mixed_task(tasks: Mapping[str, Task]) -> Task:
 
 
 def _mixture(makes: Sequence[Make], names: tuple[str, ...], only: int | None, num_envs: int) -> UPOMDP:
-    """Make the environments of a mixture; with `only`, an index, always that task, whatever θ is."""
+    """Make the environments of a mixture; with `only`, an index, always that task, for every θ."""
     from ued.adapters.mixture import Mixture
 
     members = [make(num_envs) for make in makes]

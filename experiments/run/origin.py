@@ -89,7 +89,7 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
         began = checkpoint.load_entry(saved, "source") if saved.exists() else None
         if began != (str(source.absolute()) if source else None):
             other = source or "a new student"
-            raise CommandError(f"{run.path} began with {began or 'a new student'}; it cannot continue with {other}")
+            raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
 
 
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:
@@ -103,7 +103,7 @@ def like(origin: Origin, config: TrainConfig) -> TrainConfig:
 def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
     """Raise `UsageError` if KL settings are given without a reference policy."""
     if path is None and settings != FineTuningConfig():
-        raise UsageError("--kl-to-clone and --kl-share need --from PATH, the policy to stay close to")
+        raise UsageError("--kl-to-clone and --kl-share need --from PATH, the reference policy")
 
 
 def check(origin: Origin, config: TrainConfig) -> None:

@@ -1,4 +1,4 @@
-"""Estimate of a budget before training: the number of levels, when the curriculum starts, and whether they suffice.
+"""Estimate of a budget before training: the number of levels, and whether the curriculum will start in time.
 
 The estimate assumes episodes of maximum length, so it is a lower bound: shorter episodes give more levels. Read next:
 `ued.levels.budget`, the rules; `run.events`, warnings during training.
@@ -55,7 +55,7 @@ class Outlook:
 
     @property
     def method(self) -> Any:
-        """The method's own settings."""
+        """The settings of the method."""
         return getattr(self.config, METHODS[self.config.method].group)
 
     def line(self) -> str:
@@ -63,15 +63,15 @@ class Outlook:
         title = METHODS[self.config.method].title
         begins = "".join(f"; {title} {what}" for what in self._begins())
         each = f", {self.steps:_} env_steps each" if self.steps > self.limit else ""
-        return f"about {self.levels:_} levels of at most {self.limit:_} steps an episode{each}{begins}"
+        return f"about {self.levels:_} levels of at most {self.limit:_} steps per episode{each}{begins}"
 
     def _begins(self) -> Iterator[str]:
         own = self.method
         if isinstance(own, PLRConfig | RepairedConfig | NCCConfig):
-            yield f"starts to replay after {self._or_sooner(self.replay_after(), own.min_fill is None)}"
+            yield f"starts replay after {self._or_sooner(self.replay_after(), own.min_fill is None)}"
         if isinstance(own, TeacherConfig):
             levels = own.adversary.min_batch or BATCH
-            yield f"teaches its adversary every {self._or_sooner(levels, own.adversary.min_batch is None)}"
+            yield f"updates its adversary every {self._or_sooner(levels, own.adversary.min_batch is None)}"
 
     def _or_sooner(self, levels: int, by_budget: bool) -> str:
         """Describe a number of levels, or the share of the budget if that comes first."""
@@ -103,11 +103,11 @@ class Outlook:
             yield from self._too_few(own.fit_every, "the first mixture is fitted", "--alp-gmm.fit-every")
         if isinstance(own, SFLConfig):
             looked_at = own.candidates * own.candidate_episodes
-            yield from self._too_few(looked_at, "levels are chosen", "--sfl.candidates")
+            yield from self._too_few(looked_at, "levels are selected", "--sfl.candidates")
         if isinstance(own, PairedLiteralConfig) and self.limit > self.config.ppo.num_steps:
             yield (
-                f"episodes can be longer than a rollout of {self.config.ppo.num_steps} steps, and such levels are not "
-                f"learned from; use --num-steps {self.limit}"
+                f"episodes can be longer than a rollout of {self.config.ppo.num_steps} steps, and students do not "
+                f"learn from such levels; use --num-steps {self.limit}"
             )
 
     def _too_few(self, needed: int, what: str, flag: str) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Policies that play an episode: scripted ones, a baseline of a task, the student of a run.
+"""Policies that play an episode: scripted policies, baselines of a task, students of runs.
 
 Read next: `run.level_stage`, the episode; `commands.play`.
 """
@@ -20,7 +20,7 @@ SCRIPTED = ("bot", "random", "idle")  # players of football that are not trained
 
 
 class Actor(NamedTuple):
-    """A policy, and its name in messages; `choose(seed)` returns its actions for an episode, drawn with this seed."""
+    """A policy, and its name in messages; `choose(seed)` returns the function that acts in an episode."""
 
     choose: Callable[[int], Choose]
     name: str
@@ -40,7 +40,7 @@ def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
         return Actor(partial(_policy, baselines[name]), f"the baseline '{name}'")
     if not Path(name).is_dir():
         known = ", ".join(("idle", *baselines))
-        raise UsageError(f"--player is {known} or a run folder, and there is no folder {name}")
+        raise UsageError(f"--player must be {known} or a run folder; there is no folder {name}")
     return _student(Path(name), stage, greedy)
 
 
@@ -81,7 +81,7 @@ def _constant(env: Any, seed: int) -> Choose:
 
 @dataclass(frozen=True)
 class MatchStudent:
-    """The student of a run on football: it plays matches whose settings are those of its training."""
+    """The student of a run on football; it plays matches with the settings of its training."""
 
     run: Any
     game: Any
@@ -94,14 +94,14 @@ class MatchStudent:
 
         if not Path(path).is_dir():
             known = ", ".join(SCRIPTED)
-            raise UsageError(f"--player is {known} or a run folder of football, and there is no folder {path}")
+            raise UsageError(f"--player must be {known} or a run folder of football; there is no folder {path}")
         run = RunFolder.open(Path(path))
         if run.config.engine is None:
             raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play football")
         return cls(run, find_game(run.config.minigame))
 
     def settings(self, playing: Any) -> Any:
-        """Return the settings of its matches, on another engine if `playing` names one."""
+        """Return the settings of its matches, on another engine if `playing` has one."""
         return self.run.config.scored().on_engine(playing).env
 
     def actor(self, env: Any, greedy: bool) -> Actor:

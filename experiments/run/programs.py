@@ -1,4 +1,4 @@
-"""Scenic programs on the command line: compiled with their settings, with warnings about likely mistakes.
+"""Scenic programs on the command line: compiled with their settings, with warnings about likely errors.
 
 Read next: `scenic_lite.loader`.
 """
@@ -56,7 +56,7 @@ def read_params(texts: Sequence[str]) -> dict[str, object]:
     for text in texts:
         name, equals, value = text.partition("=")
         if not equals or not name.isidentifier():
-            raise UsageError(f"--param takes name=value, got '{text}'")
+            raise UsageError(f"--param must be name=value, got '{text}'")
         try:
             params[name] = ast.literal_eval(value)
         except (ValueError, SyntaxError):

@@ -36,7 +36,7 @@ class RunRecorder:
         env = build.make_upomdp(task.make, 1, config.seed)
         self.stage = Stage(env, task.painter(upomdp) if task.painter else None)
         if connect is not None and not viewer_answers(connect):
-            print(f"regista: no viewer answers at {connect}: live view disabled; see rerun --port", file=sys.stderr)
+            print(f"regista: no viewer at {connect}: live view disabled; see rerun --port", file=sys.stderr)
             connect = None
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
@@ -65,7 +65,7 @@ class RunRecorder:
             self.recorder.close()
 
     def _recall(self) -> None:
-        """Pass the recorder the levels of updates in an earlier part of the recording."""
+        """Pass the levels of updates in an earlier part of the recording to the recorder."""
         levels, metrics = read_levels(self.run.path, "update", "theta/"), read_columns(self.run.metrics.path)
         if not levels or self.recorder is None:
             return

@@ -74,7 +74,7 @@ class Replay:
 def taken(method: Any, update: int, most: int) -> list[Replay]:
     """Return replays of all students on the levels with the highest scores of the last update, at most `most` levels.
 
-    Levels with incomplete data, because they began before a kill, are skipped.
+    Levels with incomplete data, because they started before a kill, are skipped.
     """
     batch = method.last
     records, tapes, replays = batch.records, {}, []
@@ -114,7 +114,7 @@ class Stage:
 
     Attributes:
         env: the environment.
-        painter: gives its points; None: frames are its rendered images, if any.
+        painter: returns its points; None: frames are its rendered images, if any.
         step_seconds: time between two frames.
     """
 

@@ -33,7 +33,7 @@ INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; for a single run or a baseline, over its episodes only, "
     "Wilson's for rates and Student's t for returns and CVaR10; none below 5 runs, or 5 episodes"
 )
-OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow as each run plays all scenes"
+OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow since each run plays all scenes"
 OF_PAIRS = "P(better): probability that a run's mean exceeds that of a run of {first}"
 OF_LEVELS = "CVaR10: on the worst tenth of {levels} random levels, selected by other episodes than those that count"
 
@@ -209,7 +209,7 @@ class Report:
         return [INTERVALS, *self._on_differences(DIFFERENCES[0], sizes, "{:.2f}")]
 
     def _on_differences(self, measure: str, sizes: Sequence[float], unit: str) -> list[str]:
-        """Return the legend of a table's marks, and which differences its runs can detect."""
+        """Return the legend of a table's marks, and the differences that its runs can detect."""
         legend = significance.legend([entry.p for entry in self.entries if entry.measure == measure])
         counts = [len(self._scores[name].rates) for name in self.several]
         return [text for text in (legend, significance.visible(sizes, counts, unit)) if text]

@@ -60,7 +60,7 @@ class Reporter(Protocol):
 
 
 class Reporters:
-    """Passes updates to all reporters. One that fails is dropped with a message, so that training continues.
+    """Passes updates to all reporters. A reporter that fails is removed with a message, and training continues.
 
     Args:
         run: its metrics.csv, levels.csv and events.csv are written first; if that fails, the run ends.
@@ -75,7 +75,7 @@ class Reporters:
             self.watch.look(row)
 
     def add(self, name: str, make: Callable[[], Reporter]) -> None:
-        """Add the reporter that `make` returns; `name` completes the message "nothing more is ..." if it fails."""
+        """Add the reporter that `make` returns; `name` completes the message "no more updates are ..." if it fails."""
         with self._excused(name):
             self.others[name] = make()
 
@@ -110,7 +110,7 @@ class Reporters:
                 raise
             self.others.pop(name, None)
             what = str(error) if isinstance(error, TaskError) else f"{type(error).__name__}: {error}"
-            print(f"regista: nothing more is {name}: {what}", file=sys.stderr)
+            print(f"regista: no more updates are {name}: {what}", file=sys.stderr)
 
 
 def _rows(columns: Mapping[str, np.ndarray]) -> list[dict[str, float]]:

@@ -17,7 +17,7 @@ DEPTH = 2  # levels of folders that are searched: runs/compare-maze/plr-0
 
 
 def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
-    """Return the runs of these paths. Those in a folder are sorted by label and seed, those not begun left out.
+    """Return the runs of these paths; runs in a folder by label and seed, without those that have no checkpoint.
 
     Raises `CommandError` for a path that neither is nor holds a run.
     """
@@ -36,7 +36,7 @@ def _runs_in(folder: Path) -> list[RunFolder]:
         raise CommandError(f"none of the {len(runs)} runs in {folder} has a checkpoint yet; train them first")
     for run in runs:
         if run not in begun:
-            warn(f"{run.path} has no checkpoint yet; it is left out")
+            warn(f"{run.path} has no checkpoint yet; it is skipped")
     return sorted(begun, key=lambda run: (run.label, run.config.seed, str(run.path)))
 
 
@@ -68,5 +68,5 @@ def warn_of_mixtures(runs: Sequence[RunFolder]) -> None:
         if names:
             warn(
                 f"{run.path} and {like.path} share the row '{run.label}', but differ in {', '.join(names[:3])}"
-                f"{' and more' if len(names) > 3 else ''}; evaluate them separately to tell them apart"
+                f"{' and more' if len(names) > 3 else ''}; evaluate them separately to distinguish them"
             )

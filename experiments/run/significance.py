@@ -1,6 +1,6 @@
-"""Which differences of a table may be claimed: marks after Holm's correction, and which are too small to be seen.
+"""Significance of the differences of a table: marks after Holm's correction, and the smallest detectable difference.
 
-All differences that one table shows are one family. Read next: `ued.statistics`, where p-values come from.
+All differences of one table are one family. Read next: `ued.statistics`, which computes p-values.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def marks(differences: Sequence[Difference]) -> list[str]:
 
 
 def legend(p_values: Sequence[float]) -> str:
-    """Return the legend of the marks of a table with these p-values, nan for differences without one; "" for none."""
+    """Return the legend of the marks of a table with these p-values, nan if not available; "" without p-values."""
     from ued.statistics import SAMPLES
 
     tests, least = int(np.isfinite(np.asarray(p_values, float)).sum()), 2 / (SAMPLES + 1)
@@ -54,10 +54,10 @@ def sentences(*lines: str) -> str:
 
 
 def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
-    """Return the line about differences that are too small to be seen; "" where nothing is known.
+    """Return the line about differences that are too small to be detected; "" without such a size.
 
     Args:
-        sizes: the smallest detectable difference in each column of a table, as `ued.statistics.detectable` has it.
+        sizes: the smallest detectable difference in each column of a table, see `ued.statistics.detectable`.
         counts: runs of each method.
         unit: format of a size, such as "{:.0f} points".
     """

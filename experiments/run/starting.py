@@ -53,7 +53,7 @@ def start_of(typed: Mapping[str, Any], minigame: str | None, usual: str) -> tupl
     """Return the game and the base settings of the `typed` values: those of `--config`, or the game's preset.
 
     `minigame` is the name of the game, if one is given; `usual` is the name without it and without `--config`.
-    Raises `UsageError` for settings of football and a game of another kind, or the other way round.
+    Raises `UsageError` for settings of football with another kind of task, and vice versa.
     """
     path = typed.get("config_")
     if path is None:
@@ -64,7 +64,7 @@ def start_of(typed: Mapping[str, Any], minigame: str | None, usual: str) -> tupl
     start = saved_settings(path)
     game = find_game(minigame or start.minigame)
     if minigame and type(game.start("fast")) is not type(start):
-        raise UsageError(f"--config {path} has settings for {start.minigame}, which do not fit {game.short}")
+        raise UsageError(f"--config {path} has settings for {start.minigame}, which do not apply to {game.short}")
     return game, start
 
 

@@ -24,7 +24,7 @@ WORDS = ("source", "program", "event", "text")  # text columns of a run's tables
 
 
 class Table:
-    """Rows of updates: the first column is `update`. Numbers are written so that they read back equal.
+    """Rows of updates: the first column is `update`. Numbers are written without loss.
 
     The first row determines the columns. Later rows may omit some; a row with a new column rewrites the file once.
     """
@@ -147,7 +147,7 @@ def cannot_write(path: Path, error: Exception) -> CommandError:
 
 
 def spell(value: Any) -> str:
-    """Format a number so that it reads back equal; empty for None and NaN."""
+    """Format a number without loss; empty for None and NaN."""
     if value is None or (isinstance(value, float | np.floating) and math.isnan(value)):
         return ""
     if isinstance(value, float | np.floating):
@@ -164,7 +164,7 @@ def rounded(name: str, values: np.ndarray) -> np.ndarray:
 
 
 def _spell_all(values: np.ndarray) -> list[str]:
-    """Format numbers or words `[R]` as cells; empty for NaN."""
+    """Format numbers or text `[R]` as cells; empty for NaN."""
     if values.dtype.kind != "f":
         return [quoted(str(value)) for value in values.tolist()]
     return ["" if value != value else repr(value).removesuffix(".0") for value in values.tolist()]

@@ -1,6 +1,6 @@
 """Tasks in Python on the command line: `module:name` or `path.py:name`, a `ued.Task` or a function `make(num_envs)`.
 
-Importing the file executes its code; `run.trust` decides whether it may run. Built-in tasks have short names and may
+Importing the file executes its code; `run.trust` determines whether it may run. Built-in tasks have short names and may
 always run. Read next: `ued.core.task`; `run.games`, football games.
 """
 
@@ -132,7 +132,7 @@ class CheckedPainter:
         return self._points("positions", theta, (len(theta), len(self.classes), 2))
 
     def frame(self, env: Any) -> Any:
-        """Return the points of the first environment of `env` as it stands: `[K, 2]`."""
+        """Return the current points of the first environment of `env`: `[K, 2]`."""
         return self._points("frame", env, (len(self.classes), 2))
 
     def _points(self, method: str, given: Any, shape: tuple[int, ...]) -> Any:

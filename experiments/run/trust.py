@@ -1,4 +1,4 @@
-"""Which Python code may run: tasks, scores and networks are code, and a foreign run folder can name any file.
+"""Rules for running Python code: tasks, scores and networks are code, and an untrusted run folder can name any file.
 
 Code may run if this user names it: on the current command line, from Python, or on an earlier command line on this
 machine, recorded in `$XDG_STATE_HOME/regista/tasks`. Other tasks, named by a run folder, a checkpoint or a comparison,
@@ -54,8 +54,8 @@ def check(name: str, what: str = "the task") -> None:
     if allows(name):
         return
     raise TrustError(
-        f"a file names {what} {name}, which is Python code that this command would run, and you have never named it "
-        f"on a command line; read {file_of(name) or 'it'}, and add {FLAG} to run it"
+        f"a file names {what} {name}, which is Python code that this command would run, but no command line of yours "
+        f"has named it; read {file_of(name) or 'it'}, and add {FLAG} to run it"
     )
 
 
@@ -131,4 +131,4 @@ def _check_own(name: str) -> None:
     check(name, "the function or class")
 
 
-own_code.checks.append(_check_own)  # scores and networks that a file names obey the same rules
+own_code.checks.append(_check_own)  # the same rules apply to scores and networks that a file names

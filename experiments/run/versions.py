@@ -1,7 +1,7 @@
 """Simulator version of a run, and its comparison with the version of this code.
 
-Run folders, checkpoints, recordings, demonstrations and rows of tables carry the version. Python tasks and Google
-Research Football have none, since they do not use the simulator. Folders without a number come from an unnumbered
+Run folders, checkpoints, recordings, demonstrations and rows of tables store the version. Python tasks and Google
+Research Football have none, since they do not use the simulator. Folders without a number belong to an unnumbered
 simulator. Read next: `envs.football.version`, the number; `run.folder`, which stores it.
 """
 
@@ -36,7 +36,7 @@ def saved_version(config: Any, saved: Mapping[str, Any], where: str) -> int | No
     if isinstance(version, str):  # a digest of source files, from an unnumbered simulator
         return UNNUMBERED
     if type(version) is not int or version < 0:
-        raise CommandError(f"{where}: '{KEY}' must be a whole number from 0 on, got {version!r}")
+        raise CommandError(f"{where}: '{KEY}' must be an integer, 0 or larger, got {version!r}")
     return version
 
 

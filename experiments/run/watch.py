@@ -18,7 +18,7 @@ class Watch:
 
     Args:
         total: maximum number of episodes.
-        seconds: time limit after which no new episodes begin; None: no limit.
+        seconds: time limit after which no new episodes start; None: no limit.
     """
 
     def __init__(self, total: int, seconds: float | None = None) -> None:

@@ -29,8 +29,8 @@ ENDINGS = ("scored", "conceded", *(WORDS[end] for end in (OUT_OF_PLAY, POSSESSIO
 class Episodes:
     """E episodes of P players, T steps in the longest; row 0 is the start, ended episodes repeat their last state.
 
-    Positions are in m, y upwards. `observations` are those on which actions were chosen; empty unless saved. For
-    several agents, actions and observations have an agent axis, `[E, T, A, ...]`.
+    Positions are in m, y upwards. `observations` are the inputs of the policy; empty unless saved. For several agents,
+    actions and observations have an agent axis, `[E, T, A, ...]`.
     """
 
     ball: np.ndarray  # [E, T + 1, 3]
@@ -52,7 +52,7 @@ class Episodes:
         return self.score[:, 0] > 0
 
     def endings(self) -> np.ndarray:
-        """Return how each episode ended, `[E]` of ENDINGS."""
+        """Return the ending of each episode, `[E]` of ENDINGS."""
         words = np.array([WORDS.get(int(end), "program") for end in self.ended], dtype=object)
         goals = np.where(self.scored, "scored", "conceded")
         return np.where(self.ended == GOAL, goals, words)
@@ -69,9 +69,10 @@ def side_by_side(name: str, painter: ScenePainter, ours: Episodes, grf: Episodes
     both = ours, grf
     points = [episodes.points()[row, : episodes.lengths[row] + 1] for episodes in both]
     ends = [str(episodes.endings()[row]) for episodes in both]
-    keys = max(both, key=lambda episodes: episodes.lengths[row]).actions[row]
-    keys = keys.reshape(len(keys), -1)[:, 0]  # actions of the first agent
-    return SideBySide(name, painter, ENGINES, (points[0], points[1]), keys[keys != NO_ACTION], (ends[0], ends[1]))
+    actions = max(both, key=lambda episodes: episodes.lengths[row]).actions[row]
+    actions = actions.reshape(len(actions), -1)[:, 0]  # of the first agent
+    played = actions[actions != NO_ACTION]
+    return SideBySide(name, painter, ENGINES, (points[0], points[1]), played, (ends[0], ends[1]))
 
 
 def play(
@@ -157,10 +158,10 @@ def _play_batch(
         running &= ~over
     env.idle[:] = False
     ball, places, owner, score = (np.stack(frame, 1)[:count] for frame in zip(*frames, strict=True))
-    keys = np.stack(actions, 1)[:count]
-    watched = np.stack(seen, 1)[:count] if observed else np.zeros((*keys.shape, 0), np.float32)
+    played = np.stack(actions, 1)[:count]
+    watched = np.stack(seen, 1)[:count] if observed else np.zeros((*played.shape, 0), np.float32)
     places = places[:, :, : env.num_players]
-    return Episodes(ball, places, owner, keys, watched, lengths[:count], ended[:count], score[:, -1], returns[:count])
+    return Episodes(ball, places, owner, played, watched, lengths[:count], ended[:count], score[:, -1], returns[:count])
 
 
 def _held(running: np.ndarray, new: np.ndarray, old: np.ndarray | float) -> np.ndarray:

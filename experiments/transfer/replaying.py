@@ -40,7 +40,7 @@ EPISODES = 500, 200  # in our simulator and in the other engine
 
 @dataclass(frozen=True)
 class Leaving:
-    """When features leave a range: share of episodes, median first step, and the first features to leave."""
+    """Features outside a range: share of episodes, median first step, and the first features outside."""
 
     share: float
     step: float | None  # None: never
@@ -99,7 +99,7 @@ class Played:
         }
 
     def leaves_ours(self) -> Leaving:
-        """Return when features leave their range in our episodes."""
+        """Return when features are outside their range in our episodes."""
         return leaving(self._outside_ours(), self.names)
 
     def leaves_training(self) -> Leaving:
@@ -129,7 +129,7 @@ def leaving(outside: Any, names: Sequence[str]) -> Leaving:
 
 def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
     """Summarize episodes as plain numbers."""
-    pressed = episodes.actions[episodes.actions >= 0]
+    actions = episodes.actions[episodes.actions >= 0]
     endings = episodes.endings()
     return {
         "episodes": len(episodes),
@@ -138,7 +138,7 @@ def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
         "return_error": float(episodes.returns.std() / np.sqrt(len(episodes))),
         "median_length": float(np.median(episodes.lengths)),
         "endings": {word: float((endings == word).mean()) for word in ENDINGS[:-1]},
-        "actions": (np.bincount(pressed, minlength=NUM_ACTIONS) / max(len(pressed), 1)).tolist(),
+        "actions": (np.bincount(actions, minlength=NUM_ACTIONS) / max(len(actions), 1)).tolist(),
         "goals_from": goals_of(episodes, roster).summary(),
     }
 
@@ -148,7 +148,7 @@ def summary(episodes: Episodes, roster: Roster) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Plan:
-    """What to play: episodes in our simulator and in the other engine, policies, and number of recorded episodes.
+    """A plan: episodes in our simulator and in the other engine, policies, and number of recorded episodes.
 
     `seconds`: time limit of each policy in the other engine; None: no limit.
     """
@@ -161,7 +161,7 @@ class Plan:
     seconds: float | None = None
 
     def settings(self, run: RunFolder) -> dict[str, Any]:
-        """Return the settings that identify saved results of a run, in the form that JSON gives back."""
+        """Return the settings that identify saved results of a run, in the form that JSON returns."""
         trained = run.env_steps()
         return {
             "trained": trained,
@@ -195,7 +195,7 @@ class BothEngines:
         self.envs = [self._make(program, env, count) for env, count in zip(engines, plan.episodes, strict=True)]
         space = self.envs[0].agent_observation_space
         if space.shape is None or len(space.shape) != 1:
-            raise CommandError(f"{run.path}: transfer supports agents that observe feature vectors, not {space}")
+            raise CommandError(f"{run.path}: transfer supports feature vectors as observations, got {space}")
         self.levels = self.envs[0].sample_levels(max(plan.episodes))
 
     def _make(self, program: Any, config: FootballConfig, count: int) -> FootballVectorEnv:
@@ -240,8 +240,8 @@ class BothEngines:
 
         painter = FootballPainter(self.envs[0].lineup)
         count = min(self.plan.traces, *self.plan.episodes)
-        keys = np.maximum(ours.actions[:count], 0)
-        grf = play_keys(self.envs[1], keys, self.levels[:count])
+        actions = np.maximum(ours.actions[:count], 0)
+        grf = play_keys(self.envs[1], actions, self.levels[:count])
         return [side_by_side(f"{self.run.path.name} {row}", painter, ours, grf, row) for row in range(count)]
 
     def _choose(self, greedy: bool) -> Choose:

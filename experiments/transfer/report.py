@@ -1,6 +1,6 @@
 """Results of transfers as tables: by game, by run, and differences within a run; and rows for files.
 
-Read next: `transfer.replaying`, where the numbers come from; `run.results`, what the intervals mean.
+Read next: `transfer.replaying`, which computes the results; `run.results`, the intervals.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ ACTIONS = (
 )
 SHOWN_ACTIONS = 6  # number of actions shown, those that differ most
 SAMPLES = 4000  # random samples for an interval
-WANTED, LEAST = 0.8, 0.5  # thresholds of the ratio: good transfer, poor transfer
+WANTED, LEAST = 0.8, 0.5  # thresholds of the ratio: good and poor transfer
 INTERVALS = (
-    "95% intervals: bootstrap over runs and their episodes, wide where runs are few; for a single run, over its "
-    "episodes alone, Wilson's of rates, Jeffreys' of ratios, Student's t of returns; none below 5 runs, or 5 episodes"
+    "95% intervals: bootstrap over runs and their episodes, wide for few runs; for a single run, over its episodes "
+    "only, Wilson's for rates, Jeffreys' for ratios, Student's t for returns; none below 5 runs, or 5 episodes"
 )
 
 
@@ -99,7 +99,7 @@ def rate_ratio(results: Sequence[Result]) -> Interval:
 
 
 def _ratio(rates: np.ndarray) -> float:
-    count = len(rates)  # sums are quicker than means, of which there are thousands
+    count = len(rates)  # sums are faster than means, in thousands of calls
     return float(rates[:, 0].sum() / count / max(rates[:, 1].sum() / count, 1e-3))
 
 
@@ -108,7 +108,7 @@ def _ratio(rates: np.ndarray) -> float:
 
 def by_game(results: Sequence[Result]) -> list[list[str]]:
     """Return a row for each game, representation, method and policy."""
-    lines = [["game", "sees", "method", "policy", "runs", "goals, ours", "goals, grf", "grf / ours"]]
+    lines = [["game", "observations", "method", "policy", "runs", "goals, ours", "goals, grf", "grf / ours"]]
     for group in groups(results):
         rates = [two_digits(group.rate(engine)) for engine in ENGINES]
         lines.append([*group[:4], str(len(group.results)), *rates, spelled(group.ratio())])
@@ -116,7 +116,7 @@ def by_game(results: Sequence[Result]) -> list[list[str]]:
 
 
 def verdict(results: Sequence[Result]) -> str:
-    """Return for each policy, in one line, how many games transfer."""
+    """Return one line for each policy: the number of games with good and with poor transfer."""
     lines = []
     for policy in dict.fromkeys(result.policy for result in results):
         ratios = [group.ratio().estimate for group in groups(results) if group.policy == policy]

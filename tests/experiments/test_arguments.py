@@ -97,7 +97,7 @@ def test_whole_numbers_may_be_written_short(text, number):
         (["--teacher.fracton=1"], "unknown flag --teacher.fracton (did you mean '--teacher.fraction'?)"),
         (["go", "further"], "unexpected argument 'further'"),
         (["--num-envs", "many"], "--num-envs: 'many' is not a number; see regista play --help"),
-        (["--num-envs", "1.5"], "--num-envs: '1.5' is not a whole number; see regista play --help"),
+        (["--num-envs", "1.5"], "--num-envs: '1.5' is not an integer; see regista play --help"),
         (["--learning-rate", "nan"], "--learning-rate: 'nan' is not a finite number; see regista play --help"),
         (["--num-envs"], "--num-envs: expected one argument; see regista play --help"),
         (["--layers", "0"], "layers must be at least 1, got 0"),

@@ -97,7 +97,7 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
         (["play", "maze", "--scene", "Labyrint"], "did you mean 'Labyrinth'?"),
         (["play", "maze", "--player", "nobody"], "idle, shortest path, random or a run folder"),
         (["play", "maze", "--control", "all"], "omit --control"),
-        (["play", "maze", "--engine", "grf"], "a task brings its own environments"),
+        (["play", "maze", "--engine", "grf"], "a task has its own environments"),
         (["play", "1v1Free", "--scene", "hart"], "did you mean 'hard'?"),
         (["play", "1v1Free", "--player", "runs/x"], "bot, random, idle"),
     ],

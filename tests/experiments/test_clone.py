@@ -202,7 +202,7 @@ def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
             (part if damage == "part" else copy / "data" / "metadata.json").unlink()
         words = (
             "is damaged or incomplete; delete it",
-            "is incomplete: of its 100 episodes it holds",
+            "is incomplete: it holds",
             "is not finished",
         )
         out = tmp_path / f"clone of {damage}"

@@ -96,7 +96,7 @@ def test_demonstrations_carry_the_version_and_take_in_no_other(program, tmp_path
     ):
         assert main(command) == 1
         said = capsys.readouterr().err
-        assert f"{out} was played on an unnumbered simulator, from before version 1; on version 1 " in said
+        assert f"{out} was recorded on an unnumbered simulator, from before version 1; on version 1 " in said
         assert "nothing can be added to it" in said or "it cannot be cloned" in said
 
 
@@ -239,7 +239,7 @@ def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     assert main(["demonstrate", str(program), "--run", str(run)]) == 2
     assert "exclude each other" in capsys.readouterr().err
     assert main(["demonstrate", "--run", str(run), "--control", "all"]) == 2
-    assert "--control and --run exclude each other: a run acts as it was trained" in capsys.readouterr().err
+    assert "--control and --run exclude each other: a run has its training settings" in capsys.readouterr().err
 
 
 def test_the_environment_is_recovered_from_the_data(program, tmp_path):

@@ -36,7 +36,7 @@ def test_auto_is_a_gpu_if_there_is_one(gpus):
 )
 def test_a_device_that_is_not_there_is_refused(gpus, count, name, seen):
     gpus(count)
-    with pytest.raises(UsageError, match=f"there is no device {name}: torch sees {seen}; use --device cpu"):
+    with pytest.raises(UsageError, match=f"there is no device {name}: torch finds {seen}; use --device cpu"):
         build.find_device(name)
 
 

@@ -59,7 +59,7 @@ scenario Busy():
     assert main(["inspect", str(path), "-m", "town", "--show", "scenes"]) == 0
     assert "Car" in capsys.readouterr().out
     assert main(["inspect", str(path), "-p", "lanes"]) == 2
-    assert capsys.readouterr().err == "regista: --param takes name=value, got 'lanes'\n"
+    assert capsys.readouterr().err == "regista: --param must be name=value, got 'lanes'\n"
 
 
 def test_what_a_program_prints_goes_to_stderr(street, capsys):

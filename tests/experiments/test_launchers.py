@@ -107,7 +107,7 @@ def test_whoever_trains_says_so_and_lets_go(run):
 
 def test_an_owner_elsewhere_counts_while_it_gives_signs_of_life(run):
     path = claim(run, touched=owner.SILENT_SECONDS / 2)
-    with pytest.raises(BusyError, match="process 7 of elsewhere, last heard of 30 s ago"), run.locked():
+    with pytest.raises(BusyError, match="process 7 of elsewhere, last heartbeat 30 s ago"), run.locked():
         pass
     assert json.loads(path.read_text())["pid"] == 7 and len(list(run.path.glob("owner*"))) == 1
     claim(run, touched=owner.SILENT_SECONDS + 1)

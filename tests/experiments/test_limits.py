@@ -194,7 +194,7 @@ def test_what_does_not_fit_into_memory_is_refused_before_it_is_taken(flags, name
 def test_environments_that_do_not_fit_are_refused(game, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(room, "machine_bytes", lambda: 100_000)
     assert main(["train", game, "--num-envs", "50000", "--out", str(tmp_path / "run")]) == 2
-    assert "--num-envs: too much for the environments: 50_000 environments of" in capsys.readouterr().err
+    assert "--num-envs: too large for the environments: 50_000 environments of" in capsys.readouterr().err
 
 
 def test_needs_are_estimated_from_below():

@@ -32,7 +32,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["train", "--method", "pared"],
             2,
-            "regista: unknown method 'pared' (did you mean 'paired'?); known are dr, minimax, paired, ",
+            "regista: unknown method 'pared' (did you mean 'paired'?); methods are dr, minimax, paired, ",
         ),
         (["train", "--resume", "nowhere"], 1, "regista: nowhere is not a run folder: it has no config.json"),
         (["train", "--num-envs", "0"], 2, "regista: --num-envs: must be at least 1, got 0"),
@@ -50,7 +50,7 @@ ROOT = Path(__file__).parents[2]
         (
             ["compare", "--methods", "dr", "plt"],
             2,
-            "regista: unknown method 'plt' (did you mean 'plr'?); known are dr, ",
+            "regista: unknown method 'plt' (did you mean 'plr'?); methods are dr, ",
         ),
         (["inspect"], 2, "regista: inspect needs a program: a minigame's name or the path of a .scenic file"),
         (
@@ -181,7 +181,7 @@ def test_benchmark_prints_json_and_a_table(capsys, monkeypatch):
     assert all(speed > 0 for speed in speeds.values())
     assert main([*words, "--threads", "2"]) == 0
     machine, _, head, *_ = capsys.readouterr().out.splitlines()
-    assert machine.endswith("threads 2") and head.startswith("what ")
+    assert machine.endswith("threads 2") and head.startswith("measurement ")
 
 
 # ---------------------------------------------------------------- progress

@@ -46,16 +46,16 @@ def looked(name, settings=None, limit=1000, envs=16, total=100_000):
 
 
 def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
-    assert looked("dr").line() == "about 100 levels of at most 1_000 steps an episode"
+    assert looked("dr").line() == "about 100 levels of at most 1_000 steps per episode"
     assert looked("accel").line() == (
-        "about 100 levels of at most 1_000 steps an episode; "
-        "ACCEL starts to replay after 500 levels or 10_000 env_steps, whichever comes first"
+        "about 100 levels of at most 1_000 steps per episode; "
+        "ACCEL starts replay after 500 levels or 10_000 env_steps, whichever comes first"
     )
-    assert looked("plr", limit=10).line().endswith("; PLR starts to replay after 500 levels")
-    assert looked("plr", PLRConfig(min_fill=0.01)).line().endswith("; PLR starts to replay after 10 levels")
+    assert looked("plr", limit=10).line().endswith("; PLR starts replay after 500 levels")
+    assert looked("plr", PLRConfig(min_fill=0.01)).line().endswith("; PLR starts replay after 10 levels")
     paired = looked("paired").line()
-    assert paired.startswith("about 25 levels of at most 1_000 steps an episode, 4_000 env_steps each; PAIRED teaches")
-    assert "starts to replay" in looked("repaired").line() and "teaches" in looked("repaired").line()
+    assert paired.startswith("about 25 levels of at most 1_000 steps per episode, 4_000 env_steps each; PAIRED updates")
+    assert "starts replay" in looked("repaired").line() and "updates its adversary" in looked("repaired").line()
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
         ("robust_plr", PLRConfig(min_fill=0.5), "a smaller --plr.min-fill"),
         ("paired", PairedConfig(adversary=AdversaryConfig(min_batch=32)), "a smaller --paired.adversary.min-batch"),
         ("alp_gmm", ALPGMMConfig(), "the first mixture is fitted only after 250 levels"),
-        ("sfl", SFLConfig(), "levels are chosen only after 1_024 levels"),
+        ("sfl", SFLConfig(), "levels are selected only after 1_024 levels"),
         (
             "ncc",
             NCCConfig(min_fill=0.5),
@@ -106,7 +106,7 @@ def test_long_episodes_do_not_keep_accel_from_learning(tmp_path, capsys):
     steps = read_columns(run / "metrics.csv")["student/gradient_steps"]
     assert (steps > 0).mean() > 0.5
     out = capsys.readouterr().out
-    assert "about 40 levels of at most 250 steps an episode; ACCEL starts to replay after 500 levels or 1_000" in out
+    assert "about 40 levels of at most 250 steps per episode; ACCEL starts replay after 500 levels or 1_000" in out
     texts = [row["text"] for row in read_rows(run / "events.csv")]
     assert texts and all("steps so far, the limit is 250" in text for text in texts)  # none has learned nothing
 

@@ -106,8 +106,8 @@ def test_a_minigame_in_a_python_file_is_played_by_random_actions(tmp_path, capsy
 @pytest.mark.parametrize(
     ("flags", "message"),
     [
-        (["--replay", "x.npz", "--id", "3"], "it takes --match, --video and --speed alone"),
-        (["--replay", "x.npz", "1v1Free"], "it takes --match, --video and --speed alone"),
+        (["--replay", "x.npz", "--id", "3"], "it supports only --match, --video and --speed"),
+        (["--replay", "x.npz", "1v1Free"], "it supports only --match, --video and --speed"),
         (["1v1Free", "--match", "0"], "--match needs --replay RECORD"),
         (["1v1Free", "--visit", "3"], "it needs --level RUN --id N"),
     ],

@@ -137,8 +137,8 @@ def test_one_who_fails_is_told_nothing_more_and_the_run_goes_on(probe, tmp_path,
         reporters.report(method, method.update())
     reporters.close()
     said = capsys.readouterr().err
-    assert Fails.reports == 1 and said.count("nothing more is counted: OSError: no room") == 1
-    assert "nothing more is opened: ZeroDivisionError" in said
+    assert Fails.reports == 1 and said.count("no more updates are counted: OSError: no room") == 1
+    assert "no more updates are opened: ZeroDivisionError" in said
     assert len(read_rows(run.metrics.path)) == 3 and len(read_rows(run.levels.path)) == 24
 
 

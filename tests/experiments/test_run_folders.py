@@ -42,7 +42,7 @@ def test_runs_without_a_checkpoint_are_left_out(runs, tmp_path, capsys):
     (folder / "dr-1" / "checkpoint.pt").unlink()
     assert main(["evaluate", str(folder), *BRIEF, "--json"]) == 0
     said = capsys.readouterr()
-    assert "dr-1 has no checkpoint yet; it is left out" in said.err
+    assert "dr-1 has no checkpoint yet; it is skipped" in said.err
     assert {row["seed"] for row in json.loads(said.out)["results"]} == {0}
     for run in ("dr-0", "sub/plr-0"):
         (folder / run / "checkpoint.pt").unlink()

@@ -271,7 +271,7 @@ def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(t
         (["train", "{}/nowhere.py:push"], "there is no file"),
         (["train", "{}/push_task.py:pusch"], "has no 'pusch' (did you mean 'push'?)"),
         (["train", "{}/push_task.py:put", "--out", "{}/x"], "failed: TypeError: put() missing 1 required positional"),
-        (["train", "{}/push_task.py"], "a Python task is given as file.py:name"),
+        (["train", "{}/push_task.py"], "a Python task must be file.py:name"),
         (["inspect", "{}/push_task.py:push", "--engine", "scenic3"], "--engine applies to programs; a task is Python"),
         (["inspect", "{}/push_task.py:push", "--rrd", "{}/x.rrd"], "--rrd and --show are for Scenic programs"),
         (["inspect", "{}/push_task.py:push", "--show", "code"], "--rrd and --show are for Scenic programs"),
@@ -387,7 +387,7 @@ def test_a_baseline_that_is_no_policy_is_a_sentence(name, message, task):
 def test_a_painter_that_fails_ends_the_recording_and_not_the_training(task, tmp_path, capsys):
     assert train(task.replace(":push", ":wrong"), tmp_path / "run", "--method", "dr", "--total-env-steps", "128") == 0
     said = capsys.readouterr().err
-    assert "nothing more is recorded: the painter's positions() must return an array of shape (" in said
+    assert "no more updates are recorded: the painter's positions() must return an array of shape (" in said
 
 
 def test_a_painter_that_fails_is_a_sentence(task):

@@ -261,7 +261,7 @@ def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, c
     monkeypatch.setattr(CurriculumRecorder, "record", fail)
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
     warnings = [line for line in capsys.readouterr().err.splitlines() if line.startswith("regista: ")]
-    assert warnings == ["regista: nothing more is recorded: RuntimeError: the viewer is on strike"]
+    assert warnings == ["regista: no more updates are recorded: RuntimeError: the viewer is on strike"]
 
 
 def test_a_full_disk_is_one_sentence_and_keeps_the_checkpoint(probe, tmp_path, monkeypatch, capsys):

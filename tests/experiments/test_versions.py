@@ -118,5 +118,5 @@ def test_tasks_and_the_real_engine_have_no_version():
 
 @pytest.mark.parametrize("version", [-1, True, 1.0, [1], None])
 def test_what_is_no_version_is_refused(version):
-    with pytest.raises(CommandError, match="here: 'simulator' must be a whole number from 0 on, got"):
+    with pytest.raises(CommandError, match="here: 'simulator' must be an integer, 0 or larger, got"):
         versions.saved_version(TrainConfig(), {"simulator": version}, "here")

@@ -202,8 +202,8 @@ def test_without_free_parameters_there_is_nothing_to_choose():
     with pytest.raises(ValueError) as error:
         Adversary(0, AdversaryConfig(), torch_generator(0))
     assert str(error.value) == (
-        "an adversary has nothing to choose: the environment has no free parameters (theta has 0 columns); "
-        "use domain randomization, or give the program a random value"
+        "an adversary has no parameters to choose: theta has 0 columns; use domain randomization, or give the "
+        "program a random value"
     )
 
 

@@ -234,7 +234,7 @@ def test_families_that_contradict_themselves_are_refused():
     still.builder.steps, vast.builder.steps = 0, 10**8
     flat.builder.observe = lambda levels: np.zeros(len(levels[0]))
     for family, words in (
-        (short, "have 4 entries, so its `parameters` must be as many, got 1"),
+        (short, "have 4 entries, so its `parameters` must have as many, got 1"),
         (still, "Typist must have at least one step and one action, got 0 steps of 4 actions"),
         (
             vast,

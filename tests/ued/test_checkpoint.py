@@ -246,15 +246,15 @@ def test_a_run_goes_on_from_its_state_after_an_update_that_broke_off(monkeypatch
 @pytest.mark.parametrize(
     ("place", "value", "message"),
     [
-        (("queue", "next_id"), None, "next_id is a NoneType and must be a whole number"),
+        (("queue", "next_id"), None, "next_id is a NoneType and must be an integer"),
         (("queue", "taken"), None, r"taken is a NoneType and must be an array of int64"),
-        (("queue", "next_visit"), 10**30, "next_visit is a number of more than 64 bits and must be a whole number"),
-        (("queue", "next_visit"), 0.5, "next_visit is a number and must be a whole number"),
-        (("queue", "next_visit"), True, "next_visit is a bool and must be a whole number"),
+        (("queue", "next_visit"), 10**30, "next_visit is a number of more than 64 bits and must be an integer"),
+        (("queue", "next_visit"), 0.5, "next_visit is a number and must be an integer"),
+        (("queue", "next_visit"), True, "next_visit is a bool and must be an integer"),
         (("queue", "playing"), np.full((2, 12), 99), r"playing must have shape \[2, 12\] and values from -1 to \d"),
         (("queue", "taken"), np.array([0, -1]), r"taken must have shape \[2\] and values from 0 to \d"),
         (("queue", "taken"), np.zeros(3, np.int64), r"taken must have shape \[2\] and values from 0 to \d"),
-        (("updates",), [], "updates is a list and must be a whole number"),
+        (("updates",), [], "updates is a list and must be an integer"),
     ],
 )
 def test_what_is_of_another_kind_is_refused(place, value, message):

@@ -57,7 +57,7 @@ def test_it_stops_when_held_out_steps_are_met_worse():
 
 def test_steps_of_which_nobody_knows_are_not_learned_from():
     data = steps(500)
-    unknown = Demonstrated(data.observation, torch.zeros_like(data.action), torch.zeros_like(data.told), data.returns)
+    unknown = Demonstrated(data.observation, torch.zeros_like(data.action), torch.zeros_like(data.mask), data.returns)
     cloner = Cloner(student(), CloningConfig(value_coef=0.0), torch_generator(1))
     cloner.look_through([unknown])
     before = cloner.student.actor.layer.weight.clone()
@@ -72,7 +72,7 @@ def test_rare_actions_can_weigh_more(weights, told):
     action = torch.zeros(1600, dtype=torch.int64)
     action[:100] = 2
     cloner = Cloner(student(), CloningConfig(class_weights=weights), torch_generator(1))
-    cloner.look_through([Demonstrated(data.observation, action, data.told, data.returns)])
+    cloner.look_through([Demonstrated(data.observation, action, data.mask, data.returns)])
     share = torch.tensor([1500, 0, 100, 0]) / 1600
     assert float((cloner.weights * share).sum()) == pytest.approx(1.0)
     ratio = float(cloner.weights[2] / cloner.weights[0])
@@ -82,7 +82,7 @@ def test_rare_actions_can_weigh_more(weights, told):
 def test_the_critic_learns_what_came_of_it():
     data = steps(2000)
     returns = (data.observation[:, 2] > 5).float()
-    data = Demonstrated(data.observation, data.action, data.told, returns)
+    data = Demonstrated(data.observation, data.action, data.mask, returns)
     cloner = Cloner(student(), CloningConfig(epochs=30, learning_rate=5e-3), torch_generator(1))
     assert cloned(cloner, data, data).value_loss < 0.03
     assert discounted(np.array([0.0, 0.0, 1.0]), 0.5).tolist() == [0.25, 0.5, 1.0]

@@ -112,7 +112,7 @@ WRONG = {
     "gravity=5..20": r"'gravity' must be a range or a value within 5..15, such as 5..15, got '5..20'",
     "gravity=7..5": r"'gravity' must be a range or a value within 5..15, such as 5..15, got '7..5'",
     "gravity=low": r"'gravity' must be a range or a value within 5..15, such as 5..15, got 'low'",
-    "legs=2.5": r"'legs' must be whole numbers within 2..6, such as 2..6, got '2.5'",
+    "legs=2.5": r"'legs' must be integers within 2..6, such as 2..6, got '2.5'",
     "ground=sand": r"'ground' has no option 'sand'; options are grass \| ice \| mud",
     "mass=theta 0..2": r"'theta 0..2' must be a part of the range in theta",
     "all=0..1": r"'0..1' must be a part of the range in theta",
@@ -129,11 +129,11 @@ REFUSED = {
     (): "plan must have at least one lesson",
     ("gravity=5", "all"): "the lesson 'gravity=5' never ends; all but the last need 'until CRITERION'",
     ("gravity until success 0.5", "all"): "has the region 'gravity'; a lesson is 'all', or \"NAME=VALUES",
-    ("all until success 0.8",): "the last lesson, 'all until success 0.8', goes on to the end of the run",
+    ("all until success 0.8",): "the last lesson, 'all until success 0.8', lasts until the end of the run",
     ("all until luck 0.8", "all"): "has the criterion 'luck 0.8'; criteria are success 0.8",
     ("all until success 80", "all"): r"'success 80', which must be above 0 and at most 1 \(100%\)",
     ("all until episodes 0", "all"): "'episodes 0', which must be at least 1",
-    ("all until return 50%", "all"): "counts return in percent; only success and steps may be",
+    ("all until return 50%", "all"): "has return in percent; only success and steps may be",
     ("all until success 0.5 until steps 5", "all"): "has more than one 'until'; join its criteria by 'or'",
 }
 

@@ -199,7 +199,7 @@ class Odd(gymnasium.Wrapper):
     [
         ("old reset", "failed in reset"),
         ("old step", "failed in step"),
-        ("shape", r"the observation has shape \(2,\), observation_space says \(4,\)"),
+        ("shape", r"the observation has shape \(2,\), observation_space has \(4,\)"),
         ("nan", "environment 0 returned an observation that is not finite"),
         ("reward", "environment 0 returned a reward that is not finite: inf"),
     ],

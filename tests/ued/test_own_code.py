@@ -118,14 +118,16 @@ def test_a_missing_score_is_found_before_training(method, rule, message):
 
 @pytest.mark.parametrize("config", [PLRConfig, ACCELConfig, CENIEConfig, NCCConfig])
 def test_a_score_that_nobody_knows(config):
-    with pytest.raises(ValueError, match=r"score must be max_mc or .* or yours as module:function or file.py:function"):
+    with pytest.raises(
+        ValueError, match=r"score must be max_mc or .* or your own, module:function or file.py:function"
+    ):
         config(score="max_mcc")
 
 
 def test_a_network_that_nobody_knows():
-    with pytest.raises(ValueError, match="network must be auto or mlp or cnn, or yours as module:class or"):
+    with pytest.raises(ValueError, match="network must be auto or mlp or cnn, or your own, module:class or"):
         PPOConfig(network="resnet")
-    with pytest.raises(ValueError, match="score must be learnability or generalized_learnability, or yours"):
+    with pytest.raises(ValueError, match="score must be learnability or generalized_learnability, or your own"):
         SFLConfig(score="mna")
 
 
@@ -168,7 +170,7 @@ def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     {
-        "Noisy": "own_parts:Noisy has a Dropout: PPO needs the same probabilities in playing and learning",
+        "Noisy": "own_parts:Noisy has a Dropout: PPO needs equal probabilities in rollouts and updates",
         "Flat": r"own_parts:Flat must return features of floats, \[B, size\] for B observations; for 2 got \[2\]",
         "Broken": r"own_parts:Broken failed on observations \[B, 10\]: RuntimeError",
         "no_network": r"own_parts:no_network\(space, config\) must return a torch.nn.Module, got 'a network'",
@@ -186,7 +188,7 @@ def test_agents_of_one_policy_share_a_network_of_the_user():
     ppo = dataclasses.replace(OWN, team="shared", critic="central")
     metrics = DR(Roles(4), ppo, seed=0).update()
     assert metrics["student/gradient_steps"] > 0
-    with pytest.raises(OwnCodeError, match="serves one policy: several agents need team = shared"):
+    with pytest.raises(OwnCodeError, match="supports one policy: several agents need team = shared"):
         DR(Roles(4), OWN, seed=0)
 
 

@@ -133,7 +133,7 @@ def test_the_same_seed_gives_the_same_numbers():
 
 
 def test_without_free_parameters_paired_is_refused():
-    with pytest.raises(ValueError, match="an adversary has nothing to choose"):
+    with pytest.raises(ValueError, match="an adversary has no parameters to choose"):
         Paired(Choice(4))
 
 

@@ -319,7 +319,7 @@ def test_evaluation_and_copies_of_environments_see_parts_too():
     [
         (
             {"image": np.zeros((6, 5, 3), np.uint8)},
-            r"observations\['image'\] has shape \(6, 5, 3\), its space says \(5, 6",
+            r"observations\['image'\] has shape \(6, 5, 3\), its space has \(5, 6",
         ),
         ({"direction": 4}, r"observations\['direction'\] must be in Discrete\(4\), got 4"),
         ({"direction": -1}, r"observations\['direction'\] must be in Discrete\(4\), got -1"),
@@ -335,7 +335,7 @@ def test_observations_that_do_not_fit_are_refused_with_their_part(change, messag
 
 
 def test_batches_of_different_lengths_are_refused():
-    with pytest.raises(ValueError, match=r"parts of observations are of \[2, 3\] environments"):
+    with pytest.raises(ValueError, match=r"the same number of environments, got \[2, 3\]"):
         Parts(SPACES["dict"]).flatten_batch({"direction": [0, 1], "image": np.zeros((3, 5, 6, 3))})
 
 
@@ -345,7 +345,7 @@ def test_spaces_and_networks_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="Parts needs a Dict or a Tuple, got Discrete"):
         Parts(Discrete(3))
     for space in (Box(0, 1, (9,)), Parts(Dict(image=Box(0, 1, (4, 4, 3)))), Box(0, 1, (4, 4, 3))):
-        with pytest.raises(ValueError, match="network = cnn needs images of at least 5 x 5, observations are"):
+        with pytest.raises(ValueError, match="network = cnn needs images of at least 5 x 5, got"):
             student(space, PPOConfig(network="cnn"))
 
 
@@ -357,7 +357,7 @@ def test_a_text_beside_an_image_is_refused_or_its_effect_is_said():
         as_array(Random(space))
     filtered = gymnasium.wrappers.FilterObservation(Random(space), ["image", "direction"])
     assert isinstance(as_array(filtered).observation_space, Parts)
-    said = r"images are flattened, and seen by no convolutions: observations\['mission'\] must be a Box, .*, got Text"
+    said = r"images are flattened, so no convolutions read them: observations\['mission'\] must be a Box, .*, got Text"
     with pytest.warns(UserWarning, match=said):
         flat = as_array(Random(Dict(image=BYTES, mission=Text(9))))
     assert not isinstance(flat.observation_space, Parts) and flat.observation_space.shape == (99,)

@@ -113,7 +113,7 @@ def test_all_metrics_are_plain_numbers():
 def test_numbers_that_are_none_stop_the_training():
     env = Choice()
     env.outcome = lambda actions: (np.full(16, np.nan), env.everyone, ~env.everyone)
-    with pytest.raises(FloatingPointError, match=r"the gradient is not finite \(loss nan\): look for rewards"):
+    with pytest.raises(FloatingPointError, match=r"the gradient is not finite \(loss nan\): check for rewards"):
         DR(env, QUICK).update()
 
 

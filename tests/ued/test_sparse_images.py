@@ -89,7 +89,7 @@ def test_spaces_that_are_no_binary_images_are_refused(space, said):
 def test_images_that_do_not_fit_are_refused():
     with pytest.raises(ValueError, match="at most 3 pixels that are not 0, got "):
         SparseImage(BYTES, 3).sparse(images())
-    with pytest.raises(ValueError, match="are 0 or 255, got others"):
+    with pytest.raises(ValueError, match="must be 0 or 255, got other values"):
         SPACE.sparse(images() // 2)
 
 
@@ -202,5 +202,5 @@ def test_a_deployed_policy_sees_images():
 
 def test_cenie_refuses_images_as_coordinates():
     upomdp = SimpleNamespace(agent_observation_space=SPACE, agent_action_space=Discrete(5))
-    with pytest.raises(ValueError, match=r"these have 12,480 \(40 x 52 x 6\)"):
+    with pytest.raises(ValueError, match=r"got 12,480 \(40 x 52 x 6\)"):
         pair_columns(upomdp)

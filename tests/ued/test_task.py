@@ -77,7 +77,7 @@ def test_levels_by_name_need_environments_that_read_them():
 
 
 def test_no_test_has_the_name_of_the_training_distribution():
-    with pytest.raises(ValueError, match="the name of the levels that train"):
+    with pytest.raises(ValueError, match="the name of the training levels"):
         Task(make, {TRAINING_SCENE: np.zeros(3)})
 
 

@@ -216,7 +216,7 @@ class Nested(Walk):
     ("make", "apply", "message"),
     [
         (lambda count: Walk(), "each", r"make_vector\(2\) must return a gymnasium.vector.VectorEnv, got <"),
-        (lambda count: SyncVectorEnv([Walk] * 3), "each", r"make_vector\(2\) must make so many environments, got 3"),
+        (lambda count: SyncVectorEnv([Walk] * 3), "each", r"make_vector\(2\) must make 2 environments, got 3"),
         (lambda count: SyncVectorEnv([Nested] * 2), "each", "observations must be vectors or images of three axes"),
         (sync(MODES[0]), "all", "apply must be a function, 'each', 'arrays' or None, got 'all'"),
     ],

@@ -84,7 +84,7 @@ def test_a_level_reaches_its_own_environment_in_another_process(both):
 
 @pytest.mark.slow
 def test_processes_give_no_state_and_training_resumes_without_it(both, tmp_path):
-    with pytest.raises(NotImplementedError, match='give no state; use vectorization="sync"'):
+    with pytest.raises(NotImplementedError, match='support no state; use vectorization="sync"'):
         both[1].get_state()
     method = Paired(both[1], PPO)
     method.update()

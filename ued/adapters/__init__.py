@@ -1,1 +1,1 @@
-"""Other libraries on either side of the seam: Gymnasium, Stable-Baselines3, TorchRL; mixtures; trained policies."""
+"""Adapters to other libraries: Gymnasium, Stable-Baselines3, TorchRL; mixtures of programs; trained policies."""

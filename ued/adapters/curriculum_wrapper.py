@@ -1,7 +1,7 @@
 """A curriculum inside single Gymnasium environments, for trainers that reset environments as they please.
 
-Stable-Baselines3 and many others know nothing of levels: they call `reset()` when an episode is over. So the
-environment itself asks the curriculum what to play, and tells it what came of it. All environments must live in the
+Stable-Baselines3 and many other trainers do not support levels: they call `reset()` when an episode is over. So the
+environment itself requests levels from the curriculum and reports the results. All environments must run in the
 trainer's process (`DummyVecEnv`, `SyncVectorEnv`). Read next: `examples/with_stable_baselines3.py`.
 """
 
@@ -18,13 +18,13 @@ from ued.core.resumable import Resumable
 
 
 class CurriculumFeed(Resumable):
-    """Hands a curriculum's levels to environments one at a time, and brings it those that are through.
+    """Passes a curriculum's levels to environments one at a time, and returns the finished ones to it.
 
-    The trainer's critic is not known here, so scores that need values are out of reach; and the trainer learns from
-    all that it plays, so robust methods and candidates only looked at are not what their papers describe.
+    It has no access to the trainer's critic, so scores that need values are not supported. The trainer learns from
+    every episode, so robust methods and candidates that are only evaluated differ from their papers.
 
     Args:
-        curriculum: what chooses the levels.
+        curriculum: chooses the levels.
         batch: level records that are collected before the curriculum learns from them.
     """
 
@@ -46,7 +46,7 @@ class CurriculumFeed(Resumable):
         return record
 
     def finish(self, record: np.ndarray) -> None:
-        """Take a record `[1]` with its returns; let the curriculum learn when there are enough."""
+        """Store a record `[1]` with its returns; update the curriculum when there are `batch` of them."""
         self.finished.append(record)
         if len(self.finished) >= self.batch:
             self.metrics = self.curriculum.update(np.concatenate(self.finished))
@@ -54,10 +54,10 @@ class CurriculumFeed(Resumable):
 
 
 class CurriculumWrapper(gymnasium.Wrapper):
-    """An environment that plays the levels of a feed: each for as many whole episodes as its record asks for.
+    """An environment that plays the levels of a feed: each for as many whole episodes as its record specifies.
 
-    `env` is a `UPOMDPWrapper`, bare: whatever wraps it comes on the outside. An episode that the trainer abandons by
-    an early `reset` does not count.
+    `env` is a bare `UPOMDPWrapper`: put other wrappers around this one. An episode that the trainer abandons by an
+    early `reset` does not count.
     """
 
     env: UPOMDPWrapper
@@ -69,9 +69,9 @@ class CurriculumWrapper(gymnasium.Wrapper):
         self.total = 0.0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start an episode on the level whose turn it is; `options["theta"]` and `["level"]` overrule the curriculum.
+        """Start an episode on the current level; `options["theta"]` and `["level"]` override the curriculum.
 
-        All episodes of a visit start from the layout of the level's own seed; `seed` is that of other levels alone.
+        All episodes of a visit start from the layout of the level's own seed; `seed` applies only to other levels.
         """
         self.total = 0.0
         options = options or {}
@@ -85,7 +85,7 @@ class CurriculumWrapper(gymnasium.Wrapper):
         return self.env.reset(seed=seed, options={**options, **level})
 
     def step(self, action: Any) -> tuple[Any, SupportsFloat, bool, bool, dict[str, Any]]:
-        """Step; note the return when the episode is over."""
+        """Step; record the return when the episode is over."""
         observation, reward, terminated, truncated, info = self.env.step(action)
         self.total += float(reward)
         if (terminated or truncated) and self.record is not None:

@@ -62,7 +62,7 @@ class _Levelled(gymnasium.Wrapper):
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode; `options` are the user's own for `reset`."""
         self.start = start
-        with self._telling("the function that applies levels"):
+        with self._level_errors("the function that applies levels"):
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
         if isinstance(returned, dict):
@@ -71,7 +71,7 @@ class _Levelled(gymnasium.Wrapper):
             options = {**options, self.luck: start.luck}
         rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
         given = rule(seed) if callable(rule) else seed if rule else None
-        with self._telling("reset"):
+        with self._level_errors("reset"):
             observation, info = self.env.reset(seed=given, options=options or None)
             if callable(self.luck):
                 seen = self.luck(self.env, start.luck)
@@ -79,7 +79,7 @@ class _Levelled(gymnasium.Wrapper):
             return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        with self._telling("step"):
+        with self._level_errors("step"):
             observation, reward, terminated, truncated, info = self.env.step(action)
             return self._checked(observation), reward, terminated, truncated, info
 
@@ -87,11 +87,11 @@ class _Levelled(gymnasium.Wrapper):
         """Return an observation. Raises `ValueError` unless it has the shape of the space."""
         shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
         if shape != self._shape and self._shape is not None:
-            raise ValueError(f"the observation has shape {shape}, observation_space says {self._shape}")
+            raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
         return observation
 
     @contextmanager
-    def _telling(self, what: str) -> Iterator[None]:
+    def _level_errors(self, what: str) -> Iterator[None]:
         """Raise any exception as a `LevelError`."""
         try:
             yield
@@ -243,7 +243,7 @@ class _Slot(_Levelled):
         if options is None:  # a vector environment resets on its own account
             return self.env.reset(seed=seed)[0], {}
         theta, seeds, luck, begins = options["starts"]  # [N, D], [N], [N], [N]
-        if not begins[self.index]:  # the first reset of a batch asks all
+        if not begins[self.index]:  # the first reset of a batch resets all
             self._last = np.zeros(self.observation_space.shape, self.observation_space.dtype)
             return self._last, {}
         start = Start(theta[self.index].copy(), int(seeds[self.index]), int(luck[self.index]))
@@ -364,11 +364,11 @@ class GymUPOMDP(UPOMDP):
         return self._observations.copy()
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        self._observations, rewards, _, _, told = self.vector.step(actions)
-        terminated, truncated = (np.array(told.get(end, self._going_on), bool) for end in ENDS)
+        self._observations, rewards, _, _, infos = self.vector.step(actions)
+        terminated, truncated = (np.array(infos.get(end, self._going_on), bool) for end in ENDS)
         self._check_finite("a reward", rewards)
         self._check_finite("an observation", self._observations)
-        info = {"success": self._success(told)}
+        info = {"success": self._success(infos)}
         return self._observations.copy(), rewards, terminated, truncated, info
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
@@ -379,13 +379,13 @@ class GymUPOMDP(UPOMDP):
         level = level_in_words(self.theta_map, self.levels["theta"][index], int(self.levels["seed"][index]))
         raise LevelError(f"environment {index} returned {what} that is not finite: {numbers[index]} ({level})")
 
-    def _success(self, told: Mapping[str, Any]) -> np.ndarray:
+    def _success(self, infos: Mapping[str, Any]) -> np.ndarray:
         """Return `info["success"]` `[N]` from the infos of the environments, NaN where one does not report it."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
-            if name in told:
-                says = told.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[says] = np.asarray(told[name], float)[says]
+            if name in infos:
+                reported = infos.get(f"_{name}", np.ones(self.num_envs, bool))
+                success[reported] = np.asarray(infos[name], float)[reported]
         return success
 
     supports_state = False  # Python objects
@@ -393,7 +393,7 @@ class GymUPOMDP(UPOMDP):
     def get_state(self) -> dict[str, Any]:
         """Return the whole state; the environments are Python objects, copied deeply."""
         if self.vectorization == "async":
-            raise NotImplementedError('environments in processes of their own give no state; use vectorization="sync"')
+            raise NotImplementedError('environments in other processes support no state; use vectorization="sync"')
         try:
             envs = copy.deepcopy(self.vector)
         except Exception as error:  # whatever the environments hold: windows, clocks, connections
@@ -422,7 +422,7 @@ class GymUPOMDP(UPOMDP):
         return twin
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return what each environment shows of itself, if it was made with a `render_mode`."""
+        """Return the rendered frame of each environment, if it was made with a `render_mode`."""
         return self.vector.render()
 
     def close_extras(self, **kwargs: Any) -> None:

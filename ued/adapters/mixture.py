@@ -1,8 +1,8 @@
 """Several programs in one UPOMDP: levels of different games in one batch, the game a part of the level.
 
-So a curriculum chooses among skills as it chooses among levels (thesis, section 5.1): the first column of θ says which
-program, cut evenly as a discrete choice, and the others are that program's own, as many as it has. Every method works
-on it as it stands. Read next: `core.upomdp`.
+So a curriculum chooses among skills as it chooses among levels (thesis, section 5.1). The first column of θ is a
+uniform choice of the program; the others are the columns of that program. Every method works on a mixture without
+changes. Read next: `core.upomdp`.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from ued.core.upomdp import UPOMDP
 
 
 class Mixture(UPOMDP):
-    """N environments, each of which plays whichever of K programs its level asks for.
+    """N environments, each of which plays the one of K programs that its level selects.
 
     Args:
-        members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. They
-            belong to the mixture from then on; environments on the level of another program are `idle`.
+        members: K UPOMDPs of N environments each, with as many agents, equal action spaces and flat observations. The
+            mixture then owns them; environments on the level of another program are `idle`.
         names: of the programs.
 
-    θ has 1 + max D columns: "program", and "1", "2", ... which mean what the program's own columns mean, in their
-    order (`describe` tells); a program of fewer columns ignores the rest. Observations are those of the program,
-    padded with zeros to the longest, and a one-hot of the program behind, for each agent. If they are of equal parts
-    (`core.parts`), those of the mixture know them, and convolutions find their images. Where `only` is the index of
-    a program, that one is played whatever θ says: a test of it, seen as students of the mixture see it.
+    θ has 1 + max D columns: "program", and "1", "2", ... which are the columns of the program in their order (see
+    `describe`); a program of fewer columns ignores the rest. Observations are those of the program, padded with zeros
+    to the longest, followed by a one-hot of the program, for each agent. If all programs have equal parts
+    (`core.parts`), the mixture has these parts too, so that convolutions read their images. If `only` is the index of a
+    program, every level plays that program: a test of it with the observations of the mixture.
 
     Raises:
         ValueError: members that do not go together.
@@ -59,13 +59,13 @@ class Mixture(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The largest limit of the programs, where all of them have one."""
+        """The largest limit of the programs; None unless all of them have one."""
         limits = [member.max_episode_steps for member in self.members]
         return None if None in limits else max(limit for limit in limits if limit is not None)
 
     @property
     def observation_scale(self) -> np.ndarray:
-        """Of each entry, the least of what counts in any of the programs; 0 if one does not know."""
+        """The smallest scale of each entry in any of the programs; 0 if one of them does not define it."""
         units = np.ones((len(self.members), self.width + len(self.members)))  # [K, F]
         for k, member in enumerate(self.members):
             unit = member.observation_scale
@@ -98,7 +98,7 @@ class Mixture(UPOMDP):
     def make_levels(self, theta: Any) -> np.ndarray:
         levels = super().make_levels(theta)
         levels["program"] = self.program_of(levels["theta"])
-        for k, member in enumerate(self.members):  # the columns behind mean what the member's mean
+        for k, member in enumerate(self.members):  # the other columns are those of the member
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
             levels["theta"][mine, own] = quantize(levels["theta"][mine, own], member.parameters)
             if member.seeds is not None:
@@ -107,7 +107,7 @@ class Mixture(UPOMDP):
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         edited, program = theta.copy(), self.program_of(theta)
-        for k, own in enumerate(self.program_parameters):  # the columns behind mean what the member's mean
+        for k, own in enumerate(self.program_parameters):  # the other columns are those of the member
             mine, columns = program == k, (self.parameters[0], *own, *self.parameters[1 + len(own) :])
             edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
         return edited
@@ -150,7 +150,7 @@ class Mixture(UPOMDP):
             member.prefetch(self._of_member(k, levels[program == k]))
 
     def _see(self, k: int, observations: np.ndarray, where: np.ndarray, into: np.ndarray) -> None:
-        """Put observations of program k, of the environments `where`, in their places."""
+        """Write the observations of program k in the environments `where` to their rows."""
         into[where] = 0.0
         into[where, ..., : self.sizes[k]] = observations[where]
         into[where, ..., self.width + k] = 1.0
@@ -192,7 +192,7 @@ class Mixture(UPOMDP):
         return self._observations.copy()
 
     def resized(self, num_envs: int) -> Mixture:
-        """Return a mixture of the same programs, not yet reset, with so many environments; members must be able to."""
+        """Return a mixture of the same programs with `num_envs` environments, not yet reset; members need `resized`."""
         members: list[Any] = list(self.members)
         return Mixture([member.resized(num_envs) for member in members], self.program_names, self.only)
 
@@ -207,7 +207,7 @@ class Mixture(UPOMDP):
 
 
 def _with_parts(spaces: Sequence[Space]) -> Parts | None:
-    """Return the space of observations with a one-hot of the program behind them; None unless all know equal parts."""
+    """Return the space of observations followed by a one-hot of the program; None unless all have equal parts."""
     parts = [space for space in spaces if isinstance(space, Parts)]
     if len(parts) < len(spaces) or any(part.parts != parts[0].parts for part in parts):
         return None

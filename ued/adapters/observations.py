@@ -18,7 +18,7 @@ from ued.core.parts import Parts, has_images
 def as_array(env: gymnasium.Env) -> gymnasium.Env:
     """Return an environment whose observations are vectors or images: others are flattened.
 
-    Vectors made of a `Dict` or `Tuple` with images know their parts; see `core.parts`. Grey images get an axis of one
+    Vectors made of a `Dict` or `Tuple` with images have the space `core.parts.Parts`. Gray images get an axis of one
     channel. Raises `ValueError` for observations of no fixed size.
     """
     space = env.observation_space
@@ -38,12 +38,12 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
         try:
             return _PartsObservation(env)
         except ValueError as error:
-            warnings.warn(f"images are flattened, and seen by no convolutions: {error}", stacklevel=2)
+            warnings.warn(f"images are flattened, so no convolutions read them: {error}", stacklevel=2)
     return gymnasium.wrappers.FlattenObservation(env)
 
 
 class _PartsObservation(gymnasium.ObservationWrapper):
-    """Write a `Dict` or `Tuple` with images as vectors that know their parts."""
+    """Flatten a `Dict` or `Tuple` with images into vectors of the space `Parts`."""
 
     def __init__(self, env: gymnasium.Env) -> None:
         super().__init__(env)
@@ -56,7 +56,7 @@ class _PartsObservation(gymnasium.ObservationWrapper):
 
 
 def has_fixed_size(space: gymnasium.Space) -> bool:
-    """Return whether what is in a space can be written as a vector; spaces of other packages may not say."""
+    """Return whether values of a space can be written as a vector; False if the space does not define it."""
     try:
         return space.is_np_flattenable
     except NotImplementedError:

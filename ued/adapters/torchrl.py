@@ -49,8 +49,8 @@ class TorchRLEnv(EnvBase):
         self.done_spec = Composite(ends, shape=[count])
 
     def _reset(self, tensordict: TensorDictBase | None = None, **_: Any) -> TensorDictBase:
-        asked = None if tensordict is None else tensordict.get("_reset", None)
-        where = np.ones(self.upomdp.num_envs, bool) if asked is None else asked.flatten().numpy()
+        mask = None if tensordict is None else tensordict.get("_reset", None)
+        where = np.ones(self.upomdp.num_envs, bool) if mask is None else mask.flatten().numpy()
         if where.any():
             self._now = self.upomdp.start_next(where)
         return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]), self.batch_size)
@@ -59,9 +59,9 @@ class TorchRLEnv(EnvBase):
         action = tensordict["action"].numpy() + self.first
         self._now, reward, terminated, truncated, _ = self.upomdp.advance(action)
         ends = {"terminated": terminated, "truncated": truncated, "done": terminated | truncated}
-        told = {name: torch.as_tensor(value)[:, None] for name, value in ends.items()}
-        told["reward"] = torch.as_tensor(reward, dtype=torch.float32)[:, None]
-        return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]) | told, self.batch_size)
+        results = {name: torch.as_tensor(value)[:, None] for name, value in ends.items()}
+        results["reward"] = torch.as_tensor(reward, dtype=torch.float32)[:, None]
+        return TensorDict(self._observe(self._now, self.upomdp.levels["theta"]) | results, self.batch_size)
 
     def _observe(self, seen: Any, theta: np.ndarray) -> dict[str, Tensor]:
         return {

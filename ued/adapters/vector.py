@@ -1,10 +1,10 @@
-"""A Gymnasium vector environment of somebody else as a UPOMDP: levels of a batch that steps itself.
+"""Any Gymnasium vector environment as a UPOMDP.
 
     upomdp = VectorUPOMDP(lambda n: gymnasium.make_vec("CartPole-v1", n), put, {"length": (0.2, 2.0)}, num_envs=64)
 
 Levels are chosen in every `AutoresetMode`. An environment whose episode ended is reset on its next level at once, by
-`options["reset_mask"]`, before any other step. So a pending automatic reset (NEXT_STEP) takes no step, and nobody plays
-the episode that one has begun (SAME_STEP). Read next: `adapters.gym`, for single environments.
+`options["reset_mask"]`, before any other step. So a pending automatic reset (NEXT_STEP) takes no step, and the episode
+that an automatic reset has started (SAME_STEP) is not played. Read next: `adapters.gym`, for single environments.
 """
 
 from __future__ import annotations
@@ -31,18 +31,17 @@ class VectorUPOMDP(UPOMDP):
     """N environments of a vector environment, each with its own level.
 
     Args:
-        make_vector: makes a vector environment of so many environments: `make_vector(num_envs)`.
-        apply: how levels get into it: `apply(vector, where, values)`, called before each reset with the indices `[k]`
-            of the environments to be reset and the values of their levels, k dicts; a dict that it returns becomes the
-            options of the reset. "each": every environment is reset alone, with its values as its options, as
-            environments of `SyncVectorEnv` and `AsyncVectorEnv` can read them. "arrays": one reset, whose options hold
-            an array `[N]` for each parameter, as batches that are simulated together may read them. None: levels have
-            no values to apply.
+        make_vector: `make_vector(num_envs)` makes a vector environment of `num_envs` environments.
+        apply: `apply(vector, where, values)` applies levels before each reset. Its arguments are the indices `[k]` of
+            the environments to be reset and the values of their levels, k dicts; a dict that it returns becomes the
+            options of the reset. "each": every environment is reset alone, with its values as its options, for
+            environments of `SyncVectorEnv` and `AsyncVectorEnv`. "arrays": one reset, whose options hold an array
+            `[N]` for each parameter, for batches that are simulated together. None: levels have no values to apply.
         theta: as for `GymUPOMDP`.
         num_envs: N.
         valid: returns whether a level with these values is valid; None: all are.
         seed_episodes: whether `reset(seed=)` gets a seed for each environment; otherwise levels are θ alone.
-        luck: whether what `reset(seed=)` draws is luck, new in each episode, and not a part of the level.
+        luck: whether the draws of `reset(seed=)` are luck, new in each episode, instead of a part of the level.
 
     Raises:
         ValueError: a vector environment of another size, of observations that are no vectors or images, or that
@@ -80,7 +79,7 @@ class VectorUPOMDP(UPOMDP):
         spec = getattr(self.vector, "spec", None)
         self.max_episode_steps = getattr(spec, "max_episode_steps", None)
         self._observations: Any = None  # until the first reset; the last ones of episodes that ended
-        self._its_own: Any = None  # those of the batch, which may have begun other episodes
+        self._its_own: Any = None  # those of the batch, which may have started other episodes
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level.
@@ -93,7 +92,7 @@ class VectorUPOMDP(UPOMDP):
     # ------------------------------------------------------------ the environments
 
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
-        begins = where if self._observations is not None else np.arange(self.num_envs)  # the first reset is of all
+        begins = where if self._observations is not None else np.arange(self.num_envs)  # the first reset resets all
         if len(begins):
             luck = np.zeros(self.num_envs, np.uint64)
             luck[begins] = self.luck_seeds(begins)
@@ -109,7 +108,7 @@ class VectorUPOMDP(UPOMDP):
     def _reset(self, where: np.ndarray, values: Sequence[Any], seeds: np.ndarray) -> None:
         """Reset the environments `where` `[k]` to levels with these values `[k]` and seeds `[N]`."""
         if self.apply == EACH:
-            if self._its_own is None:  # a batch must know all observations before a part is reset
+            if self._its_own is None:  # a batch needs all observations before a partial reset
                 self._its_own = np.array(self.vector.reset()[0])
                 self._observations = self._its_own.copy()
             for env, own in zip(where.tolist(), values, strict=True):
@@ -152,35 +151,37 @@ class VectorUPOMDP(UPOMDP):
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         try:
-            seen, rewards, terminated, truncated, told = self.vector.step(actions)
+            seen, rewards, terminated, truncated, infos = self.vector.step(actions)
         except Exception as error:  # whatever the user's code raises
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         ended, observations = terminated | truncated, np.array(seen)
         self._its_own = observations.copy()
         if self.mode == AutoresetMode.SAME_STEP and ended.any():
-            observations[ended] = self._final_observations(told, ended)
-            told = told.get("final_info", {})
+            observations[ended] = self._final_observations(infos, ended)
+            infos = infos.get("final_info", {})
         self._observations = observations
         self._check_finite("a reward", np.asarray(rewards))
         self._check_finite("an observation", observations)
-        info = {"success": self._success(told, ended)}
+        info = {"success": self._success(infos, ended)}
         return observations.copy(), np.array(rewards, np.float64), terminated, truncated, info
 
-    def _final_observations(self, told: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
+    def _final_observations(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
         """Return the last observations of the episodes that ended, `[k, ...]`, which a reset has replaced."""
-        last = told.get("final_obs")
+        last = infos.get("final_obs")
         if last is None:
-            raise LevelError(f"{self.vector} resets in the same step, so its info must have 'final_obs', got {[*told]}")
+            raise LevelError(
+                f"{self.vector} resets in the same step, so its info must have 'final_obs', got {[*infos]}"
+            )
         return np.stack([np.asarray(last[env]) for env in np.flatnonzero(ended)])
 
-    def _success(self, told: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
+    def _success(self, infos: Mapping[str, Any], ended: np.ndarray) -> np.ndarray:
         """Return `info["success"]` `[N]` of episodes that ended, NaN where the environments do not report it."""
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
-            if name in told:
-                says = ended & told.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[says] = np.asarray(told[name], float)[says]
+            if name in infos:
+                reported = ended & infos.get(f"_{name}", np.ones(self.num_envs, bool))
+                success[reported] = np.asarray(infos[name], float)[reported]
         return success
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
@@ -201,7 +202,7 @@ class VectorUPOMDP(UPOMDP):
     def _level(self, env: int) -> str:
         return level_in_words(self.theta_map, self.levels["theta"][env], int(self.levels["seed"][env]))
 
-    # ------------------------------------------------------------ others of its kind
+    # ------------------------------------------------------------ copies
 
     def resized(self, num_envs: int) -> VectorUPOMDP:
         """Return a UPOMDP with `num_envs` environments of the same kind, not yet reset, with its own stream."""
@@ -209,14 +210,14 @@ class VectorUPOMDP(UPOMDP):
         return VectorUPOMDP(self.make_vector, self.apply, self._theta, num_envs, *rules)
 
     def copy(self) -> VectorUPOMDP:
-        """Return a copy that begins the episodes of its levels anew: vector environments have no common state."""
+        """Return a copy that restarts the episodes of its levels, since vector environments have no common state."""
         twin = self.resized(self.num_envs)
         twin.np_random.bit_generator.state = self.np_random.bit_generator.state
         twin.reset_to_levels(self.levels, None, self.visits, self.episodes)
         return twin
 
     def render(self) -> tuple[Any, ...] | None:
-        """Return what each environment shows of itself, if it was made with a `render_mode`."""
+        """Return the rendered frame of each environment, if it was made with a `render_mode`."""
         return self.vector.render()
 
     def close_extras(self, **kwargs: Any) -> None:
@@ -224,11 +225,11 @@ class VectorUPOMDP(UPOMDP):
 
 
 def _mode_of(vector: Any, num_envs: int) -> AutoresetMode:
-    """Return when a vector environment resets by itself. Raises `ValueError` for one that cannot play levels."""
+    """Return the autoreset mode of a vector environment. Raises `ValueError` for one that cannot play levels."""
     if not isinstance(vector, VectorEnv):
         raise ValueError(f"make_vector({num_envs}) must return a gymnasium.vector.VectorEnv, got {vector!r}")
     if vector.num_envs != num_envs:
-        raise ValueError(f"make_vector({num_envs}) must make so many environments, got {vector.num_envs}")
+        raise ValueError(f"make_vector({num_envs}) must make {num_envs} environments, got {vector.num_envs}")
     space = vector.single_observation_space
     if not isinstance(space, Box) or len(space.shape) not in (1, 3):
         raise ValueError(

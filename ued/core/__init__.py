@@ -1,1 +1,1 @@
-"""The seam between environments and methods: parameters, levels, `UPOMDP`, `Curriculum`, `Task`; checkpoints, seeds."""
+"""Interface of environments and methods: parameters, levels, `UPOMDP`, `Curriculum`, `Task`; checkpoints, seeds."""

@@ -1,6 +1,6 @@
-"""Untrained policies, for scale: a student that does not beat them has learned nothing.
+"""Untrained policies as baselines: a student that does not beat them has learned nothing.
 
-Read next: `core.task`, whose `baselines` they are; `evaluation`, which plays them.
+Read next: `core.task`, which lists them as `baselines`; `evaluation`, which plays them.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Policy(Protocol):
-    """What `evaluate` plays: a student, or one of these."""
+    """The interface of policies that `evaluate` plays: a student, or one of these."""
 
     def empty_memory(self, num_envs: int) -> Any: ...
     def play(self, observation: Any, generator: Any, greedy: bool = False, memory: Any = None) -> Any:
@@ -22,15 +22,16 @@ class Policy(Protocol):
 
 
 def within(policy: Any, upomdp: Any) -> Any:
-    """Return a policy for the environments that it is about to play in.
+    """Return a policy bound to the environments that it plays in.
 
-    A policy that reads their state, more than it observes, has a method `within(upomdp)`; others play in any.
+    A policy that reads their state, beyond observations, has a method `within(upomdp)`; other policies are returned as
+    they are.
     """
     return policy.within(upomdp) if hasattr(policy, "within") else policy
 
 
 def stage_of(policy: Any, upomdp: Any) -> Any:
-    """Return the environments that a policy plays in: these, or for a `ScriptedPolicy` a copy that plays by itself."""
+    """Return the environments that a policy plays in: for a `ScriptedPolicy`, a copy that plays its script."""
     return upomdp.with_scripted_policy() if isinstance(policy, ScriptedPolicy) else upomdp
 
 
@@ -45,7 +46,7 @@ class Untrained:
 
 
 class ScriptedPolicy(Untrained):
-    """What the environment does by itself in the agents' place, see `UPOMDP.with_scripted_policy`; `evaluate` plays it.
+    """The environment's scripted policy, see `UPOMDP.with_scripted_policy`; `evaluate` plays it.
 
     Args:
         agents: () for one agent, (A,) for a team.
@@ -60,7 +61,7 @@ class ScriptedPolicy(Untrained):
 
 
 class SampledPolicy(Untrained):
-    """Sample actions from their space of any kind, uniformly where it is bounded."""
+    """Sample actions from any action space; uniform where the space is bounded."""
 
     def __init__(self, action_space: Space) -> None:
         self.space = action_space

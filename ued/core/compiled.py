@@ -1,11 +1,11 @@
-"""What a trainer hands to a simulator that plays whole rollouts in one kernel: plain records of arrays.
+"""Arguments of a simulator that plays whole rollouts in one kernel: plain records of arrays.
 
 A rollout in Python calls the network and the environments once per step. For small networks and fast simulators these
 calls take most of the time. `UPOMDP.play` takes a `CompiledRollout` instead and plays many steps in one call: it acts,
-steps, notes what happened, and starts the next episodes on levels at hand. It returns where a level is needed that is
-not at hand. Kernels for all of this but the step are in `regista.kernels.rollout`.
+steps, records the results, and starts the next episodes on the levels passed to it. It returns when it needs another
+level. `regista.kernels.rollout` has kernels for all of this except the step.
 
-Letters: `T` steps, `N` environments, `A` agents, `F` features of an observation, `K` levels at hand, `P` policies (1 or
+Letters: `T` steps, `N` environments, `A` agents, `F` features of an observation, `K` levels passed, `P` policies (1 or
 A), `W` width of a memory. Read next: `learning.compiled`, which makes these records.
 """
 
@@ -18,13 +18,13 @@ import numpy as np
 LANES = 16  # rows that a network evaluates together
 SCRATCH = 5  # arrays that it needs for that
 
-# A layer: whether tanh follows, or whether this is what a GRU reads and the next one what it recalls; where its matrix
-# `[outputs, inputs]` and its bias begin in the weights, and its size.
+# A layer: whether tanh follows, or whether it is the input layer of a GRU, followed by the recurrent one; where its
+# matrix `[outputs, inputs]` and its bias begin in the weights, and its size.
 LAYER = np.dtype(
     [("tanh", np.bool_), ("gru", np.bool_)] + [(name, np.int64) for name in ("matrix", "bias", "inputs", "outputs")]
 )
-# Where a kernel is: the `step` of the rollout, the step `until` which it plays, how many levels at hand are `taken`, at
-# most `most`, how many `events` there are; and why it stopped early: it `needs_level`, or an environment has `failed`.
+# Progress of a kernel: the `step` of the rollout, the step `until` which it plays, how many levels are `taken`, at most
+# `most`, how many `events` there are; and why it stopped early: it `needs_level`, or an environment has `failed`.
 COUNTERS = np.dtype(
     [(name, np.int64) for name in ("step", "until", "taken", "most", "events")]
     + [("needs_level", np.bool_), ("failed", np.bool_)]
@@ -73,10 +73,10 @@ class Steps(NamedTuple):
 
 
 class Envs(NamedTuple):
-    """What changes while environments are played."""
+    """The mutable state of environments during a rollout."""
 
-    observation: np.ndarray  # [N, A, F] float32, the present one: the simulator writes it
-    action: np.ndarray  # [N, A] int64, what the agents do in this step
+    observation: np.ndarray  # [N, A, F] float32, current; the simulator writes it
+    action: np.ndarray  # [N, A] int64, of this step
     memory: np.ndarray  # [N, W] float32
     returns: np.ndarray  # [N] float64, of the open episodes
     lengths: np.ndarray  # [N] int64
@@ -96,7 +96,7 @@ class Envs(NamedTuple):
 
 
 class Levels(NamedTuple):
-    """The levels at hand, in the order in which environments take them."""
+    """The levels passed to a kernel, in the order in which environments take them."""
 
     start: np.ndarray  # [K] int64, the row under which the simulator has prepared the level; negative: it has not
     seed: np.ndarray  # [K] uint64
@@ -114,11 +114,11 @@ class Events(NamedTuple):
     returns: np.ndarray  # float64
     length: np.ndarray  # int64
     success: np.ndarray  # float64
-    taken: np.ndarray  # int64, the level at hand that the environment took then; -1: none
+    taken: np.ndarray  # int64, index of the level that the environment then took; -1: none
 
 
 class CompiledRollout(NamedTuple):
-    """All of it."""
+    """All arguments of `UPOMDP.play`."""
 
     policy: Policy
     steps: Steps

@@ -1,4 +1,4 @@
-"""The interface between a curriculum, which chooses levels, and a trainer, ours or yours, which trains on them.
+"""The interface between a curriculum, which chooses levels, and any trainer, which trains on them.
 
     records = curriculum.propose(num_envs)     # levels to play, and whether to learn from them
     ...                                        # play them; fill in records["returns"] and other results
@@ -6,7 +6,7 @@
 
 A curriculum has no environment, no network of a student and no rollout. DR, PLR, ACCEL, SFL, NCC, ALP-GMM, minimax,
 self-regret and PAIRED's teacher are curricula. Read next: `methods.method`, our trainer; `methods`, the curricula;
-`examples` for other people's trainers.
+`examples`, with other trainers.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def need_vector(space: LevelSpace) -> None:
 
 
 class ThetaSpace(LevelSpace, Resumable):
-    """Levels θ in [-1, 1]^D for a trainer of your own, without a `UPOMDP`.
+    """Levels θ in [-1, 1]^D for your own trainer, without a `UPOMDP`.
 
     Args:
         dim: D, or the parameters, as for `theta` of `GymUPOMDP`.
@@ -86,7 +86,7 @@ class ThetaSpace(LevelSpace, Resumable):
 
 
 class RandomLevelPool(Resumable):
-    """Random levels, sampled in blocks: a block is validated in hardly more time than one level."""
+    """Random levels, sampled in blocks: validating a block takes little more time than validating one level."""
 
     state_fields = ("levels",)
 

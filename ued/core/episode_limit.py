@@ -1,4 +1,4 @@
-"""After how many steps an environment ends an episode, where it says so. Read next: `adapters.gym`."""
+"""The maximum episode length that an environment declares. Read next: `adapters.gym`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Levels that are not vectors of parameters: what a family of them must do, and what it may do for adversaries.
+"""Levels that are not vectors of parameters: the interface of a family, and its optional part for adversaries.
 
 Every family can be sampled and mutated, which is enough for DR, PLR, ACCEL and SFL. Adversaries (PAIRED, REPAIRED,
 minimax, self-regret) need one of two further attributes:
@@ -18,14 +18,14 @@ import numpy as np
 
 @runtime_checkable
 class LevelFamily(Protocol):
-    """Levels of your own that are not vectors of parameters: mazes, tracks, graphs.
+    """Levels that are not vectors of parameters: mazes, tracks, graphs.
 
     A level may be any object; its code, numbers in [-1, 1], is stored and compared. Equal levels have equal codes.
     Four attributes are optional:
         parameters: a mapping from the name of each column of a code, in their order, to its `Range`, `LogRange`,
             `Integer`, `Choice` or a pair (low, high). An adversary then chooses a value for each column, and `decode`
             makes a level of them. It sets a column of K values to the center of one of the K equal parts of [-1, 1].
-            The weights of a `Choice` are the probabilities with which the adversary begins.
+            The weights of a `Choice` are the adversary's initial probabilities.
         builder: a `LevelBuilder`.
         simplest: `simplest(rng)` samples a level from which edits may begin, such as an empty room (Parker-Holder et
             al. 2022, section 3): `--accel.new-levels simplest`.
@@ -55,9 +55,9 @@ class LevelFamily(Protocol):
 class LevelBuilder(Protocol):
     """The steps in which an adversary builds levels, for n levels at a time (Dennis et al. 2020, section 5).
 
-    Levels under construction are one object of any type, which `apply` may change in place. What is left to chance must
-    follow from a level's luck, since the adversary keeps the luck and the actions of a level and builds it again when
-    its score is known.
+    Levels under construction are one object of any type, which `apply` may change in place. All randomness must follow
+    from a level's luck, since the adversary stores the luck and the actions of a level and rebuilds it when its score
+    is available.
 
     Attributes:
         steps: number of steps K, the same for all levels.
@@ -77,9 +77,9 @@ class LevelBuilder(Protocol):
         """Return the levels after an action in each, int64 `[n]` from 0 to A - 1."""
 
     def observe(self, levels: Any) -> np.ndarray:
-        """Return what the adversary sees of the levels, `[n, F]` in about [-1, 1].
+        """Return the adversary's observations of the levels, `[n, F]` in about [-1, 1].
 
-        The number of the step and a random vector are added to it.
+        The step number and a random vector are appended to them.
         """
 
     def codes(self, levels: Any) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Atomic writes: a file has its new content or its old one, even after a crash.
+"""Atomic writes: even after a crash, a file has either its new content or its old one.
 
 Read next: `checkpoint`, the largest of them.
 """

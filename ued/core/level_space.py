@@ -76,16 +76,16 @@ def luck_seed(seed: int, visit: int = 0, episode: int = 0) -> int:
 class LevelSpace:
     """The space of levels: all that a curriculum needs from environments. Every `UPOMDP` is one.
 
-    Subclasses set `parameters` and define `_stream`, and if they support them `valid` and `describe`.
+    Subclasses set `parameters` and define `_stream`; they may define `valid` and `describe`.
 
     Attributes:
-        parameters: what the D columns of θ are: name, low, high, for a program the place in its text; see `parameters`.
-        level_family: where levels are not vectors of parameters, samples and mutates them; θ are then their codes.
+        parameters: the D columns of θ: name, low, high, and for a program the position in its text; see `parameters`.
+        level_family: samples and mutates levels that are not vectors of parameters; θ are then their codes.
         program_names: names of the K programs of a `mixture`; a level's `program` is an index into them. Empty for a
             single program.
         program_parameters: for each of these programs its columns of θ, which follow column 0, the program.
-        seeds: where levels are seeds alone, the available ones; a level's seed then follows from its θ.
-        seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed
+        seeds: the available seeds, if levels differ only by seed; a level's seed then follows from its θ.
+        seed_is_luck: whether θ alone determines the layout, and the level's seed only its luck. Otherwise the seed also
             determines the layout, and two levels of the same θ differ.
         theta_map: defines `valid` and `describe`, such as a program or a `parameters.ThetaMap`; None: all levels are
             valid, and values are linear between low and high.

@@ -1,8 +1,8 @@
-"""Functions and classes of yours by name: `module:name` or `file.py:name`, as scores of levels and networks are given.
+"""User code by name, `module:name` or `file.py:name`: scores of levels and networks.
 
-Whoever names one in Python or on a command line has chosen to run it. A file from somebody else may name one, too: what
-reads files calls `note_read`, and `load` then asks `checks` before it imports anything. Read next: `levels.scores`,
-`learning.own_network`; `regista.experiments.run.trust`, the rules of the command line.
+A user who names code in Python or on a command line has chosen to run it. A file of another user may also name code. So
+code that reads files calls `note_read`, and `load` then calls `checks` before it imports anything. Read next:
+`levels.scores`, `learning.own_network`; `regista.experiments.run.trust`, the rules of the command line.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
 
 
 class OwnCodeError(ValueError):
-    """Code of the user that is missing, fails, or returns something else; one sentence says what is right."""
+    """User code that is missing, fails, or returns a wrong value; one sentence says what is expected."""
 
 
 def _refuse(name: str) -> None:
@@ -33,7 +33,7 @@ _noted: set[str] = set()  # names that were read from a file
 
 
 def is_name(text: str) -> bool:
-    """Return whether a text names code of the user: it has a colon, which no name of ours has."""
+    """Return whether a text names user code: it has a colon, which no built-in name has."""
     return bool(NAME.fullmatch(text))
 
 
@@ -44,7 +44,7 @@ def canonical(name: str) -> str:
 
 
 def note_read(*names: str) -> None:
-    """Note that a file names this code: it is checked before it is loaded."""
+    """Record that a file names this code, so that it is checked before it is loaded."""
     _noted.update(map(canonical, names))
 
 
@@ -54,18 +54,18 @@ def is_noted(name: str) -> bool:
 
 
 def permit(name: str) -> None:
-    """Let code run that a file names: the user said so."""
+    """Allow code that a file names: the user has confirmed it."""
     _noted.discard(canonical(name))
 
 
 def check(name: str) -> None:
-    """Raise an error for code that a file names and that may not run, that of the last one of `checks`."""
+    """Raise the error of the last one of `checks` for code that a file names and that may not run."""
     if is_noted(name):
         checks[-1](canonical(name))
 
 
 def load(name: str) -> Any:
-    """Return what a name stands for, and import its file or module if necessary.
+    """Return the object of a name; import its file or module if necessary.
 
     Raises `OwnCodeError` if it is missing or cannot be imported, and the error of a check for a name from a file.
     """

@@ -11,11 +11,11 @@ Colour = tuple[int, int, int]
 
 
 class ScenePainter(Protocol):
-    """Look of a domain's levels. Positions are in meters, +y up.
+    """Appearance of a domain's levels. Positions are in meters, +y up.
 
-    Two more attributes are optional, bool `[K]`, by default of no point. `tiles` are squares that stay where they are
-    throughout an episode, such as walls; their radius is half a side. `details` belong to a scene alone: recordings
-    show no path of them, and maps of many levels leave them out.
+    Two masks are optional, bool `[K]`, by default all False. `tiles` marks squares that do not move during an episode,
+    such as walls; their radius is half a side. `details` marks points that only pictures of single scenes show:
+    recordings draw no path of them, and maps of many levels omit them.
     """
 
     bounds: tuple[float, float, float, float]  # of initial positions: x low, x high, y low, y high
@@ -42,7 +42,7 @@ def tiles_of(painter: ScenePainter) -> np.ndarray:
 
 
 def details_of(painter: ScenePainter) -> np.ndarray:
-    """Return which points of a painter belong to scenes alone: bool `[K]`."""
+    """Return which points of a painter only pictures of single scenes show: bool `[K]`."""
     return np.asarray(getattr(painter, "details", np.zeros(len(painter.classes), bool)))
 
 

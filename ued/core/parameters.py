@@ -5,8 +5,8 @@
 A column with finitely many values divides [-1, 1] into cells, whose widths are proportional to the probabilities of the
 values. Every θ in a cell is the same value, and levels hold its center, so that equal levels have equal θ. Methods use
 these `Cells`: edits and adversaries draw values, entropy counts them. None depends on the order of a choice's options.
-Read next: `cells`; `families`, levels that are not vectors; `upomdp`, the seam; `adapters.gym`, which puts values into
-environments.
+Read next: `cells`; `families`, levels that are not vectors; `upomdp`, the interface; `adapters.gym`, which applies
+values to environments.
 """
 
 from __future__ import annotations
@@ -201,8 +201,8 @@ class Seeds:
         whole = all(isinstance(x, int) and not isinstance(x, bool) for x in (self.count, self.first))
         if not whole or self.count < 1 or self.first < 0 or self.first + self.count > 2**31:
             raise ValueError(
-                f"Seeds(count, first) needs a count from 1 on and seeds from 0 to 2**31 - 1, got {self.count!r} seeds "
-                f"from {self.first!r} on"
+                f"Seeds(count, first) needs a count of at least 1 and seeds from 0 to 2**31 - 1, got {self.count!r} "
+                f"seeds from {self.first!r}"
             )
 
     @property
@@ -313,7 +313,7 @@ def numbered(name: str, count: int) -> tuple[Column, ...]:
 
 
 def columns_of(kinds: Mapping[str, Any]) -> tuple[Column, ...]:
-    """Return columns of these names and kinds. Raises `ValueError` for something that is no kind."""
+    """Return columns of these names and kinds. Raises `ValueError` for an invalid kind."""
     return tuple(Column(name, _kind(name, about)) for name, about in kinds.items())
 
 
@@ -328,7 +328,7 @@ def family_columns(family: LevelFamily) -> tuple[Column, ...] | None:
     columns = columns_of(declared)
     if len(columns) != family.size:
         raise ValueError(
-            f"the codes of {type(family).__name__} have {family.size} entries, so its `parameters` must be as many, "
+            f"the codes of {type(family).__name__} have {family.size} entries, so its `parameters` must have as many, "
             f"got {len(columns)}"
         )
     return columns
@@ -438,7 +438,7 @@ def edit(
 
 
 def _other_value(x: float, cells: Cells, share: float, rng: np.random.Generator) -> float:
-    """Return the θ of another value: of a near one if values are ordered, else of any, drawn by weight."""
+    """Return the θ of another value: a near one if values are ordered, else any value, drawn by weight."""
     index = int(cells.index(x))
     if not cells.ordered:
         weights = cells.shares.copy()

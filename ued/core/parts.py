@@ -1,8 +1,8 @@
-"""Observations of several parts, such as an image and a direction, as one vector that knows its parts.
+"""Observations of several parts, such as an image and a direction, as one vector with a description of its parts.
 
-Batches, rollouts and checkpoints hold the vector. A network with convolutions finds the images in it, see
-`learning.networks.PartReader`; others use it as any vector.
-Read next: `adapters.gym`, which makes such vectors of the observations of Gymnasium's environments.
+Batches, rollouts and checkpoints hold the vector. A network with convolutions reads the images in it, see
+`learning.networks.PartReader`; other networks use it as any vector.
+Read next: `adapters.gym`, which flattens the observations of Gymnasium environments into such vectors.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Network = Literal["auto", "mlp", "cnn"]
 
 
 class Part(NamedTuple):
-    """Entries `first` to `last` (exclusive) of a vector: what is under `keys` of a `Dict` or `Tuple`.
+    """Entries `first` to `last` (exclusive) of a vector: the value under `keys` of a `Dict` or `Tuple`.
 
     `image` is the shape in which these entries are an image, with an axis of channels, first or last; None: no image.
     """
@@ -37,15 +37,15 @@ class Part(NamedTuple):
 
 
 class Parts(Box):
-    """The space of vectors that hold the parts of a `Dict` or a `Tuple`, nested ones too, one after the other.
+    """The space of vectors that concatenate the parts of a `Dict` or a `Tuple`, including nested ones.
 
-    Parts lie in the order of the space (Gymnasium sorts the keys of a dict), each as `gymnasium.spaces.flatten` writes
+    Parts follow the order of the space (Gymnasium sorts the keys of a dict), each as `gymnasium.spaces.flatten` writes
     it: Boxes in C order, `Discrete` and `MultiDiscrete` one-hot. The vector is uint8 if all parts fit into bytes, which
     saves three quarters of the memory of rollouts; otherwise it is float32.
 
     Args:
         space: a `Dict` or `Tuple` of `Box`, `Discrete`, `MultiDiscrete` and `MultiBinary`.
-        network: what `PPOConfig.network = "auto"` means for these observations.
+        network: the network that `PPOConfig.network = "auto"` selects for these observations.
 
     Attributes:
         parts: all parts in their order.
@@ -78,7 +78,7 @@ class Parts(Box):
         return self._rows(observations, single=False)
 
     def is_batch(self, observations: Any) -> bool:
-        """Return whether these are observations of several environments: arrays have an axis more than their space."""
+        """Return whether these are observations of several environments: arrays have one more axis than their space."""
         part = self.parts[0]
         return np.ndim(_value(part, observations)) > len(part.space.shape or ())
 
@@ -89,7 +89,7 @@ class Parts(Box):
             columns.append(_columns(part, values[None] if single else values))
         lengths = {len(column) for column in columns}
         if len(lengths) > 1:
-            raise ValueError(f"parts of observations are of {sorted(lengths)} environments, not all of one number")
+            raise ValueError(f"all parts must have the same number of environments, got {sorted(lengths)}")
         return np.concatenate(columns, 1, dtype=self.dtype, casting="unsafe")
 
     def __repr__(self) -> str:
@@ -99,7 +99,7 @@ class Parts(Box):
 def image_shape(space: Space) -> tuple[int, ...] | None:
     """Return the shape of images `[height, width, channels]` or `[channels, height, width]`; None for other spaces.
 
-    Images are at least `LEAST` high and wide. Grey ones, two axes of bytes, get an axis of one channel.
+    Images are at least `LEAST` high and wide. Gray ones, two axes of bytes, get an axis of one channel.
     """
     if not isinstance(space, Box):
         return None
@@ -121,7 +121,7 @@ def has_images(space: Space) -> bool:
 
 
 def repeated(space: Parts, times: int, more: int) -> Parts:
-    """Return the space of `times` such vectors one after the other, and `more` entries after them."""
+    """Return the space of `times` such vectors, concatenated, followed by `more` entries."""
     every: list[Space] = [space.space] * times
     return Parts(Tuple([*every, Discrete(more)] if more else every), space.network)
 
@@ -163,12 +163,12 @@ def _bounds(part: Part) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _is_bytes(space: Space) -> bool:
-    """Return whether all values of a part, one-hot ones too, are whole numbers from 0 to 255."""
+    """Return whether all values of a part, one-hot ones too, are integers from 0 to 255."""
     return not isinstance(space, Box) or space.dtype in (np.uint8, np.bool_)
 
 
 def _value(part: Part, observations: Any) -> Any:
-    """Return what is under the keys of a part."""
+    """Return the value under the keys of a part."""
     for key in part.keys:
         try:
             observations = observations[key]
@@ -182,7 +182,7 @@ def _columns(part: Part, values: np.ndarray) -> np.ndarray:
     """Return the values `[N, ...]` of a part as entries `[N, size]`."""
     shape = part.space.shape or ()
     if values.shape[1:] != shape or not values.ndim:
-        raise ValueError(f"{part.name} has shape {values.shape[1:]}, its space says {shape}")
+        raise ValueError(f"{part.name} has shape {values.shape[1:]}, its space has {shape}")
     if isinstance(part.space, Discrete):
         return _one_hot(part, values[:, None], np.array([part.space.n]), np.array([part.space.start]))
     if isinstance(part.space, MultiDiscrete):
@@ -192,7 +192,7 @@ def _columns(part: Part, values: np.ndarray) -> np.ndarray:
 
 
 def _one_hot(part: Part, values: np.ndarray, sizes: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return whole numbers `[N, K]`, each from its start on, as one-hot vectors `[N, sum of sizes]`."""
+    """Return integers `[N, K]`, each counted from its start, as one-hot vectors `[N, sum of sizes]`."""
     counted = values - starts
     if values.dtype.kind not in "iu" or (counted < 0).any() or (counted >= sizes).any():
         raise ValueError(f"{part.name} must be in {part.space}, got {values.squeeze().tolist()!r:.100}")

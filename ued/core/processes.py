@@ -1,4 +1,4 @@
-"""What a process asks of the system. Read next: `adapters.gym`, whose environments may have processes of their own."""
+"""Settings of worker processes. Read next: `adapters.gym`, whose environments may run in separate processes."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from contextlib import suppress
 
 PR_SET_PDEATHSIG = 1  # of prctl(2)
 
-# How processes of environments start. Python 3.14 no longer forks on Linux by default: it would pickle the functions
-# that make environments, and import torch in every process.
-START_METHOD = "fork" if sys.platform == "linux" else None  # None: Python's own choice
+# How environment processes start. Python 3.14 does not fork on Linux by default: it pickles the functions that make
+# environments, and imports torch in every process.
+START_METHOD = "fork" if sys.platform == "linux" else None  # None: Python's default
 
 
 def end_with_parent(number: int) -> None:
-    """Have the kernel send us this signal when the process that started us ends, however it ends. Linux alone can."""
+    """Make the kernel send this process a signal when its parent ends in any way. Only Linux supports this."""
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)

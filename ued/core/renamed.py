@@ -1,4 +1,4 @@
-"""Names in files of older runs, and what they are called now: checkpoints and tables are read through this mapping.
+"""Old names in files of older runs, mapped to present names when checkpoints and tables are read.
 
 A field or key of a checkpoint, or a column of a table, that has an old name is read under its new name. Read next:
 `checkpoint`, `columns` and `experiments/run/table.py`, which use it.
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-# Old name -> new name. The number of a visit of a level was called its turn.
+# Old name -> present name.
 RENAMED = {"turn": "visit", "next_turn": "next_visit"}
 
 

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-NUMBER, WHOLE = "a number", "a whole number"
+NUMBER, WHOLE = "a number", "an integer"
 
 
 class Resumable:
@@ -43,7 +43,7 @@ class Resumable:
 def _saved(value: Any) -> Any:
     if isinstance(value, np.random.Generator):
         return value.bit_generator.state
-    if hasattr(value, "state_dict"):  # torch's modules and optimisers return their own tensors, which learning changes
+    if hasattr(value, "state_dict"):  # torch's modules and optimizers return their own tensors, which learning changes
         return copy.deepcopy(value.state_dict())
     return value.get_state() if hasattr(value, "get_state") else copy.deepcopy(value)
 

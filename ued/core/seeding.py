@@ -1,6 +1,6 @@
-"""Independent random streams from one seed, so that nothing is drawn from a global generator.
+"""Independent random streams from one seed, so that no code uses a global generator.
 
-Read next: `methods.method`, which seeds a training with them.
+Read next: `methods.method`, which seeds a training run with them.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import torch
 
 
 class SeedStream:
-    """Seeds (63 bits) of random streams that have nothing to do with one another, one after the other."""
+    """A sequence of seeds (63 bits) of independent random streams."""
 
     def __init__(self, seed: int) -> None:
         self._sequence = np.random.SeedSequence(seed)

@@ -1,8 +1,8 @@
-"""Binary images with few pixels set, as the coordinates of these pixels.
+"""Binary images with few nonzero pixels, stored as the coordinates of these pixels.
 
 A UPOMDP whose observation space is a `SparseImage` returns coordinates instead of images, and rollouts store them:
-GRF's stacked planes are 288 bytes instead of 110,592. Convolutions compute from the coordinates, see
-`learning.sparse_convolutions`; whatever needs the images calls `as_dense`.
+GRF's stacked planes take 288 bytes instead of 110,592. Convolutions compute from the coordinates, see
+`learning.sparse_convolutions`; code that needs the images calls `as_dense`.
 Read next: `core.parts`, observations of several parts.
 """
 
@@ -27,9 +27,9 @@ class SparseImage(Box):
     Args:
         image: the space of the images, a Box with the bounds 0 and a finite number.
         most: maximum number of pixels.
-        agents: number of agents; several have an axis before the others.
+        agents: number of agents; several agents are the first axis.
 
-    Raises ValueError for a space that is no such Box, and for images that convolutions read as channels first.
+    Raises ValueError for another space, and for images that convolutions read as channels first.
     """
 
     def __init__(self, image: Box, most: int, agents: int = 1) -> None:
@@ -65,7 +65,7 @@ class SparseImage(Box):
         flat = np.asarray(images).reshape(-1, *self.image.shape)
         image, *where = np.nonzero(flat)
         if (flat[flat != 0] != self.image.high.flat[0]).any():
-            raise ValueError(f"the pixels of a SparseImage are 0 or {self.image.high.flat[0]}, got others")
+            raise ValueError(f"the pixels of a SparseImage must be 0 or {self.image.high.flat[0]}, got other values")
         counts = np.bincount(image, minlength=len(flat))
         if counts.size and counts.max() > self.most:
             raise ValueError(f"this SparseImage has at most {self.most} pixels that are not 0, got {counts.max()}")

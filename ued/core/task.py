@@ -1,11 +1,11 @@
-"""A task: environments, the levels that students are tested on, how levels look. The command line trains on one.
+"""A task: environments, test levels, and how levels are drawn. The command line trains on a task.
 
     hopper = Task(make, tests={"earth": {"gravity": 9.81, "mass": 1.0}})
 
     regista train examples/hopper.py:hopper --method plr
 
 A function `make(num_envs)` alone is a task without tests. The minigames are tasks, too: `Minigame.task`.
-Read next: `core.upomdp`, what `make` returns; `core.baselines`, policies for scale.
+Read next: `core.upomdp`, the type that `make` returns; `core.baselines`, untrained policies.
 """
 
 from __future__ import annotations
@@ -27,20 +27,20 @@ TRAINING_SCENE = "training distribution"  # random levels of `make`, evaluated b
 
 @dataclass(frozen=True)
 class Task:
-    """What a run trains on.
+    """Training environments, test scenes and settings of a run.
 
     Attributes:
         make: makes N environments: `make(num_envs)`.
         tests: test scenes by name: θ of one level `[D]` or of several `[L, D]`; values by name of one level, or a list
-            of such, where the environments have `theta_of`; a list of levels of a `LevelFamily`; or a function
+            of them, if the environments have `theta_of`; a list of levels of a `LevelFamily`; or a function
             `make(num_envs)` of other environments with the same spaces, whose random levels are evaluated.
-        painter: makes what draws levels in pictures and recordings from environments of this task; None: θ is shown,
-            and what environments render.
-        held_out: test scenes for final tables alone (`--held-out`), in the form of `tests`.
-        baselines: untrained policies by name, made for environments; "random" is always there.
+        painter: makes a painter of levels, for pictures and recordings, from environments of this task; None: pictures
+            show θ and the rendered environments.
+        held_out: test scenes for final tables only (`--held-out`), in the form of `tests`.
+        baselines: untrained policies by name, made for environments; "random" always exists.
         defaults: settings of a run that differ from the preset's, by dotted path: `{"ppo.gamma": 0.9}`.
-        success_word: what tables call successful episodes.
-        about: what the test scenes are, by name: a sentence each, for listings.
+        success_word: name of successful episodes in tables.
+        about: a sentence on each test scene, by name, for listings.
 
     Raises:
         ValueError: for parts of other types, and for names of scenes or baselines that are no single line of text or
@@ -69,14 +69,14 @@ class Task:
         if not isinstance(self.success_word, str) or not self.success_word.isprintable():
             raise ValueError(f"success_word must be a line of text, got {self.success_word!r}")
         if TRAINING_SCENE in self.tests or TRAINING_SCENE in self.held_out:
-            raise ValueError(f"a test cannot be called '{TRAINING_SCENE}', the name of the levels that train")
+            raise ValueError(f"a test cannot be called '{TRAINING_SCENE}', the name of the training levels")
 
     def scenes(self, held_out: bool = False) -> dict[str, Any]:
-        """Return what a student is evaluated on by name: random levels of the training distribution, then the tests."""
+        """Return the evaluation scenes by name: random levels of the training distribution, then the tests."""
         return {TRAINING_SCENE: self.make, **(self.held_out if held_out else self.tests)}
 
     def make_scene(self, scene: Any) -> Make:
-        """Return what makes the environments of one of `scenes()`."""
+        """Return the function that makes the environments of one of `scenes()`."""
         return scene if callable(scene) else self.make
 
     def make_baselines(self, upomdp: UPOMDP) -> dict[str, Policy]:
@@ -86,7 +86,7 @@ class Task:
 
 
 def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
-    """Return θ `[L, D]` of the levels of one of `Task.scenes()`, None where they are random.
+    """Return θ `[L, D]` of the levels of one of `Task.scenes()`; None if they are random.
 
     Raises ValueError for levels that are neither θ of these environments nor values by name.
     """
@@ -98,7 +98,7 @@ def theta_of_scene(scene: Any, upomdp: UPOMDP) -> np.ndarray | None:
             raise TypeError(f"got {scene!r}")
         if len(rows) and (isinstance(rows[0], Mapping) or upomdp.level_family is not None):
             if not hasattr(upomdp, "theta_of"):
-                raise TypeError(f"{type(upomdp).__name__} has no theta_of, so that its levels must be theta")
+                raise TypeError(f"{type(upomdp).__name__} has no theta_of, so its levels must be theta")
             rows = [upomdp.theta_of(values) for values in rows]
         return check_theta(rows, upomdp.theta_dim)
     except (ValueError, TypeError, AttributeError) as error:

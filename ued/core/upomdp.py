@@ -1,4 +1,4 @@
-"""The seam between environments and methods: an under-specified POMDP as a Gymnasium vector environment.
+"""The interface of environments and methods: an under-specified POMDP as a Gymnasium vector environment.
 
 A UPOMDP (Dennis et al. 2020, section 3) is a POMDP with free parameters θ that are set from outside. θ is a row of
 [-1, 1]^D, a *level* is a record (program, seed, θ), and N environments play N levels at a time. The training method
@@ -69,7 +69,7 @@ def check_count(num_envs: Any) -> int:
 def steps_as_it_plays(upomdp: UPOMDP) -> bool:
     """Return whether single steps of an environment are those of its `_play`.
 
-    They are not where a subclass, or the environment alone, has methods for them that its kernel does not know.
+    They are not if a subclass, or this instance, overrides step methods that its kernel does not call.
     """
     kinds = type(upomdp).__mro__
     depth = next(depth for depth, kind in enumerate(kinds) if "_play" in vars(kind))
@@ -87,8 +87,8 @@ def set_stream(generator: np.random.Generator, state: Any) -> None:
 class UPOMDP(LevelSpace, VectorEnv):
     """N environments whose free parameters θ are set from outside. A valid Gymnasium vector environment.
 
-    Subclasses call `__init__` and define `_start`, `_advance`, and if they support them `valid`, `describe`,
-    `get_state`, `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`):
+    Subclasses call `__init__` and define `_start` and `_advance`; they may define `valid`, `describe`, `get_state` and
+    `set_state`. `step` restarts an ended episode in the same step (`AutoresetMode.SAME_STEP`):
     `info["final_obs"]` holds the last observations of ended episodes, dense `[N, ...]`, `info["_final_obs"]` `[N]` is
     the mask of its valid rows, and `info["final_info"]` is the info of that step. A trainer that chooses levels calls
     `advance`, which restarts nothing, and then `reset_to_levels` or `play_again`: one reset per episode. An environment
@@ -161,7 +161,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         """The action space of one agent."""
         return of_one_agent(self.single_action_space, self.num_agents)
 
-    # ------------------------------------------------------------ what a subclass defines
+    # ------------------------------------------------------------ for subclasses to define
 
     @property
     def observation_scale(self) -> np.ndarray | None:
@@ -187,11 +187,10 @@ class UPOMDP(LevelSpace, VectorEnv):
         """
 
     def prefetch(self, levels: np.ndarray) -> None:
-        """Take note of levels `[k]` that will be reset to soon, in this order; no number depends on it.
+        """Announce levels `[k]` of the next resets, in this order; no result depends on it.
 
         Trainers announce up to `PREFETCH` levels at a time, before they reset to the level that comes before them. An
-        environment that prepares many levels in hardly more time than one can prepare them together. By default
-        nothing happens.
+        environment can prepare several levels together if that saves time. By default nothing happens.
         """
 
     @property
@@ -208,10 +207,10 @@ class UPOMDP(LevelSpace, VectorEnv):
         raise NotImplementedError(f"{type(self).__name__} does not play rollouts")
 
     def play(self, rollout: CompiledRollout, levels: np.ndarray) -> None:
-        """Play steps of a rollout, with these levels `[k]` at hand, which `rollout.levels` describes.
+        """Play steps of a rollout; episodes start on these levels `[k]`, which `rollout.levels` describes.
 
-        Steps and episodes are the same as those of `advance`, `play_again` and `reset_to_levels`, and so are the errors
-        of levels that are none, but before any of them is played.
+        Steps and episodes equal those of `advance`, `play_again` and `reset_to_levels`. Invalid levels raise the same
+        errors, before any level is played.
         """
         self._check_levels(levels, len(levels))
         envs, ended = rollout.envs, rollout.events
@@ -370,7 +369,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         """
         if isinstance(seed, list):
             seeds = [number for number in seed if number is not None]
-            if seeds:  # a list of None, as of one None, asks for no seed; default_rng([]) would be a fixed stream
+            if seeds:  # a list of None, like None, sets no seed; default_rng([]) would be a fixed stream
                 self._np_random = np.random.default_rng(seeds)  # one stream for all environments: the list is hashed
         elif seed is not None:
             super().reset(seed=seed)

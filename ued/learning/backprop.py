@@ -1,10 +1,10 @@
-"""The gradient of PPO's loss on a minibatch, in the fastest of three ways that give the same numbers.
+"""The gradient of PPO's loss on a minibatch, by the fastest of three methods with equal results.
 
     any policy              autograd, from the formula of the loss
-    categorical policies    autograd, from logits and values on, whose gradients have a closed form
+    categorical policies    autograd through the networks; the gradients of logits and values have a closed form
     ... of tanh layers      by hand, for one agent without memory, regularizer or frozen weights: no graph is built
 
-On two layers of 64 units, an update by hand takes six sevenths of the time of the closed form with autograd.
+With two layers of 64 units, an update by hand takes 6/7 of the time of the closed form with autograd.
 Read next: `learning.ppo_loss`, the loss and its closed form.
 """
 
@@ -31,7 +31,7 @@ def backpropagate(student: Student, old: Batch, config: PPOConfig, regularizer: 
         return by_hand(student, seen, old, config)
     policy, value = student.policy_and_value(seen, old.past)  # B distributions, [B]
     outputs: list[Tensor]
-    gradients: list[Tensor | None]  # of the loss with respect to each output; None: it is a part of the loss
+    gradients: list[Tensor | None]  # of the loss with respect to each output; None: the output is a part of the loss
     if isinstance(policy, Categorical):
         parts, *gradients = categorical_losses(policy.logits, value, old, config)
         outputs = [policy.logits, value]

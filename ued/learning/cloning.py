@@ -35,13 +35,13 @@ class Demonstrated:
     Attributes:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
-        told: bool, like `action`: False for unknown actions; these steps are not used.
+        mask: bool, like `action`: False for unknown actions; these steps are not used.
         returns: `[B]`, discounted return from this step on.
     """
 
     observation: Tensor
     action: Tensor
-    told: Tensor
+    mask: Tensor
     returns: Tensor
 
     def rows(self, rows: Tensor) -> Demonstrated:
@@ -113,7 +113,7 @@ class Cloner(Resumable):
         for chunk in chunks:
             if self.epoch == 0:  # a resumed student has the statistics
                 self.student.normaliser.track(chunk.observation)
-            counts += torch.bincount(chunk.action[chunk.told], minlength=len(counts))
+            counts += torch.bincount(chunk.action[chunk.mask], minlength=len(counts))
         power = {"none": 0.0, "sqrt": 0.5, "balanced": 1.0}[self.config.class_weights]
         share = counts / counts.sum().clamp(min=1)
         weights = torch.where(counts > 0, share.clamp(min=1e-4) ** -power, 0.0)
@@ -129,7 +129,7 @@ class Cloner(Resumable):
             total.backward()
             norm = self.optimizer.clip_norm(self.config.max_grad_norm)
             if not torch.isfinite(norm):
-                raise FloatingPointError("the gradient of cloning is not finite: check the observations for nan")
+                raise FloatingPointError("the gradient of cloning is not finite: check the observations for NaN")
             self.optimizer.step()
             sums += len(batch.returns) * np.array([loss.item(), value_loss.item()])
             steps += len(batch.returns)
@@ -140,17 +140,17 @@ class Cloner(Resumable):
     def evaluate(self, chunks: Iterable[Demonstrated]) -> Agreement:
         """Evaluate the student on demonstrations, without weights of actions."""
         size = num_actions(self.student)
-        counts, sums, told, steps = torch.zeros(size * size, dtype=torch.int64), np.zeros(2), 0, 0
+        counts, sums, num_known, steps = torch.zeros(size * size, dtype=torch.int64), np.zeros(2), 0, 0
         for chunk in chunks:
             for rows in torch.arange(len(chunk.returns)).split(4 * self.config.batch_size):
                 batch = chunk.rows(rows)
                 policy, value = self.student(batch.observation)
-                log_prob, known = policy.log_prob(batch.action), batch.told
+                log_prob, known = policy.log_prob(batch.action), batch.mask
                 pairs = batch.action[known] * size + policy.mode()[known]
                 counts += torch.bincount(pairs, minlength=size * size)
                 sums += [-float(log_prob[known].sum()), float(value_error(value, batch.returns).sum())]
-                told, steps = told + int(known.sum()), steps + value.numel()
-        loss, value_loss = sums / np.maximum([told, steps], 1)
+                num_known, steps = num_known + int(known.sum()), steps + value.numel()
+        loss, value_loss = sums / np.maximum([num_known, steps], 1)
         return Agreement(float(loss), float(value_loss), counts.reshape(size, size).numpy())
 
     def keep_if_best(self, loss: float) -> bool:
@@ -175,7 +175,7 @@ class Cloner(Resumable):
     def _losses(self, batch: Demonstrated) -> tuple[Tensor, Tensor]:
         """Return the weighted policy loss and the value loss."""
         policy, value = self.student(batch.observation)
-        weight = self.weights[batch.action] * batch.told
+        weight = self.weights[batch.action] * batch.mask
         loss = -(policy.log_prob(batch.action) * weight).sum() / weight.sum().clamp(min=1e-8)
         return loss, value_error(value, batch.returns).mean()
 

@@ -1,7 +1,7 @@
 """A worker whose rollouts a simulator plays in a kernel: many steps of `learning.worker` in one call.
 
-The weights are copied once per rollout; learning stays in torch. The numbers that actions are sampled from come from
-the worker's generator, in the order in which single steps would draw them, so both ways take the same actions.
+The weights are copied once per rollout; learning stays in torch. The worker's generator draws the random numbers of
+actions in the same order as single steps do, so both ways take the same actions.
 Read next: `core.compiled`, the records; `kernels.rollout`, the kernels; `learning.packing`, the weights.
 """
 
@@ -41,7 +41,7 @@ class LevelsAhead(Protocol):
         """Return the episodes left on the level of each environment `[N]`."""
 
     def apply(self, events: Events, due: list[int]) -> None:
-        """Note the episodes that ended and the levels taken; `due` as it is now."""
+        """Record the episodes that ended, the levels taken, and the present `due`."""
 
 
 class CompiledWorker(RolloutWorker):
@@ -56,8 +56,9 @@ class CompiledWorker(RolloutWorker):
     def is_compiled(self) -> bool:
         """Whether the simulator plays the rollouts.
 
-        It must support that, and no subclass step otherwise; the observations be vectors of float32 without images in
-        them, the actions discrete, the levels from a queue, and the student on the host, with a network of ours.
+        The simulator must support it, and no subclass may override its steps. Observations must be float32 vectors
+        without images, actions discrete, and levels from a queue. The student must be on the host, with a built-in
+        network.
         """
         return (
             worker.COMPILED
@@ -67,7 +68,7 @@ class CompiledWorker(RolloutWorker):
             and self.student.device.type == "cpu"
             and isinstance(self.student.normaliser, Normaliser)
             and not is_name(self.student.network)
-            and not (self.student.shared and len(self.student.actor_hidden))  # heads that are no single layer
+            and not (self.student.shared and len(self.student.actor_hidden))  # heads must be single layers
             and isinstance(self.student.action_space, Discrete)
             and self.rollout.observation.dtype == torch.float32
             and isinstance(self.on_episode_end, LevelsAhead)
@@ -134,17 +135,17 @@ class CompiledWorker(RolloutWorker):
         )
 
     def _show(self, envs: Envs) -> None:
-        """Hand the observations to the simulator."""
+        """Pass the observations to the simulator."""
         assert self.observation is not None
         envs.observation[:] = self.observation.reshape(envs.observation.shape)
 
     def _look(self, envs: Envs) -> None:
-        """Take the observations back, also if the rollout ends here by an error: the next one begins with them."""
+        """Copy the observations back, also if the rollout ends with an error: the next one starts with them."""
         seen = envs.observation.copy()
         self.observation = seen if self.upomdp.num_agents > 1 else seen[:, 0]
 
     def _announce(self, record: CompiledRollout, records: np.ndarray) -> None:
-        """Write down the levels at hand, and how many episodes are left on the present ones."""
+        """Write the next levels to the record, and the number of episodes left on the present ones."""
         levels, counters, count = record.levels, record.counters[0], len(records)
         levels.seed[:count] = records["level"]["seed"]
         levels.visit[:count] = visits_of(records)
@@ -156,7 +157,7 @@ class CompiledWorker(RolloutWorker):
         counters.needs_level = counters.failed = False
 
     def _note(self, record: CompiledRollout, first: int, records: np.ndarray) -> None:
-        """Note what happened from step `first` on."""
+        """Record the results of the steps from `first` on."""
         counters = record.counters[0]
         last = int(counters.step) + bool(counters.needs_level or counters.failed)  # of the steps that were played
         ended = Events(*(column[: counters.events] for column in record.events))

@@ -1,6 +1,6 @@
-"""Policies that a student is kept close to while it learns, by a KL divergence in PPO's loss.
+"""KL regularizers: a KL divergence in PPO's loss keeps a student close to another policy.
 
-Read next: `learning.ppo`, which adds it; `methods.paired`, whose students are kept close to each other.
+Read next: `learning.ppo`, which adds it; `methods.paired`, which regularizes its students toward each other.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from ued.learning.student import Student
 
 @dataclass(frozen=True)
 class KLRegularizer:
-    """A policy that a student is kept close to while it learns (behavior cloning of Mediratta et al. 2023, 4.2)."""
+    """A policy toward which a student is regularized (behavior cloning of Mediratta et al. 2023, 4.2)."""
 
     student: Student
     coef: float
 
     def divergence(self, batch: Batch, policy: Policy) -> Tensor:
-        """Return KL(other ‖ policy) `[]`, the mean over the minibatch; gradients flow into `policy` alone.
+        """Return KL(other ‖ policy) `[]`, the mean over the minibatch; gradients flow only into `policy`.
 
         A recurrent `student` plays in other environments, so it starts each sequence with an empty memory.
         """
@@ -42,6 +42,6 @@ class AnnealedKL:
     env_steps: int
 
     def at(self, env_steps: int) -> KLRegularizer | None:
-        """Return the regularizer after so many steps; None once its coefficient is 0."""
+        """Return the regularizer after `env_steps` steps; None once its coefficient is 0."""
         left = 1.0 - env_steps / self.env_steps if self.env_steps else 0.0
         return KLRegularizer(self.student, self.coef * left) if left > 0 and self.coef else None

@@ -36,13 +36,13 @@ class Learner:
     Args:
         name: prefix of its metrics.
         upomdp: N environments for this learner alone.
-        config: of the student and of PPO.
-        seeds: of its weights, its actions, and the shuffling of minibatches, in this order.
+        config: settings of the student and of PPO.
+        seeds: for its weights, its actions, and the shuffling of minibatches, in this order.
         on_episode_end: selects the next level of an environment; see `RolloutWorker`.
         scripted: the environments play a scripted policy: there is no student, and nothing is learned.
 
     Attributes:
-        rewards: what normalizes rewards; None: raw rewards are learned from.
+        rewards: normalizes rewards; None: the student learns from raw rewards.
 
     Raises `ValueError` if opponents are given a central critic.
     """
@@ -102,7 +102,7 @@ class Learner:
         self._forget_open()
 
     def _forget_open(self) -> None:
-        """Discard what is known of open episodes: all environments were reset."""
+        """Discard the statistics of open episodes: all environments were reset."""
         self.values.reset()
         if self.rewards is not None:
             self.rewards.reset()

@@ -25,7 +25,7 @@ class Past(NamedTuple):
         episode_starts: bool `[L, B]`, steps that start an episode, at which the state is reset; None: none, and L is 1.
         mask: bool, rows whose outputs are returned; None: all.
         kept: bool `[L, B]`, steps that have a row in the batch, the first ones of each episode; None: all. Steps after
-            the last one of an episode that is learned from need none.
+            the last training step of an episode need none.
     """
 
     memory: Tensor
@@ -69,7 +69,7 @@ class GRU(nn.Module):
     def forward(self, features: Tensor, memory: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         """Return features `[mask, (A,) size]` for `[L * B, (A,) inputs]`, and the state after them, `[B, W]`.
 
-        Where steps are left out (`past.kept`) the state is returned as it was.
+        If steps are left out (`past.kept`), the state is returned unchanged.
         """
         state = memory.view(len(memory), *features.shape[1:-1], self.size)  # [B, (A,) size]
         begins = past.episode_starts

@@ -1,7 +1,7 @@
 """Minibatches of PPO: a rollout as rows, its sequences in batches, and the gradient of several policies.
 
-What is shuffled is the student's business: single steps, or whole sequences of one environment for a recurrent student
-(see `learning.memory`). Read next: `learning.ppo`, which learns from minibatches.
+The student's memory determines what is shuffled: single steps, or whole sequences of one environment for a recurrent
+student (see `learning.memory`). Read next: `learning.ppo`, which learns from minibatches.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ class Batch:
     episodes, and the other columns of the steps to learn from.
     """
 
-    past: Past  # which rows follow each other; before they are in minibatches, its memory is [pieces, N, W]
+    past: Past  # the sequences of the rows; before the split into minibatches, its memory is [pieces, N, W]
     rollout: Tensor  # [T * N, size] observations
     rows: Tensor | None  # [B] of the rollout; None: all
-    seen: Tensor | None  # [B, size] observations as the networks see them; None: they are not normalized yet
+    seen: Tensor | None  # [B, size] normalized observations; None: they are not normalized yet
     action: Tensor  # [B] or [B, K]
     numbers: Tensor  # [4, B] log-probability, value, advantage, and target of the value
 
@@ -71,7 +71,7 @@ class Batch:
     def to(self, device: torch.device) -> Batch:
         """Return the batch on a device. All columns are copied at once, from pinned memory.
 
-        Observations are there already; see `learning.upload`.
+        Observations are already on the device; see `learning.upload`.
         """
         if device.type == "cpu":
             return self
@@ -82,11 +82,10 @@ class Batch:
     def add_memories(self, student: Student, length: int, size: int) -> None:
         """Add the memory before each piece of `length` steps, for truncated backpropagation through time.
 
-        Without memory, and for pieces as long as the rollout, there is nothing to add. It is computed once, before
-        anything is learned, by a pass without gradients over about `size` pieces at a time. So it is the memory with
-        which the student played, as if the rollout had stored it (the stored state of Kapturowski et al. 2019, section
-        3), and pieces can be shuffled and computed side by side. To recompute it for each minibatch would take such a
-        pass each time.
+        Without memory, and for pieces as long as the rollout, it adds nothing. The memory is computed once, before the
+        update, by a pass without gradients over about `size` pieces at a time. So it equals the memory with which the
+        student acted (the stored state of Kapturowski et al. 2019, section 3), and pieces can be shuffled and computed
+        in parallel. Recomputing it for each minibatch would need such a pass each time.
         """
         memory, begins = self.past.memory, self.past.episode_starts  # [1, N, W], [T * N]
         assert begins is not None
@@ -103,7 +102,7 @@ class Batch:
         self.past = self.past._replace(memory=torch.cat([memory, torch.cat(found, 1)]))
 
     def look(self, student: Student, rows: Tensor) -> Tensor:
-        """Return the observations of these rows of the rollout as the student's networks see them."""
+        """Return the normalized observations of these rows of the rollout."""
         if self.seen is None:
             return student.normaliser(self.rollout.index_select(0, rows))
         return self.seen.index_select(0, rows)
@@ -126,7 +125,7 @@ class Batch:
             yield Batch(past, self.rollout, row, seen, action, number)
 
     def _past(self, part: Tensor) -> tuple[Past, Tensor, Tensor]:
-        """Return how the steps `[L, B]` follow each other, the rows that are computed, and those to learn from."""
+        """Return the sequences of the steps `[L, B]`, the rows that are computed, and those to learn from."""
         memory, begins, train = self.past.memory, self.past.episode_starts, self.past.mask
         assert begins is not None and train is not None
         rows = part.flatten()
@@ -143,7 +142,7 @@ class Batch:
 
 
 def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:
-    """Normalize the advantages `[S]` of each minibatch, given their sizes; of a team `[S, A]`, for each agent alone."""
+    """Normalize the advantages `[S]` of each minibatch, given their sizes; for a team `[S, A]`, for each agent."""
     one_by_one = len(set(sizes)) > 1
     for part in advantage.split(sizes) if one_by_one else [advantage.unflatten(0, (-1, sizes[0]))]:
         steps = 0 if one_by_one else 1  # the axis
@@ -155,9 +154,9 @@ def normalize(advantage: Tensor, sizes: Sequence[int]) -> None:
 def clip_gradient(student: Student, optimizer: Adam, max_norm: float) -> Tensor:
     """Scale the student's gradient down to this norm; return its norm `[]` before that.
 
-    The gradients of several policies are clipped one by one, and so is that of a shared critic; the norm returned is
-    their mean. Losses are means over agents, so the gradient of one agent's own policy is multiplied by the number of
-    policies first: each policy learns as if it were alone.
+    The gradients of several policies are clipped separately, and so is that of a shared critic; the norm returned is
+    their mean. Losses are means over agents, so the gradient of each agent's own policy is first multiplied by the
+    number of policies: each policy learns as a single agent would.
     """
     if student.policies == 1:
         return optimizer.clip_norm(max_norm)

@@ -275,8 +275,8 @@ class PartReader(nn.Module):
     """Convolutions for the images in vectors of several parts: `[B, F]` or `[B, A, F]` -> `[B, size]`, `[B, A, size]`.
 
     Small images have 16 filters of 3 × 3, as the students of PAIRED (Dennis et al. 2020, appendix D) and of DCD; large
-    ones have `CONVOLUTIONS`. Their outputs come first, in the order of the images; all other entries follow as they
-    are. DCD puts a linear layer of 5 units on the direction: before another linear layer, that adds nothing.
+    ones have `CONVOLUTIONS`. Their outputs come first, in the order of the images; all other entries follow unchanged.
+    DCD adds a linear layer of 5 units for the direction, which is redundant before another linear layer.
     """
 
     others: Tensor
@@ -307,10 +307,9 @@ def is_image(space: Space) -> bool:
 
 
 def seen_as(space: Space, network: str, agents: int = 1) -> Space:
-    """Return the space in which a network sees observations: vectors of `Parts` have parts only for convolutions, and
-    for a network of the user.
+    """Return the space of a network's inputs: vectors of `Parts` have parts only for convolutions and user networks.
 
-    A `SparseImage` has coordinates only for the convolutions of one agent; other networks see its images.
+    A `SparseImage` has coordinates only for the convolutions of one agent; other networks receive its images.
     Raises `ValueError` for `network` "cnn" if there is no image.
     """
     if isinstance(space, SparseImage):
@@ -318,7 +317,7 @@ def seen_as(space: Space, network: str, agents: int = 1) -> Space:
         return space if agents == 1 and is_image(seen) and network in ("auto", "cnn") else seen
     images = space.images if isinstance(space, Parts) else is_image(space)
     if network == "cnn" and not images:
-        raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, observations are {space}")
+        raise ValueError(f"network = cnn needs images of at least {LEAST} x {LEAST}, got {space}")
     if (
         isinstance(space, Parts)
         and not is_name(network)

@@ -1,6 +1,6 @@
-"""A network of the user as the first layers of actor and critic, by its name: `PPOConfig(network="my_nets.py:Net")`.
+"""A user network as the first layers of actor and critic, by its name: `PPOConfig(network="my_nets.py:Net")`.
 
-Our memory and heads follow. Read next: `learning.networks`, our own; `learning.student`.
+The built-in memory and heads follow. Read next: `learning.networks`, the built-in ones; `learning.student`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from ued.config import PPOConfig
 from ued.core.own_code import OwnCodeError, load
 from ued.learning.networks import ONE_AGENT, Team, Torso
 
-ROWS = 2  # of the batch that a new network is tried with
+ROWS = 2  # of the batch that tests a new network
 MOODY = (nn.modules.dropout._DropoutNd, nn.modules.batchnorm._BatchNorm)  # differ between training and playing
 
 
@@ -31,12 +31,12 @@ class _Rows(nn.Module):
 def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team: Team = ONE_AGENT) -> Torso:
     """Return the network that `config.network` names, made by `Net(space, config)`: `[B, ...]` -> `[B, size]`.
 
-    Its weights are initialized from torch's global generator as ever, seeded from `generator` meanwhile. Raises
-    `OwnCodeError` for anything else than a module with this output, and for several agents with a policy each.
+    Its weights are initialized from torch's global generator, temporarily seeded from `generator`. Raises
+    `OwnCodeError` unless it is a module with this output, and for several agents with a policy each.
     """
     name = config.network
     if team.policies > 1:
-        raise OwnCodeError(f"network = {name} serves one policy: several agents need team = shared")
+        raise OwnCodeError(f"network = {name} supports one policy: several agents need team = shared")
     made = load(name)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))
@@ -50,8 +50,8 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
     moody = next((part for part in network.modules() if isinstance(part, MOODY)), None)
     if moody is not None:
         raise OwnCodeError(
-            f"{name} has a {type(moody).__name__}: PPO needs the same probabilities in playing and learning; "
-            "use LayerNorm or nothing"
+            f"{name} has a {type(moody).__name__}: PPO needs equal probabilities in rollouts and updates; "
+            "use LayerNorm instead, or remove it"
         )
     return Torso([network if team.agents == 1 else _Rows(network)], size)
 

@@ -1,4 +1,4 @@
-"""A student's weights in the form that compiled rollouts read: one row of numbers per policy, and a table of layers.
+"""A student's weights in the form of compiled rollouts: one row of numbers per policy, and a table of layers.
 
 Read next: `core.compiled`, the records; `learning.compiled`, which copies the weights before each rollout.
 """

@@ -81,7 +81,7 @@ class Pixels(nn.Module):
 
 
 class SparsePixels(Pixels):
-    """Scale images of a `SparseImage` as `Pixels` do: a pixel is 1. It takes coordinates, and images too.
+    """Scale images of a `SparseImage` as `Pixels` do: a pixel is 1. It accepts coordinates and images.
 
     Args:
         space: of one agent's observations.
@@ -109,7 +109,7 @@ class SparsePixels(Pixels):
 
 
 class PartScales(nn.Module):
-    """Scale each image in vectors of several parts by a `Pixels` of its own, and normalize all other entries.
+    """Scale each image in vectors of several parts by a separate `Pixels`, and normalize all other entries.
 
     Args:
         space: of the vectors.

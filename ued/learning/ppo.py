@@ -1,4 +1,4 @@
-"""Proximal policy optimization (Schulman et al. 2017), flat: the order on the page is the order of execution.
+"""Proximal policy optimization (Schulman et al. 2017), in the order of execution.
 
     learning rate; advantages of the rollout by GAE, targets of the values                   (PPO.learn)
     for each epoch, for each minibatch of shuffled steps, or sequences
@@ -6,9 +6,9 @@
         gradient of the loss                                                                 (backprop)
         gradient, clipped to a norm; one step of Adam                                        (PPO._minibatch)
 
-Written once, for every method, for one agent and for teams: observations, actions and values then have a further axis
-of agents, `[B, A]`, and losses are means over them. Names are CleanRL's. Read next: `learning.minibatches`, how a
-rollout becomes minibatches; `methods.dr`, the simplest use of PPO.
+All methods use it, for one agent and for teams. For a team, observations, actions and values have a further axis of
+agents, `[B, A]`, and losses are means over agents. Names are CleanRL's. Read next: `learning.minibatches`, which splits
+a rollout into minibatches; `methods.dr`, the simplest use of PPO.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class PPO(Resumable):
             if config.target_kl and approx_kl(logs[-1][0].log_ratio).mean() > config.target_kl:
                 break
         learned = slice(None) if rollout.train.all() else rollout.train.flatten().to(device)  # of T * N
-        # After learning, which normalizes as the rollout did; steps without `train` would shift what the weights see.
+        # After the update, which normalizes as the rollout did; steps without `train` would shift the statistics.
         self.student.normaliser.track(old.observation[learned])
         self.updates += 1
         return {
@@ -97,8 +97,8 @@ class PPO(Resumable):
         grad_norm = clip_gradient(self.student, self.optimizer, self.config.max_grad_norm)
         if not math.isfinite(grad_norm.item()):
             raise FloatingPointError(
-                f"the gradient is not finite (loss {parts.total(self.config).item():g}): look for rewards or "
-                "observations that are not finite, or try a smaller learning_rate"
+                f"the gradient is not finite (loss {parts.total(self.config).item():g}): check for rewards or "
+                "observations that are not finite, or use a smaller learning_rate"
             )
         self.optimizer.step()
         return parts, grad_norm

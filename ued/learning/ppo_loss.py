@@ -1,7 +1,7 @@
 """The loss of PPO: as a formula, and for categorical policies with its gradient in closed form.
 
-Autograd takes 78 operations for `losses` and their gradient; `categorical_losses` returns the same numbers in 33.
-Read next: `learning.ppo`, which descends along the gradient.
+Autograd needs 78 operations for `losses` and their gradient; `categorical_losses` returns the same numbers in 33.
+Read next: `learning.ppo`, which uses the gradient.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ued.learning.minibatches import Batch
 from ued.learning.networks import Policy
 
 MEANS = ("policy_loss", "value_loss", "entropy", "approx_kl", "clip_fraction")  # metrics, in the order of `means`
-BY_AGENT = ("entropy", "approx_kl")  # of them, reported for each agent of a team, too
+BY_AGENT = ("entropy", "approx_kl")  # also reported for each agent of a team
 
 
 class Losses(NamedTuple):
@@ -92,7 +92,7 @@ def _value_errors(value: Tensor, old: Batch, config: PPOConfig) -> tuple[Tensor,
     moved = value - old.value
     inside = moved.clamp(-config.clip_coef, config.clip_coef)
     clipped = (old.value + inside).sub_(old.target).square_().div_(2)
-    constant = (clipped > error) & (inside != moved)  # there the loss does not depend on the value
+    constant = (clipped > error) & (inside != moved)  # where the loss does not depend on the value
     return torch.max(error, clipped), off.masked_fill(constant, 0.0)
 
 
@@ -104,8 +104,8 @@ def approx_kl(log_ratio: Tensor) -> Tensor:
 def means(logs: Sequence[tuple[Losses, Tensor]], clip_coef: float) -> dict[str, float]:
     """Return the means of the minibatches' means, by name, and of a team also those of each agent.
 
-    Of each minibatch it takes the losses and the norm `[]` of the gradient. They are read once, since each number that
-    is read from a device waits for it.
+    `logs` has the losses and the norm `[]` of the gradient of each minibatch. All numbers are read at once, since each
+    read from a device waits for it.
     """
     minibatches, grad_norms = zip(*logs, strict=True)
     count = len(minibatches)

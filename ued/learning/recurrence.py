@@ -1,17 +1,17 @@
 """The GRU of a batch of sequences, computed by episode, with its gradient in closed form.
 
-Sequences are split where episodes start. All resulting segments are computed side by side, the longest first, so the
-loop over steps is as long as the longest segment, and a step is one matrix product for all segments that last so long:
+Sequences are split where episodes start. All resulting segments are computed in parallel, the longest first. So the
+loop over steps is as long as the longest segment, and each step is one matrix product for all segments with that step:
 
     step 0   a b c d        4 segments of 4, 3, 1 and 1 steps;
     step 1   a b            rows lie in this order: step by step, the segments that are left
     step 2   a b
     step 3   a
 
-Only what depends on the previous state is in a loop: 5 operations for a step, and 3 for its gradient. Products with
+The loop has only the operations that depend on the previous state: 5 for a step, and 3 for its gradient. Products with
 inputs, and the gradients of all weights, are one product over all rows. On one CPU core, 256 steps of 16 environments
-take 37 ms with their gradient at 128 units, and a loop of cells with autograd 59 ms; at 64 units 17 and 35 ms. torch's
-own GRU on packed sequences takes 5 to 8 times as long as this. Read next: `learning.memory`, which uses it.
+and their gradient take 37 ms at 128 units and 17 ms at 64 units. A loop of cells with autograd takes 59 and 35 ms, and
+torch's GRU on packed sequences 5 to 8 times as long as this. Read next: `learning.memory`, which uses it.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def segments(episode_starts: Tensor, kept: Tensor | None = None) -> Segments:
 
 
 def steps_to_learn(train: Tensor, episode_starts: Tensor) -> Tensor:
-    """Return the steps that steps of the mask `train` depend on, themselves included: bool `[L, B]`, as both masks."""
+    """Return the steps of the mask `train` and all steps that they depend on: bool `[L, B]`, as both masks."""
     length, envs = train.shape
     segment = episode_starts.cumsum(0) + (length + 1) * torch.arange(envs, device=train.device)  # [L, B]
     time = torch.arange(length, device=train.device)[:, None].expand_as(segment)
@@ -148,8 +148,8 @@ def _through_time(
 ) -> None:
     """Multiply the `factors` `[R, 3 H]`, derivatives of states by W h + b, by the gradients of these states, in place.
 
-    `flows` has the gradients `[counts[k], H]` of the states after each step, after those of the initial states. What
-    later steps depend on is added to them, in place too.
+    `flows` has the gradients of the initial states, then the gradients `[counts[k], H]` of the states after each step.
+    Contributions of later steps are added to them in place.
     """
     apart = factors.unflatten(-1, (3, -1))
     rows = factors.split(counts, -2), apart.split(counts, factors.ndim - 2), keep.split(counts, -2)

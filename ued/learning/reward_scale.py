@@ -1,9 +1,9 @@
-"""Reward normalization, of what a student learns from alone: tables, scores of levels and regret keep raw returns.
+"""Reward normalization, for the student's learning only: tables, scores of levels and regret keep raw returns.
 
 Rewards are divided by the running standard deviation of discounted returns, as Gymnasium's vector wrapper
 `NormalizeReward` does, and then limited to [-10, 10], as in CleanRL's `ppo_continuous_action.py` (Engstrom et al. 2020,
-"reward scaling"). Rewards do not decide how an episode goes on, so a rollout is normalized once it is over: compiled
-rollouts need no other kernel.
+"reward scaling"). Episodes do not depend on rewards, so a rollout is normalized after it ends, and compiled rollouts
+need no other kernel.
 Read next: `learning.learner`, whose critic then predicts normalized returns.
 """
 
@@ -20,7 +20,7 @@ from ued.learning.rollout import Rollout
 
 EPSILON = 1e-8  # added to the variance (Gymnasium)
 LIMIT = 10.0  # of normalized rewards (CleanRL)
-FIRST = 1e-4  # weight of the variance of 1 with which the statistics begin (Gymnasium)
+FIRST = 1e-4  # weight of the initial variance of 1 (Gymnasium)
 
 
 class RewardScale(Resumable):
@@ -48,7 +48,7 @@ class RewardScale(Resumable):
         self.returns[:] = 0.0
 
     def normalise(self, rollout: Rollout) -> Rollout:
-        """Return a rollout with normalized rewards, step by step; the statistics learn from them first."""
+        """Return a rollout with normalized rewards, step by step; each step first updates the statistics."""
         rewards = rollout.reward.numpy()  # [T, N] or [T, N, A]
         train, terminated, ended = (
             flags.numpy().reshape(*flags.shape, *[1] * (rewards.ndim - 2))
@@ -74,6 +74,6 @@ class RewardScale(Resumable):
         self.variance, self.count = squares / total, total
 
     def raw(self, rollout: Rollout, *columns: torch.Tensor | None) -> tuple[Any, ...]:
-        """Return a rollout with values in units of raw rewards, and so each of these columns."""
+        """Return a rollout with values in units of raw rewards, and these columns in the same units."""
         values = replace(rollout, value=rollout.value * self.scale)
         return values, *(None if column is None else column * self.scale for column in columns)

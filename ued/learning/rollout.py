@@ -112,9 +112,9 @@ def gae(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
 def negative_advantages(rollout: Rollout, gamma: float, gae_lambda: float) -> Tensor:
     """Return maximized negative advantages `[T, N]`, of each agent, none above 0 (Mead et al. 2026, MNA).
 
-    GAE is the mean, with weights (1 - lambda) lambda^(n - 1), of advantages over n steps. Here the advantage over n
-    steps is c_n = min(0, c_(n - 1) + gamma^(n - 1) delta), c_0 = 0: what an episode loses compared with the highest
-    value so far, not with the value at its first step.
+    GAE is the mean, with weights (1 - lambda) lambda^(n - 1), of advantages over n steps. For MNA, the advantage over n
+    steps is c_n = min(0, c_(n - 1) + gamma^(n - 1) delta), c_0 = 0: the loss relative to the highest value so far, not
+    to the value at the first step.
     """
     delta, done = _errors(rollout, gamma)
     steps = len(delta)

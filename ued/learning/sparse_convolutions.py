@@ -1,14 +1,14 @@
-"""Two convolutions of binary images that have few pixels set, computed from the coordinates of the pixels.
+"""Two convolutions of binary images with few nonzero pixels, computed from the coordinates of the pixels.
 
-With few pixels, most cells of the first feature map see none of them and are equal: their value is the bias. So
+With few pixels, the windows of most cells of the first feature map are empty, and these cells equal the bias. So
 
-    first layer     the cells that see a pixel: bias + a column of the weights for each pixel in their window
-    second layer    what all cells have in common, from windows of equal cells; to it, the cells whose windows hold one
-                    of the others add the difference of that one times the weights at its place in the window
+    first layer     cells with a pixel in their window: bias + a column of the weights for each of these pixels
+    second layer    a common value, from windows of empty cells, for all cells; for each other cell in a window, add its
+                    difference to an empty cell times the weights at its position in the window
 
 These are the sums of the dense convolutions in another order, without the terms that are 0 or common to all cells.
-So outputs and gradients, which autograd derives, are equal but for rounding. On GRF's stacked planes, both passes of
-the two layers take a tenth of the time of dense ones with three players, and a third with 22.
+So outputs and gradients, which autograd derives, are equal up to rounding. On GRF's stacked planes, both passes of
+the two layers take 1/10 of the time of dense ones with three players, and 1/3 with 22 players.
 Read next: `learning.networks`, whose `SparseTorso` uses them; `core.sparse_image`, the coordinates.
 """
 
@@ -45,7 +45,7 @@ def convolve(pixels: Tensor, image: Grid, first: nn.Conv2d, second: nn.Conv2d) -
     middle = image.after(first)
     last, common = middle.after(second), first.bias
     assert common is not None and second.bias is not None
-    common = common.relu()  # [C], the value of cells that see no pixel
+    common = common.relu()  # [C], the value of cells without a pixel in their window
     found = first_cells(pixels, image, first)
     others = next_cells(Cells(found.number, found.features.relu() - common), middle, second)
     common = second.bias + second.weight.sum((2, 3)) @ common
@@ -54,7 +54,7 @@ def convolve(pixels: Tensor, image: Grid, first: nn.Conv2d, second: nn.Conv2d) -
 
 
 def first_cells(pixels: Tensor, image: Grid, layer: nn.Conv2d) -> Cells:
-    """Return the cells that see a pixel, given the pixels `[B, K, 3]` of each image."""
+    """Return the cells with a pixel in their window, given the pixels `[B, K, 3]` of each image."""
     used = int((pixels[..., 0] < image.height).sum(1).max())
     row, column, channel = pixels[:, :used].int().unbind(-1)  # [B, K] each
     windows = Windows.of(row, column, layer, image.after(layer))
@@ -69,8 +69,8 @@ def first_cells(pixels: Tensor, image: Grid, layer: nn.Conv2d) -> Cells:
 def next_cells(cells: Cells, grid: Grid, layer: nn.Conv2d) -> Cells:
     """Return the cells of the next layer, without bias, whose windows hold some of these cells; all others are 0.
 
-    The weights that meet a cell depend on its row and column modulo the strides. Cells that agree in these are one
-    product of matrices.
+    The weights for a cell depend on its row and column modulo the strides. Cells that agree in these are computed by
+    one matrix product.
     """
     image, row, column = split(cells.number, grid)
     phase = row % layer.stride[0] * layer.stride[1] + column % layer.stride[1]

@@ -40,9 +40,9 @@ CLIP = 10.0  # standard deviations
 class Normaliser(nn.Module):
     """Shift and scale observations by their running mean and standard deviation (Chan et al. 1979, parallel form).
 
-    Standard deviations are at least `floor` `[size]`, in the units of the features. Otherwise a feature that was nearly
-    constant in training would explode when it varies a little more, as in another engine or on another level. Each
-    policy has its own statistics.
+    Standard deviations are at least `floor` `[size]`, in the units of the features. Otherwise a feature that is nearly
+    constant in training would become very large when it varies a little more, as in another engine or on another level.
+    Each policy has its own statistics.
     """
 
     mean: Tensor
@@ -60,7 +60,7 @@ class Normaliser(nn.Module):
 
     def forward(self, observation: Tensor) -> Tensor:
         """Return observations in standard deviations from the mean, at most CLIP: `[B, size]` or `[B, A, size]`."""
-        # in place: fresh memory is slow to get
+        # in place, since allocating memory is slow
         return (observation - self.mean).div_(self.deviation()).clamp_(-CLIP, CLIP)
 
     def deviation(self) -> Tensor:
@@ -74,7 +74,7 @@ class Normaliser(nn.Module):
         observation = observation.float()
         middle = observation.mean(0)
         rest = observation - middle
-        error = rest.mean(0)  # of rounding; in 64 bits all of this takes three times as long
+        error = rest.mean(0)  # of rounding; 64 bits would take three times as long
         variance = (rest.square_().mean(0) - error.square()).double()
         mean = middle.double() + error
         total = self.count + rows
@@ -140,7 +140,7 @@ class Student(nn.Module):
         if self.central:
             seen, team = widened(observation_space, agents, 0), Team()
         self.critic_torso = self.actor_torso if self.shared else make(seen, config, generator, team)
-        assert isinstance(observation_space, Box)  # `torso` has refused the others
+        assert isinstance(observation_space, Box)  # `torso` rejects other spaces
         self.normaliser: Normaliser | Pixels | PartScales
         if isinstance(given, SparseImage):
             self.normaliser = SparsePixels(given, isinstance(observation_space, SparseImage), agents)
@@ -180,15 +180,15 @@ class Student(nn.Module):
         return policy, value
 
     def see(self, observation: Tensor) -> Tensor | None:
-        """Return observations for `policy_and_value`, if they may be normalized long before: floats `[B, size]`.
+        """Return normalized observations for `policy_and_value`, floats `[B, size]`.
 
-        None for images and bytes, which would take several times the memory.
+        None for images and bytes, which would then take several times the memory.
         """
         ahead = isinstance(self.normaliser, Normaliser) and observation.is_floating_point()
         return self.normaliser(observation) if ahead else None
 
     def policy_and_value(self, seen: Tensor, past: Past | None = None) -> tuple[Policy, Tensor]:
-        """Return what `forward` returns, for observations that are normalized."""
+        """Return the policy and the value of `forward`, for normalized observations."""
         policy, value, _ = self._infer(seen, past)
         return policy, value
 
@@ -212,7 +212,7 @@ class Student(nn.Module):
 
     def _critic_features(self, seen: Tensor, past: Past) -> tuple[Tensor, Tensor]:
         memory = past.memory[:, self.memory_width - self.critic_memory.width :]
-        # a central critic sees the observations of all agents, images laid on each other
+        # a central critic observes all agents: vectors concatenated, images stacked
         seen = seen.movedim(1, -2).flatten(-2) if self.central else self._numbered(seen)
         return self.critic_memory(self.critic_torso(seen), memory, past)
 
@@ -337,7 +337,7 @@ def widened(space: Space, times: int, more: int) -> Space:
     if isinstance(space, Parts):
         return repeated(space, times, more)
     if not isinstance(space, Box) or not space.shape:
-        return space  # `torso` says why not
+        return space  # `torso` raises the error
     shape = (*space.shape[:-1], times * space.shape[-1] + more)
     return Box(float(space.low.min()), float(space.high.max()), shape, space.dtype.type)
 

@@ -16,7 +16,7 @@ MOST_VISITS = 4096  # maximum number stored without calls of `pop`
 
 
 class ActionTape:
-    """The actions in each of N environments since its visit began, and those of ended visits.
+    """The actions in each of N environments since the start of its visit, and those of ended visits.
 
     Checkpoints do not include it, so a visit that started before the tape, or before a resumed run, has no actions.
     """
@@ -29,7 +29,7 @@ class ActionTape:
         self._over: OrderedDict[int, np.ndarray] = OrderedDict()  # by visit
 
     def begin(self, envs: np.ndarray, visits: np.ndarray, ago: int = 0) -> None:
-        """Start these visits `[k]` in the environments `[k]`, or say that they started `ago` steps ago."""
+        """Start these visits `[k]` in the environments `[k]`, with a start `ago` steps ago."""
         for env in envs:
             self._keep(int(env), self._steps - ago)
         self._visit[envs], self._began[envs] = visits, self._steps - ago

@@ -1,7 +1,7 @@
-"""Copy observations to the GPU that holds a student's weights, step by step and each of them once.
+"""Copy each observation once to the GPU of a student's weights, step by step.
 
 A student acts on an observation and later learns from it, so a rollout's observations are stored where the weights are.
-This saves a second copy of the whole rollout before each update, and the host does not wait for the copies. Read next:
+This avoids a second copy of the whole rollout before each update, and the host does not wait for the copies. Read next:
 `learning.worker`, which sends them.
 """
 
@@ -15,13 +15,13 @@ BUFFERS = 2  # one is filled while the other is copied
 
 
 class Upload:
-    """Copies batches of one shape from the host to a GPU through two pinned buffers, while the host goes on.
+    """Copies batches of one shape from the host to a GPU through two pinned buffers, without blocking the host.
 
-    A buffer is filled again only when the copy out of it has ended. Later work on the GPU waits for the copies, since
-    they are part of its stream.
+    A buffer is reused only after its copy has ended. Later work on the GPU waits for the copies, since they are part of
+    its stream.
 
     Args:
-        like: a batch, of whose shape and dtype all batches are.
+        like: a batch with the shape and dtype of all batches.
     """
 
     def __init__(self, like: Tensor) -> None:
@@ -32,7 +32,7 @@ class Upload:
     def __call__(self, batch: np.ndarray, place: Tensor) -> None:
         """Write a batch `[N, ...]` to its place on the GPU, before any later work of its stream."""
         buffer, copied = self.buffers[self.turn], self.copied[self.turn]
-        copied.synchronize()  # returns at once where nothing has been copied yet
+        copied.synchronize()  # returns at once before the first copy
         buffer.copy_(torch.as_tensor(batch))
         place.copy_(buffer, non_blocking=True)
         copied.record(torch.cuda.current_stream(place.device))

@@ -14,12 +14,12 @@ from torch import Tensor
 from ued.core.resumable import Resumable
 from ued.learning.rollout import Rollout
 
-NEGATIVE = "negative_advantage"  # the name of a sum, where it is followed
+NEGATIVE = "negative_advantage"  # the name of an optional sum
 NAMES = ("mean_value", "positive_advantage", "absolute_advantage")
 
 
 class EpisodeValues(Resumable):
-    """Follows the episodes of N environments through rollouts.
+    """Sums statistics over the episodes of N environments across rollouts.
 
     Args:
         num_envs: N.

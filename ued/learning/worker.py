@@ -1,7 +1,7 @@
 """A rollout worker: runs a policy in its own N environments; episodes continue from one rollout to the next.
 
-`collect` steps several workers side by side, so that the students of PAIRED are at about the same level of the
-curriculum. Read next: `learning.ppo`.
+`collect` steps several workers in turn, so that the students of PAIRED play about the same levels at the same time.
+Read next: `learning.ppo`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from ued.learning.student import Student
 from ued.learning.tape import ActionTape
 from ued.learning.upload import write
 
-COMPILED = True  # False: all rollouts step by step in torch, the reference of the compiled ones
-STRIDE = 16  # steps that a worker plays before it is the turn of the next
+COMPILED = True  # False: all rollouts step by step in torch, the reference for compiled ones
+STRIDE = 16  # steps that a worker plays before the next worker plays
 # Called with the environments `[k]` whose episodes have just ended, their returns, and their success `[k]` (1, 0, nan:
 # unknown); returns the environments `[c]` that change their level, and their new level records `[c]`.
 OnEpisodeEnd = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -43,7 +43,7 @@ class RolloutWorker(Resumable):
     Args:
         student: the policy; None for environments that ignore actions (see `UPOMDP.with_scripted_policy`): values and
             log-probabilities are then 0.
-        upomdp: N environments for this worker alone. Sets its `level_sampler` to None: `on_episode_end` selects levels.
+        upomdp: N environments of this worker only. Sets its `level_sampler` to None: `on_episode_end` selects levels.
         num_steps: T of the rollout.
         generator: random stream of the actions.
         on_episode_end: selects the levels; see `OnEpisodeEnd`.
@@ -71,7 +71,7 @@ class RolloutWorker(Resumable):
         self.lengths = np.zeros(upomdp.num_envs, np.int64)  # [N]
         self.env_steps = 0
         self.seconds = {"sim": 0.0, "forward": 0.0, "levels": 0.0}
-        self.tape: ActionTape | None = None  # until episodes are to be replayed
+        self.tape: ActionTape | None = None  # set if episodes will be replayed
         self.send: Callable[[np.ndarray, torch.Tensor], None] = write  # to the device of the student
         self._ended: tuple[list[float], list[int]] = [], []  # returns and lengths of ended episodes
 
@@ -147,7 +147,7 @@ class RolloutWorker(Resumable):
             self.rollout.final_value[t, where] = self.student.value(final, self.memory[where])
 
     def note_episodes(self, returns: np.ndarray, lengths: np.ndarray) -> None:
-        """Note the returns and lengths of episodes that ended, `[k]`, in their order."""
+        """Record the returns and lengths of episodes that ended, `[k]`, in their order."""
         self._ended[0].extend(returns.tolist())
         self._ended[1].extend(lengths.tolist())
 
@@ -194,7 +194,7 @@ class RolloutWorker(Resumable):
         return Episodes(np.array(returns, np.float64), np.array(lengths, np.int64))
 
     def pop_seconds(self) -> dict[str, float]:
-        """Return the seconds since the last call spent on simulation, on the network, and on the choice of levels."""
+        """Return the seconds since the last call, by activity: simulation, network, choice of levels."""
         seconds, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
         return seconds
 

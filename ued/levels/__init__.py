@@ -1,1 +1,1 @@
-"""Levels: their records, the queue and buffer they wait in, their scores, the teacher that proposes them."""
+"""Levels: records, queue, buffer, scores, and the teacher that proposes levels."""

@@ -67,8 +67,8 @@ class Adversary(Resumable):
         columns = numbered("theta", draws) if isinstance(draws, int) else draws
         if not columns:
             raise ValueError(
-                "an adversary has nothing to choose: the environment has no free parameters (theta has 0 "
-                "columns); use domain randomization, or give the program a random value"
+                "an adversary has no parameters to choose: theta has 0 columns; use domain randomization, or give "
+                "the program a random value"
             )
         self.dim, self.config, self.generator = len(columns), config, generator
         size, hidden = context_size or config.context_size, config.hidden_size

@@ -1,6 +1,6 @@
 """The levels of an update, and the columns of levels.csv for each.
 
-Read next: `levels.record`, what a level record holds; `recorder.recorder`, which shows them.
+Read next: `levels.record`, the fields of a level record; `recorder.recorder`, which shows them.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class LevelBatch:
         return dict(zip(self.students, self.records["num_played"].T.astype(np.int64), strict=True))
 
     def facts(self) -> dict[str, np.ndarray]:
-        """Return what identifies each level, by name `[L]`: id, visit, source, parent (nan: none), program, ..."""
+        """Return the identifiers of each level, by name `[L]`: id, visit, source, parent (nan: none), program, ..."""
         level, parent = self.records["level"], self.records["parent"]
         return {
             "id": self.records["id"],
@@ -70,9 +70,9 @@ class LevelBatch:
     def outcomes(self) -> dict[str, np.ndarray]:
         """Return the results of students on each level, by name `[L]`, and its score.
 
-        return, best, success: of each student, over its episodes. For methods whose scores may use values, as in PLR,
-        also best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0) and |A|, and
-        of the sum that the score mna needs; of CENIE the novelty, nan before the first mixture.
+        return, best, success: of each student, over its episodes. Methods whose scores may use values, such as PLR, add
+        best_ever, the highest return ever on the level, and the means over episodes of V, max(A, 0), |A| and the sum
+        that the score mna needs. CENIE adds the novelty, nan before the first mixture.
         """
         columns = {f"return/{name}": values for name, values in self.returns.items()}
         columns |= {f"best/{name}": values for name, values in self.best.items()}

@@ -1,9 +1,8 @@
-"""The start of replay and of teachers by the length of the run: earlier in a short run.
+"""The start of replay and of the teacher's updates, which depends on the length of the run.
 
 By default replay starts after 500 levels for a buffer of 1,000, and an adversary learns from 32 levels at a time. A run
-of long episodes may never play as many, so both also start once a share of the run is spent. Without a known budget
-they start after a few levels of each environment. Read next: `levels.buffer`,
-`levels.teacher`.
+of long episodes may never play as many, so both also start after a share of the run. Without a known budget they start
+after a few levels of each environment. Read next: `levels.buffer`, `levels.teacher`.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ from typing import Any
 
 FILL = 0.5  # of the buffer: levels offered before replay starts
 BATCH = 32  # levels that an adversary waits for
-SHARE = 0.1  # of the budget, after which neither waits any longer
+SHARE = 0.1  # of the budget, after which both start
 LEAST_BATCH = 4  # levels in an adversary's smallest batch
 LEVELS_PER_ENV = 4  # offered before replay without a known budget
 NUM_ENVS = 16  # assumed for a curriculum without environments
@@ -21,7 +20,7 @@ NUM_ENVS = 16  # assumed for a curriculum without environments
 
 @dataclass
 class Budget:
-    """The length of a run, if known, and the part of it that is spent.
+    """The length of a run, if known, and the steps so far.
 
     Attributes:
         num_envs: environments of each student.
@@ -39,7 +38,7 @@ class Budget:
         return cls(getattr(space, "num_envs", NUM_ENVS))
 
     def warm_up(self) -> int:
-        """Return the env_steps after which neither waits any longer; 0 without a known budget."""
+        """Return the env_steps after which both start; 0 without a known budget."""
         return 0 if self.total is None else round(SHARE * self.total)
 
     def allows_replay(self, offered: int, capacity: int) -> bool:
@@ -51,7 +50,7 @@ class Budget:
         return offered > 0 and self.spent >= self.warm_up()
 
     def allows_lesson(self, waiting: int, last: int) -> bool:
-        """Return whether an adversary may learn by default from `waiting` levels, if it last did at env_step `last`."""
+        """Return whether an adversary may learn by default from `waiting` levels; its last update was at `last`."""
         if waiting >= BATCH:
             return True
         if self.total is None:

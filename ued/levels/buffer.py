@@ -28,10 +28,10 @@ EPSILON = 1e-8  # avoids a division by 0 for scores of 0
 def slot_dtype(level: np.dtype) -> np.dtype:
     """Return the record of a level in the buffer.
 
-    id: of the level, unique in a run; level; score; best: the highest return ever on it; solved: whether an
-    episode on it ever succeeded; last_played: time of its last
-    replay, or of insertion; created: time of insertion; num_replays: number of replays; parent: id of the level it was
-    edited from, or NONE; generation: edits between it and a random level.
+    id: of the level, unique in a run; level; score; best: the highest return ever on it; solved: whether an episode on
+    it ever succeeded; last_played: time of its last replay, or of insertion; created: time of insertion; num_replays:
+    number of replays; parent: id of the level it was edited from, or NONE; generation: edits between it and a random
+    level.
     """
     return np.dtype(
         [
@@ -65,14 +65,14 @@ class LevelBuffer(Resumable):
         self.space, self.config, self.budget = space, config, budget or Budget()
         self._slots = np.zeros(config.capacity, self.slot_dtype(level_dtype(space.theta_dim)))
         self._count = 0
-        self._rows: dict[bytes, int] = {}  # which row holds a level, by its key
+        self._rows: dict[bytes, int] = {}  # row of a level, by its key
         self._rows_by_id: dict[int, int] = {}
         self._score_weights: np.ndarray | None = None  # until a score changes
         self._by_rank = np.arange(1.0, config.capacity + 1) ** (-1 / config.temperature)
         self._ranking, self._rescored = Ranking(), set[int]()  # rows whose scores changed since the last ranking
         self.now = 0  # levels played so far: the clock of staleness
         self.next_id = 0
-        self.replays = False  # whether replay has begun, where the budget says when
+        self.replays = False  # whether replay has started by the budget
 
     def __len__(self) -> int:
         return self._count
@@ -98,8 +98,8 @@ class LevelBuffer(Resumable):
     def is_ready(self, min_fill: float | None) -> bool:
         """Return whether replay may start: after this share of the capacity was offered; None: by the budget.
 
-        Levels count when they are offered, not when they are kept: a few programs without parameters never fill a
-        buffer. By the budget, replay that has started continues, even if the budget is extended.
+        Levels count when they are offered, not when they are stored: a few programs without parameters never fill a
+        buffer. Once replay has started by the budget, it continues, even if the budget is extended.
         """
         if not self._count:
             return False
@@ -158,7 +158,7 @@ class LevelBuffer(Resumable):
         return rows
 
     def touch(self, rows: np.ndarray) -> None:
-        """Count the levels of these rows `[k]` as played now, one after the other."""
+        """Count the levels of these rows `[k]` as played now, in their order."""
         self.slots["last_played"][rows] = self.now + 1 + np.arange(len(rows))
         np.add.at(self.slots["num_replays"], rows, 1)
         self.now += len(rows)
@@ -209,13 +209,13 @@ class LevelBuffer(Resumable):
         return ever
 
     def remember(self, records: np.ndarray) -> None:
-        """Fill in what scores know of the past of each level: `best`, and `ever_solved` in records that have it."""
+        """Fill in the history of each level that scores need: `best`, and `ever_solved` in records that have it."""
         records["best"] = self.best_returns(records)
         if "ever_solved" in (records.dtype.names or ()):
             records["ever_solved"] = self.ever_solved(records)
 
     def _known(self, records: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return which records `[k]` replay levels of the buffer, and their rows `[k]`; others were displaced since."""
+        """Return which records `[k]` replay levels that are still in the buffer, and their rows `[k]`."""
         replayed = np.flatnonzero(records["origin"] == Origin.REPLAYED)
         rows = self.find(records["id"][replayed])
         return replayed[rows != NONE], rows[rows != NONE]
@@ -281,18 +281,18 @@ class LevelBuffer(Resumable):
         return True
 
     def _displace(self, rows: np.ndarray) -> int:
-        """Let levels `[k]`, the best first, replace those with the smallest replay weights; return how many did."""
+        """Replace the levels with the smallest replay weights by levels `[k]`, the best first; return their number."""
         if not len(rows):
             return 0
-        worth, worth_here = self._worth(rows)
+        worth, stored_worth = self._worth(rows)
         best = np.argsort(-worth, kind="stable")
         least = self._weakest(len(rows))
         best = best[: len(least)]
-        rows, stronger = rows[best], worth[best] >= worth_here[least]
+        rows, stronger = rows[best], worth[best] >= stored_worth[least]
         return sum(self._put(int(place), row) for place, row in zip(least[stronger], rows[stronger], strict=True))
 
     def _worth(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return what levels `[k]` are worth, and what those in the buffer `[n]` are, on the same scale."""
+        """Return the priorities of levels `[k]` and of those in the buffer `[n]`, on the same scale."""
         return rows["score"], self.slots["score"]
 
     def _weakest(self, count: int) -> np.ndarray:

@@ -5,13 +5,13 @@
         action ~ policy(level so far, number of the step, z)        no reward
     the finished levels are played; the reward of the last step is their score
 
-So it is a student whose episodes are levels. As in DCD, the number of the step is observed as a one-hot vector (its
+So it is a student whose episodes are levels. As in DCD, the step number is observed as a one-hot vector (its
 `MultigridNetwork`). Two things differ from DCD: z is drawn once per level instead of at each step, and the network is
-feed-forward by default, since the level so far and the step are all that an action depends on.
+feed-forward by default, since an action depends only on the level so far and the step.
 
-Scores arrive later, in any order, and some never do. A proposal therefore carries all that learning needs: z, luck,
-actions, log-probabilities and values. Its observations, which are by far larger, are recomputed when its score is
-known. Read next: `core.families`, what a level family defines; `levels.teacher`, which uses the adversary.
+Scores arrive later, in any order, and some never arrive. So a proposal stores the data of its update: z, luck, actions,
+log-probabilities and values. Its observations, which are much larger, are recomputed when its score is available. Read
+next: `core.families`, the definition of a level family; `levels.teacher`, which uses the adversary.
 """
 
 from __future__ import annotations
@@ -118,7 +118,8 @@ class Builder(Resumable):
     def learn(self, proposals: Built, score: np.ndarray) -> dict[str, float]:
         """Update on the scores `[n]` of these proposals; return PPO's metrics.
 
-        Scores are normalized by a running mean and standard deviation, so that `ent_coef` means the same everywhere.
+        Scores are normalized by a running mean and standard deviation, so that `ent_coef` does not depend on their
+        scale.
         """
         self.scale.track(score)
         return self.ppo.learn(self._rollout(proposals, self.scale(score)))

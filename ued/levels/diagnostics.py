@@ -1,7 +1,7 @@
 """Metrics of the levels of an update for every method: distribution, origins, success rates.
 
-They show whether a curriculum collapses: a teacher stuck on few levels has a low entropy and coverage, one whose levels
-are too hard a low success rate; `regret_split` shows how much regret is luck.
+They show whether a curriculum collapses. A teacher that proposes few different levels has a low entropy and coverage; a
+teacher whose levels are too hard has a low success rate. `regret_split` shows how much regret is luck.
 Read next: `methods.method`, which logs them in every update.
 """
 
@@ -16,7 +16,7 @@ from ued.core.parameters import Parameter, choice_in
 from ued.levels.record import Origin, mean_returns, solved
 
 BINS = 10  # of each column of θ that is a real number
-MOST_CHOICES, MOST_OPTIONS = 4, 8  # with metrics of their own
+MOST_CHOICES, MOST_OPTIONS = 4, 8  # with separate metrics
 
 
 def level_metrics(levels: np.ndarray, draws: Sequence[Parameter] | None = None) -> dict[str, float]:
@@ -119,10 +119,10 @@ def choice_metrics(levels: np.ndarray, draws: Sequence[Parameter]) -> dict[str, 
 def regret_split(levels: np.ndarray, has_antagonist: bool) -> dict[str, float]:
     """Return the mean regret of the adversary's levels among scored levels `[L]`, and its parts: skill and luck.
 
-    With random outcomes, the best of several episodes exceeds their mean even between equal students; that part says
-    nothing about the level. Skill is the mean return of student 1, the antagonist, minus that of student 0, or without
-    an antagonist the best student's minus the mean of all. Means are over all levels, since the best student on a
-    single level may be so by luck. Luck is the rest.
+    With random outcomes, the best of several episodes exceeds their mean even between equal students. That part of the
+    regret does not depend on the level. Skill is the mean return of student 1, the antagonist, minus that of student 0;
+    without an antagonist, the best student's minus the mean of all. Means are over all levels, since the best student
+    on a single level may be the best by luck. Luck is the rest.
     """
     levels = levels[levels["origin"] == Origin.PROPOSED]
     if not len(levels):

@@ -1,8 +1,8 @@
 """Gaussian mixtures, fitted by expectation maximization (Dempster et al. 1977), several mixtures at once.
 
-The algorithm is that of scikit-learn, whose many small calls per Gaussian dominate the time for a few hundred rows.
-Here, log densities are quadratic forms of a row and moments are sums over rows, so with precomputed products of a row's
-entries, each of the two is one matrix product.
+The algorithm is that of scikit-learn, whose many small calls per Gaussian dominate the time for a few hundred rows. Log
+densities are quadratic forms of a row, and moments are sums over rows. So with precomputed products of a row's entries,
+each of the two is one matrix product.
 
 Covariances are full, as in the paper's code, if a Gaussian has at least as many rows as columns; otherwise they would
 be singular, and diagonal covariances are used (scikit-learn's "diag"), which need D instead of D² products of a row.

@@ -1,7 +1,7 @@
-"""The novelty of a level: how unlikely the student's state-action pairs on it are, given those that it learned from.
+"""The novelty of a level: how unlikely the student's state-action pairs on it are under a model of its past ones.
 
-CENIE (Teoh et al. 2024) models past pairs by a mixture of Gaussians and calls the mean of -log p(observation, action)
-over the steps on a level its novelty. Read next: `levels.novelty_buffer`, which ranks levels by it.
+CENIE (Teoh et al. 2024) models past pairs by a mixture of Gaussians. The novelty of a level is the mean of
+-log p(observation, action) over the steps on it. Read next: `levels.novelty_buffer`, which ranks levels by it.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from ued.learning.value_stats import NAMES, EpisodeValues
 from ued.levels.gaussian_mixture import GaussianMixture, fit, products_of
 
 CLIP = 10.0  # of a column's distance from the mean of the window, in its scale
-LEAST_SCALE = 0.1  # of the range of a column in the window: rare values of it do not become arbitrarily far
-REGULARISER = 0.1  # added to variances, of a window that has about 1: a new value in one cluster does not decide alone
-COUNTS = (2, 4, 8, 16, 32, 64)  # of Gaussians, among which the silhouette chooses
+LEAST_SCALE = 0.1  # of the range of a column in the window: limits the distance of rare values
+REGULARISER = 0.1  # added to variances (about 1 in the window): limits the effect of a single new value
+COUNTS = (2, 4, 8, 16, 32, 64)  # numbers of Gaussians to select from, by silhouette
 LEAST_ROWS = 8  # per Gaussian
-JUDGED = 256  # rows whose silhouettes choose
-BLOCK = 1 << 18  # numbers in a block of rows whose densities are computed together: it stays in the cache
+JUDGED = 256  # rows for the silhouette
+BLOCK = 1 << 18  # numbers in a block of rows whose densities are computed together, so that it fits into the cache
 
 
 class Coverage(Resumable):
-    """A window of state-action pairs, the first in the first out, and the mixture fitted to it.
+    """A first-in-first-out window of state-action pairs, and the mixture fitted to it.
 
     Columns are centered and divided by their deviation in the window when the mixture is fitted. Covariances are
     diagonal, which keeps the cost linear in the number of columns.
 
     Args:
         columns: D, of a pair.
-        config: size of the window, how often the mixture is fitted.
-        seed: of the pairs kept and of the clusters that fitting begins with.
+        config: size of the window, and the interval between fits.
+        seed: for the choice of stored pairs and for the initial clusters of a fit.
     """
 
     state_fields = ("pairs", "rng", "updates", "fitted", "mixture")
@@ -57,11 +57,11 @@ class Coverage(Resumable):
         return 0 if self.mixture is None else len(self.mixture["weights"])
 
     def choose(self, count: int) -> np.ndarray:
-        """Return which of `count` pairs to keep, at most `pairs_per_update` of them: their indices, in order."""
+        """Return the indices of the pairs to store, ascending: at most `pairs_per_update` of `count`."""
         return np.sort(self.rng.permutation(count)[: self.config.pairs_per_update])
 
     def remember(self, pairs: np.ndarray) -> None:
-        """Put pairs `[m, D]` into the window in the place of the oldest ones."""
+        """Add pairs `[m, D]` to the window, in place of the oldest ones."""
         self.pairs = np.concatenate([self.pairs, pairs.astype(np.float32)])[-self.config.window :]
         self.updates += len(pairs) > 0
 
@@ -75,14 +75,14 @@ class Coverage(Resumable):
         return np.concatenate([_unlikelihood(_log_densities(mixture, _scaled(each, centre, scale))) for each in blocks])
 
     def refit(self) -> None:
-        """Fit the mixture to the window if it is due: after `fit_every` updates, or when their number has doubled."""
+        """Refit the mixture to the window after `fit_every` updates, or when the number of updates has doubled."""
         most = min(self.config.max_components, len(self.pairs) // LEAST_ROWS)
         counts = [count for count in COUNTS if count <= most]
         if not counts or self.updates - self.fitted < max(1, min(self.config.fit_every, self.fitted)):
             return
         centre = self.pairs.mean(0)
         scale = np.maximum(self.pairs.std(0), LEAST_SCALE * np.ptp(self.pairs, 0))
-        scale[scale == 0] = 1.0  # it is constant in the window
+        scale[scale == 0] = 1.0  # constant columns
         rows = _scaled(self.pairs, centre, scale).astype(np.float64)
         mixtures = fit(rows, counts, self.rng, False, REGULARISER)
         judged = rows[self.rng.permutation(len(rows))[:JUDGED]]
@@ -94,9 +94,8 @@ class Coverage(Resumable):
 class EpisodeNovelty(EpisodeValues):
     """Follows episodes as `EpisodeValues`, and the novelty of their state-action pairs; grows the coverage.
 
-    The novelty of an episode is the mean over its steps, and over agents, of that of a pair under the mixture of the
-    time; inf for an episode with steps before the first mixture. Afterwards, pairs of the rollout from which students
-    learn enter the window.
+    The novelty of an episode is the mean novelty of its pairs, over steps and agents, under the mixture at that time;
+    inf for an episode with steps before the first mixture. Then the training pairs of the rollout enter the window.
 
     Args:
         num_envs: N.
@@ -122,7 +121,7 @@ class EpisodeNovelty(EpisodeValues):
     def track(self, rollout: Rollout, advantages: Tensor, negative: Tensor | None = None) -> dict[str, np.ndarray]:
         """See `EpisodeValues.track`."""
         found = super().track(rollout, advantages, negative)
-        if not self.coverage.components:  # nothing was learned from so far, so all is new
+        if not self.coverage.components:  # no mixture yet, so all pairs are novel
             found["novelty"][:] = self.sums[len(NAMES)] = np.inf
         by_agent = rollout.train if rollout.value.ndim == 2 else rollout.train[..., None].expand_as(rollout.value)
         learned = by_agent.flatten().nonzero()[:, 0]
@@ -134,7 +133,7 @@ class EpisodeNovelty(EpisodeValues):
 def state_actions(rollout: Rollout, choices: np.ndarray, rows: Tensor | None = None) -> np.ndarray:
     """Return the state-action pairs of all agents at all steps, in the order of `rollout.value`: float32 `[n, D]`.
 
-    Observations are flat; a choice among K values, as in `networks.choices_of`, is K columns, of which one is 1.
+    Observations are flat; a choice among K values, as in `networks.choices_of`, is a one-hot of K columns.
     `rows` selects among them.
     """
     count = rollout.value.numel()

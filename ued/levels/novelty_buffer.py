@@ -22,7 +22,7 @@ def novelty_slot_dtype(level: np.dtype) -> np.dtype:
 
 
 class NoveltyBuffer(LevelBuffer):
-    """A `LevelBuffer` whose levels have a novelty, too. Level records have a field `novelty` `[1, n]`, of episodes.
+    """A `LevelBuffer` whose levels also have a novelty. Level records have a field `novelty` `[1, n]`, of episodes.
 
     Args:
         space, config, budget: see `LevelBuffer`.
@@ -36,7 +36,7 @@ class NoveltyBuffer(LevelBuffer):
         self.share = share
 
     def store(self, records: np.ndarray) -> dict[str, float]:
-        """See `LevelBuffer.store`; a replayed level gets its new novelty, too."""
+        """See `LevelBuffer.store`; a replayed level also gets its new novelty."""
         replayed = records[records["origin"] == Origin.REPLAYED]
         rows = self.find(replayed["id"])
         self.slots["novelty"][rows[rows != NONE]] = novelty_of(replayed[rows != NONE])

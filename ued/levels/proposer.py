@@ -1,4 +1,4 @@
-"""Which adversary a space of levels gets: one that chooses θ or codes in one step, or one that builds levels.
+"""The adversary of a space of levels: one that chooses θ or codes in one step, or one that builds levels.
 
 | levels | `builder = direct` | `builder = steps` |
 |---|---|---|
@@ -6,7 +6,7 @@
 | a family with `parameters` | `CodeAdversary` | – |
 | a family with a `builder` | – | `Builder`, the default |
 
-Read next: `core.families`, what a family may define; `levels.teacher`, which proposes these levels.
+Read next: `core.families`, the optional attributes of a family; `levels.teacher`, which proposes these levels.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ued.levels.builder import Builder
 
 
 class Proposer(Protocol):
-    """An adversary as the teacher uses it: `Adversary` and `Builder` say more.
+    """The interface of an adversary for the teacher; see `Adversary` and `Builder`.
 
     Attributes:
         record_fields: the fields of a level record that hold one of its proposals.
@@ -111,7 +111,7 @@ def make_adversary(
 
 
 def _lacking(family: LevelFamily, kind: str, lacks: str) -> str:
-    """Return why a family's levels cannot be chosen, and what would be needed."""
+    """Return the error for a family whose levels cannot be chosen, with the missing attribute."""
     name = type(family).__name__
     other = {"builder": "parameters", "parameters": "builder"}[lacks]
     if getattr(family, other, None) is not None:

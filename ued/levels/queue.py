@@ -1,10 +1,10 @@
 """The queue of levels: all students play the same levels in the same order, for the same number of whole episodes.
 
-An environment that has played its level often enough takes the next one from the queue while the others continue. So a
-change of level cuts off no episode, long episodes count like short ones, and no environment waits for the longest
-episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest student, it
-repeats its level until the others have caught up; it learns from these episodes, but they are no results. Read next:
-`methods.method`, whose `collect_rollouts` uses this queue.
+An environment that has finished the episodes of its level takes the next one from the queue while the others continue.
+So a change of level interrupts no episode, long episodes count like short ones, and no environment waits for the
+longest episode. A student with shorter episodes gets ahead. Once it is `max_lead` levels ahead of the slowest student,
+it repeats its level until the others have caught up. It learns from these episodes, but they do not count as results.
+Read next: `methods.method`, whose `collect_rollouts` uses this queue.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ued.core.upomdp import PREFETCH
 from ued.levels.record import NONE, number
 
 # Levels proposed ahead if all proposals are played: at least this many, and for many environments a share of their
-# number, since a request for many levels takes hardly longer than a request for one.
+# number, since proposing many levels takes little longer than proposing one.
 PROPOSAL_BATCH, PROPOSAL_SHARE = 8, 4
 # The same for environments that prepare levels in blocks, see `propose_in_blocks`: if all proposals are played, at most
 # one per environment.
@@ -31,16 +31,16 @@ BLOCK, PLAYED_BLOCK = 64, 16
 
 
 class LevelQueue(Resumable):
-    """Hands level records to S students with N environments each, and stores results until all have played a level.
+    """Passes level records to S students with N environments each, and stores results until all have played a level.
 
     Args:
         curriculum: proposes the levels.
         num_envs: N.
         max_lead: levels that one student may be ahead of another, at least N; 0: no new level before `clear`.
-        drop_stale_proposals: drop the proposals that no student has started after each update, so that the updated
-            curriculum proposes the next levels. Not for a curriculum with a state that proposing changes, as replay.
-        resample_level_every: an environment takes a new level when it has played its own often enough ("episode"), or
-            the first time that this happens in each rollout ("rollout").
+        drop_stale_proposals: after each update, drop the proposals that no student has started, so that the updated
+            curriculum proposes the next levels. Not for a curriculum whose proposals change its state, such as replay.
+        resample_level_every: an environment takes a new level after the episodes of its level ("episode"), or only the
+            first time that this happens in each rollout ("rollout").
 
     Attributes:
         prefetch: for each student, the function that announces to its environments which levels it will play next,
@@ -74,7 +74,7 @@ class LevelQueue(Resumable):
         self.next_id = self.next_visit = 0  # of levels, and of visits
         self.needs_new_level = np.ones((self.students, num_envs), bool)  # [S, N] in this rollout, if once per rollout
         self.prefetch: list[Callable[[np.ndarray], None]] = [lambda levels: None] * self.students
-        self._announced = [NONE] * self.students  # the last visit that each student's environments know of
+        self._announced = [NONE] * self.students  # the last visit announced to each student's environments
         self._forget_ended()
 
     def first(self, student: int) -> np.ndarray:
@@ -82,7 +82,7 @@ class LevelQueue(Resumable):
         return self._take(student, np.arange(self.num_envs))
 
     def begin_rollout(self) -> None:
-        """Let each environment take a new level again, if it may do so once per rollout."""
+        """Allow each environment to take a new level again, if it may do so once per rollout."""
         self.needs_new_level[:] = True
 
     def on_episode_end(
@@ -110,10 +110,10 @@ class LevelQueue(Resumable):
         return changing, self._take(student, changing)
 
     def propose_in_blocks(self) -> None:
-        """Propose more levels at a time, for environments that prepare many levels in hardly more time than one.
+        """Propose more levels at a time, for environments that prepare many levels in little more time than one.
 
-        Others would prepare levels that nobody plays: unless all are played, an update drops what is left of a block.
-        Without a lead students play only the first levels.
+        Other environments would prepare levels that are not played, since an update may drop the rest of a block.
+        Without a lead, students play only the first levels.
         """
         if self.max_lead:
             block = BLOCK if self.drop_stale_proposals else min(PLAYED_BLOCK, self.num_envs)
@@ -143,7 +143,7 @@ class LevelQueue(Resumable):
         return records
 
     def announce_if_new(self, student: int) -> None:
-        """Let a student's environments know which levels come next, once it has begun all that they know of."""
+        """Announce the next levels to a student's environments, once it has started all announced ones."""
         start = int(self.taken[student])
         if not start or self.records["visit"][start - 1] <= self._announced[student]:
             return
@@ -152,7 +152,7 @@ class LevelQueue(Resumable):
         self.prefetch[student](coming["level"])
 
     def visits(self, student: int) -> np.ndarray:
-        """Return the visit that each of a student's environments plays `[N]`; NONE for one that has no level yet."""
+        """Return the visit that each of a student's environments plays `[N]`; NONE without a level."""
         return np.append(self.records["visit"], NONE)[self.playing[student]]  # NONE, -1, is the last
 
     def record_value_stats(self, student: int, stats: dict[str, np.ndarray]) -> None:
@@ -169,9 +169,9 @@ class LevelQueue(Resumable):
         """
         if not self._ended[student]:
             return
-        playing, left, *told = zip(*self._ended[student], strict=True)
+        playing, left, *results = zip(*self._ended[student], strict=True)
         self._ended[student] = []
-        rows, returns, success = map(np.concatenate, (playing, *told))  # [E]
+        rows, returns, success = map(np.concatenate, (playing, *results))  # [E]
         due = np.array([*chain.from_iterable(left)], np.int64)  # [E]
         counted = due > 0
         rows, due = rows[counted], due[counted]
@@ -187,7 +187,7 @@ class LevelQueue(Resumable):
         self._ended: list[list[tuple[Any, ...]]] = [[] for _ in range(self.students)]
 
     def finished(self) -> np.ndarray:
-        """Return which records every student has played often enough: bool `[R]`."""
+        """Return which records every student has finished: bool `[R]`."""
         for student in range(self.students):
             self._write_results(student, {})
         return np.all(self.records["num_played"] >= self.records["num_episodes"][:, None], axis=1)
@@ -248,7 +248,7 @@ class StudentQueue:
         return self.queue.on_episode_end(self.student, ended, returns, success)
 
     def at_hand(self) -> np.ndarray:
-        """Return the next records, at most PREFETCH; with one level per rollout none: each end is asked for."""
+        """Return the next records, at most PREFETCH; none with one level per rollout, where each end needs a call."""
         start = int(self.queue.taken[self.student])
         return self.queue.records[start : start + (0 if self.queue.once_per_rollout else PREFETCH)]
 
@@ -266,7 +266,7 @@ class StudentQueue:
         return [1] * len(due) if self.queue.once_per_rollout else due
 
     def apply(self, events: Events, due: list[int]) -> None:
-        """Note the episodes that ended and the levels taken; `due` as it is now."""
+        """Record the episodes that ended, the levels taken, and the present `due`."""
         if not len(events.env):
             return
         queue, start = self.queue, int(self.queue.taken[self.student])

@@ -1,4 +1,4 @@
-"""The ranks of scores of which a few change at a time: in a large buffer sorting them all would cost most of the time.
+"""The ranks of scores of which a few change at a time, since sorting all scores of a large buffer is slow.
 
 Read next: `levels.buffer`, whose priorities follow ranks.
 """
@@ -13,15 +13,16 @@ FEW = 64  # minimum ratio of unchanged to changed scores for updating the order 
 
 
 class Ranking:
-    """Rows in the order of falling scores, equal ones in their own order."""
+    """Rows in the order of falling scores; ties are in the order of rows."""
 
     def __init__(self) -> None:
         self.order = np.zeros(0, np.int64)  # [n] rows, the highest score first
         self._keys = np.zeros(0)  # [n] their scores, negated: rising
 
     def update(self, scores: np.ndarray, changed: Collection[int]) -> np.ndarray:
-        """Return the order `[n]` of these scores `[n]`; only those of the rows `changed`, new ones among them, differ
-        from what they were at the last call.
+        """Return the order `[n]` of these scores `[n]`.
+
+        Only the scores of the rows `changed`, which include new rows, differ from those of the last call.
         """
         if len(scores) < FEW * len(changed) or not len(self.order):
             self.order = np.argsort(-scores, kind="stable")
@@ -31,7 +32,7 @@ class Ranking:
         return self.order
 
     def _mend(self, scores: np.ndarray, rows: np.ndarray) -> None:
-        """Take these rows `[k]`, which are sorted, out of the order, and put them where their scores are now."""
+        """Move these rows `[k]`, which are sorted, to the places of their new scores."""
         keys = -scores[rows]
         by_key = np.argsort(keys, kind="stable")
         rows, keys = rows[by_key], keys[by_key]
@@ -40,6 +41,6 @@ class Ranking:
         kept = stays[self.order]
         order, others = self.order[kept], self._keys[kept]
         first, last = (np.searchsorted(others, keys, side) for side in ("left", "right"))
-        spans = zip(first, last, rows, strict=True)  # those of the same score; among them its row says where
+        spans = zip(first, last, rows, strict=True)  # rows of the same score, ordered by row
         places = [low + np.searchsorted(order[low:high], row) for low, high, row in spans]
         self.order, self._keys = np.insert(order, places, rows), np.insert(others, places, keys)

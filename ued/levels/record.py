@@ -1,8 +1,8 @@
-"""The level record: a level that students are to play, and their results on it.
+"""The level record: a level for students to play, and their results on it.
 
 Curricula and trainers exchange these records: `Curriculum.propose(n)` returns records without results, a trainer fills
-these in, and `Curriculum.update(records)` learns from them. Read next:
-`core.curriculum`, the protocol; `levels.queue`, which hands records to students.
+in the results, and `Curriculum.update(records)` learns from them. Read next: `core.curriculum`, the protocol;
+`levels.queue`, which passes records to students.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def level_record_dtype(
     Set by the curriculum in `propose`:
         level: a record of `level_space.level_dtype`; origin: an `Origin`; id: the level's number, kept by a replayed
         level, NONE for a new one, which the trainer numbers (see `number`); visit: number of this visit, set by the
-        trainer; parent: id of the level that it is an edited copy of, or NONE; train: whether students learn from it;
-        num_episodes: episodes that each student is to play.
+        trainer; parent: id of the level that was edited, or NONE; train: whether students learn from it; num_episodes:
+        number of episodes for each student.
     Filled in by the trainer:
         num_played `[S]`: whole episodes so far; returns `[S, n]`: undiscounted, nan if not played; success `[S, n]`:
         1 or 0, nan if unknown (see `solved`); mean_value, positive_advantage, absolute_advantage `[S, n]`: means over
@@ -91,7 +91,7 @@ def mean_returns(records: np.ndarray) -> np.ndarray:
 def solved(records: np.ndarray) -> np.ndarray:
     """Return whether each student's episodes on each record succeeded `[L, S, n]`: 1 or 0, nan if not played.
 
-    Where `success` is not filled in, a return above 0 is a success.
+    If `success` is not filled in, a return above 0 is a success.
     """
     by_return = np.where(np.isnan(records["returns"]), np.nan, records["returns"] > 0)
     return np.where(np.isnan(records["success"]), by_return, records["success"])

@@ -1,7 +1,7 @@
 """Regions of θ: the levels of a lesson, from parameters in their own units to columns of θ.
 
-A region is an interval of each column, and the allowed options of some. Levels drawn in it are random levels under the
-condition that they lie in it. Read next: `methods.lessons`.
+A region is an interval of each column, and the allowed options of some columns. Its levels follow the distribution of
+random levels, restricted to the region. Read next: `methods.lessons`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ued.lesson_config import NUMBER, Lesson
 
 ENDS = re.compile(rf"({NUMBER})(?:\s*\.\.\s*({NUMBER}))?", re.IGNORECASE)
 HALVINGS = 60  # of [-1, 1], to find the θ of a value
-ELSEWHERE = 0.37  # other columns, to see whether the units of one depend on them
+ELSEWHERE = 0.37  # value of the other columns, to test whether a column's units depend on them
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Region:
 
     Attributes:
         low, high: ends of each column `[D]`.
-        options: for columns of which only some values are allowed, by index, the probability of each `[K]`.
+        options: for columns with restricted options, by index: the probability of each option `[K]`.
     """
 
     low: np.ndarray
@@ -66,7 +66,7 @@ class Region:
 
 
 def region_of(space: LevelSpace, lesson: Lesson) -> Region:
-    """Return the region of a lesson. Raises ValueError for unknown parameters and values that they do not have."""
+    """Return the region of a lesson. Raises ValueError for unknown parameters and invalid values."""
     region = Region(np.full(space.theta_dim, -1.0), np.full(space.theta_dim, 1.0), {})
     names = [parameter.name for parameter in space.parameters]
     for name, values in lesson.region:
@@ -124,7 +124,7 @@ def _ends(parameter: Parameter, values: str) -> tuple[float, float]:
         if inside and (not whole or (low.is_integer() and high.is_integer())):
             return low, high
     limits = f"{parameter.low:g}..{parameter.high:g}"
-    kind = "whole numbers" if whole else "a range or a value"
+    kind = "integers" if whole else "a range or a value"
     raise ValueError(f"{parameter.name!r} must be {kind} within {limits}, such as {limits}, got {values!r}")
 
 
@@ -142,7 +142,7 @@ def _weights(parameter: Parameter, cells: Cells, values: str) -> np.ndarray:
 def _theta_of(space: LevelSpace, column: int, value: float) -> float:
     """Return the θ of a value of a real column, by bisection of `describe`.
 
-    Raises ValueError for a value that the column does not have, and where the units depend on other columns.
+    Raises ValueError for a value outside the column's range, and if its units depend on other columns.
     """
     name = space.parameters[column].name
 

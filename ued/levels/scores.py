@@ -1,6 +1,6 @@
 """Scores of levels for a teacher or a buffer, from the results of students.
 
-Returns are undiscounted and of whole episodes; nan stands for an episode that was not played and is left out of means.
+Returns are undiscounted sums over whole episodes; nan marks an episode that was not played, which means exclude.
 Read next: `levels.buffer`, which replays by scores; `methods.paired`, whose score is regret.
 """
 
@@ -51,10 +51,10 @@ def generalized_learnability(records: np.ndarray, best: np.ndarray) -> np.ndarra
     """Return learnability for returns that are not binary `[L]` (Monette et al. 2025, "generalised learnability").
 
     It is the standard deviation of a level's returns, times the normal density of their mean among the means of all L
-    levels: a level's returns must vary, and lie where those of most levels lie. The density is scaled to at most 1, so
+    levels: a level scores high if its returns vary and their mean is typical. The density is scaled to at most 1, so
     levels with equal means have a score; as in `learnability`, the variance is unbiased. Adding a constant to all
-    returns changes no score, and a factor scales all. The density has the standard deviation of the means, where the
-    authors' code has their variance, which depends on the unit of returns.
+    returns changes no score, and a factor scales all. The density uses the standard deviation of the means; the
+    authors' code uses their variance, which depends on the unit of returns.
     """
     returns = records["returns"][:, 0]
     count, mean = (~np.isnan(returns)).sum(1), mean_played(returns)
@@ -92,7 +92,7 @@ NEEDS = {
 def find(rule: str) -> Score:
     """Return the score of a name: one of `SCORES`, or a function of the user, `module:name` or `file.py:name`.
 
-    Raises `OwnCodeError` if the user's is missing or not a function.
+    Raises `OwnCodeError` if the user's function is missing or not callable.
     """
     if not is_name(rule):
         return SCORES[rule]
@@ -103,7 +103,7 @@ def find(rule: str) -> Score:
 
 
 def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.ndarray:
-    """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is no finite number for each level."""
+    """Return the user's score `[L]`. Raises `OwnCodeError` if it fails, or is not a finite number for each level."""
     try:
         found = np.asarray(own(records.copy(), best.copy()))
     except Exception as error:  # whatever the user's code raises
@@ -117,11 +117,11 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
     """Return the fields that level records of one student need for a score, beside those that all have.
 
-    best: the highest return ever on the level. Of mna also negative_advantage `[1, n]`: filled in by the trainer, the
-    sum over the steps of an episode of its maximized negative advantages; and ever_solved: whether an episode on the
+    best: the highest return ever on the level. For mna also negative_advantage `[1, n]`, the sum over the steps of an
+    episode of its maximized negative advantages, which the trainer fills in; and ever_solved: whether an episode on the
     level ever succeeded. Raises `OwnCodeError` as `find`.
     """
-    find(rule)  # so that a missing one is found before training
+    find(rule)  # so that a missing one raises before training
     more = [(NEGATIVE, np.float64, (1, episodes)), ("ever_solved", np.bool_)] if rule == "mna" else []
     return [("best", np.float64), *more]
 

@@ -1,7 +1,7 @@
 """The distribution over levels that NCC learns: gradient ascent on the truncated simplex.
 
     g_i = score_i - alpha (log y_i + 1)                            gradient of E_y[score] + alpha H(y)
-    m = 0.9 m + 0.1 g,  v = 0.999 v + 0.001 g^2                    moments of it
+    m = 0.9 m + 0.1 g,  v = 0.999 v + 0.001 g^2                    its moments
     y = project(y + eta m / (1 - 0.9^t) / (v^0.4 / sqrt(1 - 0.999^t) + 1e-5))
 
 This is the step of TiAda for the maximizing player (Li et al. 2023) in its form with moments, as in the code of NCC.
@@ -25,12 +25,12 @@ ROUNDING = 1e-9
 
 
 def project_to_simplex(point: np.ndarray, least: float) -> np.ndarray:
-    """Return the nearest `[K]` to a point `[K]` whose numbers are at least `least` and add up to 1.
+    """Return the point `[K]` nearest to a point `[K]` whose numbers are at least `least` and add up to 1.
 
     It is max(point + shift, least), where the largest numbers determine the shift (Held et al. 1974).
     Raises `ValueError` if K numbers of at least `least` add up to more than 1.
     """
-    free = 1 - least * len(point)  # what is left to distribute
+    free = 1 - least * len(point)  # the rest to distribute
     if free < -ROUNDING:
         raise ValueError(f"{len(point)} numbers of at least {least} add up to more than 1")
     falling = np.sort(point - least)[::-1]
@@ -43,7 +43,7 @@ class SimplexAscent(Resumable):
     """A distribution y over K levels, which ascends E_y[score] + alpha H(y).
 
     Args:
-        config: step size, alpha, and the share of the probability that all levels have in equal parts.
+        config: step size, alpha, and the uniform share of the probability.
     """
 
     state_fields = ("y", "mean", "square", "steps")

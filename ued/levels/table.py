@@ -1,6 +1,6 @@
 """Read the table of a run's levels: levels.csv, or levels.parquet, a folder of Parquet files.
 
-All readers of the repository use this module, so that they read either form, and tables of older runs. Read next:
+All code of the repository reads tables by this module, so it supports both forms, and tables of older runs. Read next:
 `levels.batch`, the columns; `core.columns`, which reads files.
 """
 
@@ -30,9 +30,9 @@ def table_of(run: str | Path) -> Path:
 
 
 def implied_by(name: str) -> str | float | None:
-    """Return the values of a column where levels.csv leaves it out: those of another column, or a number in all rows.
+    """Return the values of a column that levels.csv omits: the name of another column, or a number in all rows.
 
-    None: it is never left out, because no other column has its values.
+    None: the column is never omitted, because no other column has its values.
     """
     if name.startswith("best/"):
         return f"return/{name.removeprefix('best/')}"  # after one episode
@@ -40,11 +40,11 @@ def implied_by(name: str) -> str | float | None:
 
 
 def read_levels(run: str | Path, *names: str) -> Columns:
-    """Return columns of the table of a run's levels, `[R]` each, with those that levels.csv leaves out.
+    """Return columns of the table of a run's levels, `[R]` each, including those that levels.csv omits.
 
     Args:
         run: the folder of a run, or the path of its levels.csv or levels.parquet.
-        names: the wanted columns; `"theta/"` stands for all that begin with it. None: all. Columns that the table does
+        names: the columns to read; `"theta/"` selects all that begin with it. None: all. Columns that the table does
             not have are missing in the result.
 
     Numbers are float64, nan where not available; `source` and `program` are strings.
@@ -70,9 +70,9 @@ def read_levels(run: str | Path, *names: str) -> Columns:
 
 
 def with_implied(columns: Columns) -> Columns:
-    """Return the columns of a table with those that it leaves out.
+    """Return the columns of a table, including those that it omits.
 
-    A table with `parent` but without `visit` is of an older version, which numbered no visits.
+    A table with `parent` but without `visit` is of an older version, which does not number visits.
     """
     if "id" not in columns:
         return columns
@@ -131,5 +131,5 @@ def read_visit(run: str | Path, id: int, visit: int | None = None) -> tuple[np.n
 
 def _whole(value: float, name: str, path: Path) -> int:
     if not (value >= 0 and float(value).is_integer()):
-        raise ValueError(f"{path} is damaged: {name} must be a whole number, got {value}")
+        raise ValueError(f"{path} is damaged: {name} must be an integer, got {value}")
     return int(value)

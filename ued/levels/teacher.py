@@ -1,7 +1,7 @@
 """A learned teacher: an adversary that proposes levels, with a share of random ones, and learns from their scores.
 
-PAIRED, minimax and self-regret differ only in the score. Read next: `levels.adversary`,
-the policy; `methods.minimax`, the shortest use.
+PAIRED, minimax and self-regret differ only in the score. Read next: `levels.adversary`, the policy; `methods.minimax`,
+the shortest use.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Teacher(Resumable):
         config: of the adversary; share of random levels; penalty for invalid proposals.
         students, episodes: S and n of the level records.
         seed: of its random streams.
-        budget: of the run, which decides when it learns; see `AdversaryConfig.min_batch`.
+        budget: of the run, which determines when it learns; see `AdversaryConfig.min_batch`.
 
     Raises `ValueError` if the environment has no free parameters, or an adversary cannot choose its levels.
     """
@@ -102,7 +102,7 @@ class Teacher(Resumable):
         metrics = choice_metrics(levels, self.space.parameters)
         proposals = as_void_view(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
         if self.config.invalid_penalty:
-            refused = levels[levels["origin"] == Origin.REPLACED]  # the levels played in their place are not theirs
+            refused = levels[levels["origin"] == Origin.REPLACED]  # their θ is that of the replacement
             refused["score"] = -self.config.invalid_penalty
             proposals = np.concatenate([proposals, refused])
         self.pending_proposals = np.concatenate([as_void_view(self.pending_proposals), as_void_view(proposals)]).view(

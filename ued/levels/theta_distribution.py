@@ -147,7 +147,7 @@ class ThetaDistribution(nn.Module):
         return density, self.value(torch.tanh(h))[:, 0]
 
     def theta(self, raw: np.ndarray) -> np.ndarray:
-        """Return θ float64 `[n, D]` of samples; a choice gives the middle of its cell."""
+        """Return θ float64 `[n, D]` of samples; a choice gives the center of its cell."""
         theta = raw.astype(np.float64)
         for column, program, cells in self.choices:
             mine = self._of(torch.as_tensor(raw), program).numpy()
@@ -161,7 +161,7 @@ class ThetaDistribution(nn.Module):
         return self.second(torch.tanh(self.first(z)))  # [B, H], before its tanh
 
     def _groups(self) -> list[Group]:
-        """Return the choices, those with many values apart."""
+        """Return the choices; those with many values are a separate group."""
         groups = [Group(self.narrow, self.log_weights, self.logits, self.seen)] if len(self.narrow) else []
         if len(self.wide):
             groups.append(Group(self.wide, self.wide_log_weights, self.wide_logits, self.wide_seen))
@@ -241,7 +241,7 @@ def _places(parts: Sequence[Drawn]) -> tuple[Tensor, Tensor]:
 
 
 def _by_width(choices: Sequence[Drawn]) -> tuple[Tensor, Tensor]:
-    """Return which choices are padded together, int64: all of them, unless some have over WIDE values and some not."""
+    """Return the choices with few and with many values, int64: the two groups are padded separately."""
     wide = torch.tensor([part.cells is not None and part.cells.count > WIDE for part in choices], dtype=torch.bool)
     if wide.all():
         wide = ~wide

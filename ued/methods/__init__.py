@@ -1,4 +1,4 @@
-"""The table of methods. A method is one file of this folder and one row here.
+"""The table of methods. A method is one file of this folder and one row of `METHODS`.
 
 The command line, `docs/methods.md`, the pictures and `from ued import ...` read this table, which needs no torch.
 Read next: `methods.dr`, then `methods.paired`.

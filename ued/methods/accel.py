@@ -1,13 +1,13 @@
-"""ACCEL (Parker-Holder et al. 2022, Algorithm 1): robust replay of levels whose edited copies enter the buffer, too.
+"""ACCEL (Parker-Holder et al. 2022, Algorithm 1): robust replay of levels, whose edited copies also enter the buffer.
 
     repeat
-        with probability 1 - p: draw a level uniformly, or a simplest one; look at it; offer it to the buffer
+        with probability 1 - p: draw a level uniformly, or a simplest one; evaluate it; offer it to the buffer
         else: replay a level and learn from it;
-              edit a copy of it; look at that; offer it to the buffer
+              edit a copy of it; evaluate the copy; offer it to the buffer
 
-An edit changes a few columns of θ, each as its kind is, and keeps the seed: a child differs from its parent by the edit
-alone. (Of levels that are `Seeds`, the seed is the column.) A level at the edge of what the student can do has
-neighbors there, so curricula grow harder by small steps. Read next: `methods.paired`.
+An edit changes a few columns of θ, depending on their kind, and keeps the seed: a child differs from its parent only by
+the edit. (For `Seeds`, the column is the seed.) A level at the limit of the student's abilities has neighbors of
+similar difficulty, so curricula become harder by small steps. Read next: `methods.paired`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class ACCEL(Method):
 
     def setup(self, config: ACCELConfig | None, seed: int) -> None:
         if not self.upomdp.theta_dim:
-            raise ValueError("there is nothing to edit: the environment has no free parameters; use dr")
+            raise ValueError("ACCEL needs parameters to edit: the environment has no free parameters; use dr")
         self.curriculum = ACCELCurriculum(self.upomdp, config or ACCELConfig(), seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         self.learner = self.add_learner("student", self.upomdp)
@@ -46,7 +46,7 @@ class ACCEL(Method):
         """Play new, replayed and edited levels; score and store them; edit the replayed ones; learn from these."""
         levels = self.collect_rollouts()  # [L]
         metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones
-        metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
+        metrics |= self.learner.learn(self.env_steps)  # the others are not training levels
         return self.report(levels, metrics)
 
     @property
@@ -55,16 +55,16 @@ class ACCEL(Method):
 
 
 class ACCELCurriculum(PLRCurriculum):
-    """Replays levels and tries edited copies of them. A `Curriculum`."""
+    """Replays levels and evaluates edited copies of them. A `Curriculum`."""
 
     config: ACCELConfig
     state_fields = (*PLRCurriculum.state_fields, "children")
 
     def __init__(self, space: LevelSpace, config: ACCELConfig, seed: int = 0, budget: Budget | None = None) -> None:
         super().__init__(space, config, seed, robust=True, budget=budget)
-        self.children = np.zeros(0, self.dtype)  # not yet looked at
+        self.children = np.zeros(0, self.dtype)  # not yet evaluated
         if config.new_levels == "simplest":
-            space.simplest_levels(0)  # raises where there are none
+            space.simplest_levels(0)  # raises if there are none
 
     def propose(self, count: int) -> np.ndarray:
         """Return children of replayed levels first, then as PLR."""
@@ -93,7 +93,7 @@ class ACCELCurriculum(PLRCurriculum):
         return parents
 
     def _edited(self, parents: np.ndarray) -> np.ndarray:
-        """Return a child for each of these level records, but for those that no edit leaves valid."""
+        """Return a child of each of these level records, except of those without a valid edit."""
         children = make_records(self.dtype, parents["level"], Origin.EDITED)
         children["parent"], children["train"] = parents["id"], False
         open_ = np.arange(len(children))

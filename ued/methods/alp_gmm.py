@@ -1,9 +1,9 @@
-"""ALP-GMM (Portelas et al. 2019, Algorithm 1): levels are drawn where returns have been changing.
+"""ALP-GMM (Portelas et al. 2019, Algorithm 1): levels are sampled in regions of high learning progress.
 
     repeat
-        with probability 0.2, or in the beginning: draw θ uniformly
+        with probability 0.2, or at the start: draw θ uniformly
         else: draw a Gaussian of the mixture in proportion to its mean progress, and θ from it
-        play an episode; absolute learning progress ALP(θ) = |return - return of the nearest θ before|
+        play an episode; absolute learning progress ALP(θ) = |return - return of the nearest previous θ|
         every 250 episodes: fit Gaussian mixtures to the last 250 (θ, ALP), keep the best by Akaike's criterion
 
 Read next: `levels.gaussian_mixture`, then `methods.paired`.
@@ -25,8 +25,8 @@ from ued.levels.record import Origin, level_record_dtype, make_records
 from ued.methods.method import Method
 
 TRIES = 32  # to draw a valid θ from a Gaussian before it is drawn uniformly
-REMEMBERED = 10_000  # episodes among which the nearest is sought
-BLOCK = 8  # episodes for which it is sought together: their distances stay in the processor's cache
+REMEMBERED = 10_000  # previous episodes in the search for the nearest θ
+BLOCK = 8  # episodes whose distances are computed together, so that they fit into the cache
 LATER = np.triu(np.ones((BLOCK, BLOCK), bool))  # [BLOCK, BLOCK] whether an episode is no earlier than another
 
 
@@ -45,9 +45,9 @@ class ALPGMM(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the mixture and random ones; note their progress; fit the mixture when it is time; learn."""
+        """Play levels of the mixture and random ones; compute their progress; refit the mixture if due; learn."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # progress of each episode; fit the mixture when it is time
+        metrics = self.curriculum.update(levels)  # progress of each episode; refit the mixture if due
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
@@ -56,9 +56,9 @@ class ALPGMMCurriculum(Resumable):
     """Proposes levels of high learning progress. A `Curriculum`.
 
     Args:
-        space: what levels there are.
-        config: how often mixtures are fitted, how much is random.
-        seed: of all draws.
+        space: the space of levels.
+        config: interval between fits, and share of random levels.
+        seed: for all draws.
 
     Raises:
         ValueError: where the environment has no free parameters.
@@ -93,7 +93,7 @@ class ALPGMMCurriculum(Resumable):
         return records
 
     def _progress_of(self, records: np.ndarray) -> np.ndarray:
-        """Return the absolute learning progress `[L]` of the episodes on these levels, which it remembers."""
+        """Return the absolute learning progress `[L]` of the episodes on these levels, and store them."""
         theta = np.concatenate([self.theta, records["level"]["theta"]])  # [n + L, D]
         returns = np.concatenate([self.returns, records["returns"][:, 0, 0]])  # [n + L]
         progress = np.abs(returns[len(self.theta) :] - returns[_nearest(theta, len(self.theta))])
@@ -103,7 +103,7 @@ class ALPGMMCurriculum(Resumable):
         return progress
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score each level by its progress; fit the mixture when enough episodes are new."""
+        """Score each level by its progress; refit the mixture after `fit_every` new episodes."""
         records["score"] = self._progress_of(records)
         if self.unfitted >= self.config.fit_every:
             self._fit()
@@ -140,9 +140,9 @@ class ALPGMMCurriculum(Resumable):
 
 
 def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
-    """Return for each episode from `first` on which one before it, of the last REMEMBERED, has the nearest θ `[n, D]`.
+    """Return for each episode from `first` on the previous one with the nearest θ `[n, D]`: int `[n - first]`.
 
-    The very first one is its own: int `[n - first]`. Numbers of half the length are sought in half the time.
+    Only the last REMEMBERED episodes count; the very first episode is its own. float32 halves the time.
     """
     nearest, last = [np.zeros(0, np.int64)], theta[first:]
     others = np.column_stack([theta, 0.5 * (theta**2).sum(1)]).astype(np.float32).T.copy()  # [D + 1, n]
@@ -150,7 +150,7 @@ def _nearest(theta: np.ndarray, first: int) -> np.ndarray:
     for start in range(first, len(theta), BLOCK):
         end = min(start + BLOCK, len(theta))
         oldest, count = max(0, end - REMEMBERED), end - start
-        # half its square, but for a term that all of a row have
+        # half its square, up to a constant of the row
         distance = rows[start - first : end - first] @ others[:, oldest:end]
         np.copyto(distance[:, -count:], np.inf, where=LATER[:count, :count])
         nearest.append(oldest + distance.argmin(1))

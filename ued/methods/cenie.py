@@ -1,15 +1,15 @@
 """CENIE (Teoh et al. 2024): ACCEL, or robust PLR, that replays levels by regret and by novelty.
 
     repeat
-        with probability 1 - p: draw a level uniformly; look at it; offer it to the buffer
+        with probability 1 - p: draw a level uniformly; evaluate it; offer it to the buffer
         else: replay a level and learn from it; add its state-action pairs to the window
-              edit a copy of it; look at that; offer it to the buffer    (PLR-CENIE: no edits)
+              edit a copy of it; evaluate the copy; offer it to the buffer    (PLR-CENIE: no edits)
         score each level by its regret, and by its novelty: the mean of -log p(observation, action) on it
         fit the mixture of Gaussians, p, to the window of past pairs
     replay a level with probability (1 - c) P_regret + c P_novelty, each by rank, and by staleness as PLR
 
-A level is novel if it leads the student into states, or to actions, that are rare in what it learned from lately. Read
-next: `levels.novelty`, then `levels.novelty_buffer`.
+A level is novel if the student's states or actions on it are rare in its recent training data. Read next:
+`levels.novelty`, then `levels.novelty_buffer`.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ued.levels.record import level_record_dtype
 from ued.methods.accel import ACCELCurriculum
 from ued.methods.method import Method
 
-MOST_ENTRIES = 1024  # of an observation: a pixel says too little of a state for a mixture over pixels
+MOST_ENTRIES = 1024  # of an observation: a mixture over pixels does not describe states
 
 
 class CENIE(Method):
@@ -49,7 +49,7 @@ class CENIE(Method):
     def setup(self, config: CENIEConfig | None, seed: int) -> None:
         config = config or CENIEConfig()
         if config.base == "accel" and not self.upomdp.theta_dim:
-            raise ValueError("there is nothing to edit: the environment has no free parameters; use cenie.base = plr")
+            raise ValueError("CENIE needs parameters to edit: the environment has none; use cenie.base = plr")
         columns = pair_columns(self.upomdp)
         self.curriculum = CENIECurriculum(self.upomdp, config, seed, self.budget, columns)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
@@ -62,7 +62,7 @@ class CENIE(Method):
         """Play new, replayed and edited levels; score them by regret and novelty; learn from the replayed ones."""
         levels = self.collect_rollouts()  # [L] with their novelty
         metrics = self.curriculum.update(levels)  # score and store each; edit the replayed ones; fit the mixture
-        metrics |= self.learner.learn(self.env_steps)  # the others are not marked to be trained on
+        metrics |= self.learner.learn(self.env_steps)  # the others are not training levels
         return self.report(levels, metrics)
 
     @property
@@ -71,7 +71,7 @@ class CENIE(Method):
 
 
 class CENIECurriculum(ACCELCurriculum):
-    """Replays levels of high regret and novelty, and tries edited copies of them. A `Curriculum`.
+    """Replays levels of high regret and novelty, and evaluates edited copies of them. A `Curriculum`.
 
     Its level records have a field `novelty` `[1, n]`, which the trainer fills in: of each episode, the mean novelty of
     its state-action pairs under `coverage`, as `EpisodeNovelty` computes it.
@@ -130,7 +130,7 @@ def pair_columns(upomdp: UPOMDP) -> int:
     size, actions = math.prod(shape), upomdp.agent_action_space
     if size > MOST_ENTRIES:
         raise ValueError(
-            f"cenie models observations of at most {MOST_ENTRIES:,} numbers by Gaussians, these have {size:,} "
+            f"cenie supports observations of at most {MOST_ENTRIES:,} entries, got {size:,} "
             f"({' x '.join(map(str, shape))}); use accel or robust_plr"
         )
     return size + int(choices_of(actions).sum() or math.prod(actions.shape or ()))

@@ -4,8 +4,8 @@
         draw levels uniformly
         the student plays them and learns
 
-The baseline of every comparison. The strong form draws a new level for every episode; the weak one, in which parts of
-the literature run it, keeps a level for a rollout. Read next: `methods.plr`.
+The baseline of every comparison. The strong form draws a new level for every episode. The weak form, which parts of the
+literature use, keeps a level for a rollout. Read next: `methods.plr`.
 """
 
 from __future__ import annotations

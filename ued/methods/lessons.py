@@ -1,4 +1,4 @@
-"""Lessons: a curriculum by hand (Bengio et al. 2009; Elman 1993), levels of regions in the order of a plan.
+"""Lessons: a manual curriculum (Bengio et al. 2009; Elman 1993), levels of regions in the order of a plan.
 
     for each lesson of the plan
         repeat
@@ -6,9 +6,9 @@
             the student plays them and learns
         until the criterion of the lesson holds: mean success or return of its last episodes, or its length
 
-In `increments` of more than one, the ends of the region move to those of the next lesson in as many parts, one each
-time that the criterion holds. So a threshold widens a range by and by. A length of k steps is divided among the parts,
-which makes a linear schedule. Read next: `lesson_config`, how lessons are written; `levels.regions`.
+With more than one of `increments`, the ends of the region move to those of the next lesson in as many parts, one each
+time that the criterion holds. So a threshold widens a range gradually. A length of k steps is divided among the parts,
+which makes a linear schedule. Read next: `lesson_config`, the syntax of lessons; `levels.regions`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class LessonCurriculum(Resumable):
         space: the space of levels.
         config: the plan.
         seed: of the draws.
-        budget: of the run, whose `spent` counts steps. A trainer of your own sets it; episodes need none.
+        budget: of the run, whose `spent` counts steps. Your own trainer sets it; criteria in episodes need none.
 
     Raises:
         ValueError: lessons that do not fit the space, and for a share of a run of unknown length.
@@ -105,7 +105,7 @@ class LessonCurriculum(Resumable):
         return records
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Note the results of the present part; move on as long as a criterion holds."""
+        """Record the results of the present part; move on as long as a criterion holds."""
         now = records[records["stage"] == self.stage]
         results = np.column_stack([solved(now)[:, 0, 0], mean_returns(now)[:, 0]])  # [L, 2]
         self.recent = np.concatenate([self.recent, results])[-self.config.window :]
@@ -125,7 +125,7 @@ class LessonCurriculum(Resumable):
         return spent >= criterion.least * total * (self.part + 1) / self.config.increments
 
     def _move_on(self) -> None:
-        """Begin the next part, or after the last one the next lesson."""
+        """Start the next part, or after the last one the next lesson."""
         self.recent, self.part = self.recent[:0], self.part + 1
         if self.part == self.config.increments:
             self.lesson, self.part, self.began, self.episodes = self.lesson + 1, 0, self.budget.spent, 0

@@ -1,11 +1,11 @@
-"""The parts of a method: learners, a curriculum, and a queue that hands its levels to them.
+"""The parts of a method: learners, a curriculum, and a queue that passes its levels to them.
 
 A method's `update()` is the algorithm box of its paper. `collect_rollouts` lets all learners fill a rollout with levels
 of the curriculum, and returns those that every learner has finished. Then `curriculum.update(levels)` scores them and
 learns from the scores, the learners learn from their rollouts, and `report` ends the update. Rollouts are not aligned
-with levels: each environment takes a new level when it has played its own often enough (see `levels.queue`). Levels
-that a curriculum only evaluates (PLR⊥, children of ACCEL, candidates of SFL) count as simulated steps, but no student
-learns from them.
+with levels: each environment takes a new level after the episodes of its level (see `levels.queue`). Levels that a
+curriculum only evaluates (PLR⊥, children of ACCEL, candidates of SFL) count as simulated steps, but no student learns
+from them.
 Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 """
 
@@ -36,10 +36,10 @@ from ued.levels.record import NEGATIVE
 
 
 class Method:
-    """Trains students on levels of its choice. Each method is a subclass that defines `setup` and `update`.
+    """Chooses levels and trains students on them. Each method is a subclass that defines `setup` and `update`.
 
     Args:
-        upomdp: the environments, for this method alone; they are reset.
+        upomdp: the environments, for this method only; they are reset.
         ppo: settings of every student.
         config: settings of the method, a dataclass of `ued.config`; None: the defaults.
         seed: of every random stream.
@@ -48,11 +48,11 @@ class Method:
 
     Attributes:
         curriculum: chooses the levels.
-        queue: hands its levels to the learners.
+        queue: passes its levels to the learners.
         learners: in the order of the students in level records.
         updates: training iterations so far.
         last: the levels of the last update.
-        budget: length of the run, and the part of it that is spent.
+        budget: length of the run, and the steps so far.
     """
 
     curriculum: Curriculum
@@ -80,7 +80,7 @@ class Method:
         raise NotImplementedError(f"{type(self).__name__} must define setup")
 
     def add_learner(self, name: str, upomdp: UPOMDP, scripted: bool = False) -> Learner:
-        """Add a learner with environments of its own, which starts on the levels of the queue; see `Learner`.
+        """Add a learner with its own environments, which starts on the levels of the queue; see `Learner`.
 
         Raises:
             RoomError: if the machine has too little memory.

@@ -1,4 +1,4 @@
-"""NCC (Monette et al. 2025): a distribution y over a buffer of levels is learned by gradient, on a budget.
+"""NCC (Monette et al. 2025): gradient ascent learns a distribution y over a buffer of levels, on a budget.
 
     fill a buffer with random levels; y is uniform
     repeat
@@ -6,15 +6,15 @@
         score the levels of the buffer; random levels with higher scores replace those with the lowest
         ascend E_y[score] + alpha H(y) by TiAda's step; project y to the truncated simplex    (`levels.simplex`)
 
-The paper scores all 4,000 levels before every step of y, which costs 84 simulated steps for each step of training. Here
-a level keeps its score until it is played again. Levels drawn from y are scored by the episodes that the student learns
-from. A share of further levels is only evaluated: random candidates, and the levels of the buffer with the oldest
-scores. All steps count.
+The paper scores all 4,000 levels before every step of y, which costs 84 simulated steps for each step of training. In
+this implementation, a level keeps its score until it is played again. Levels drawn from y are scored by the episodes
+that the student learns from. A share of further levels is only evaluated: random candidates, and the levels of the
+buffer with the oldest scores. All steps count.
 
-Other differences: the student learns from the first levels while they fill the buffer; PPO keeps Adam, where the paper
-has TiAda; a level is drawn from the y of the last update; step size and smallest probability are relative to the
-size of the buffer. A level that enters the buffer has the y of the level that it replaces, as in the
-authors' code. Read next: `levels.simplex`, then `methods.alp_gmm`.
+Other differences: the student learns from the first levels while they fill the buffer; PPO uses Adam, the paper TiAda;
+a level is drawn from the y of the last update; step size and smallest probability are relative to the size of the
+buffer. A level that enters the buffer has the y of the level that it replaces, as in the authors' code. Read next:
+`levels.simplex`, then `methods.alp_gmm`.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class NCCCurriculum(Resumable):
     Args:
         space: the space of levels.
         config: capacity, score, shares of evaluated levels, and the ascent.
-        seed: of the choices among levels.
-        budget: of the run, which decides when the buffer is full enough; see `NCCConfig.min_fill`.
+        seed: for the choice of levels.
+        budget: of the run, which determines when the buffer is ready; see `NCCConfig.min_fill`.
     """
 
     state_fields = ("buffer", "pool", "rng")
@@ -79,7 +79,7 @@ class NCCCurriculum(Resumable):
         self.rng = np.random.default_rng(seed)
 
     def propose(self, count: int) -> np.ndarray:
-        """Return levels drawn from y, candidates, and levels with old scores, in random order; at first random ones."""
+        """Return levels drawn from y, candidates, and levels with old scores, shuffled; initially random levels."""
         if not self.buffer.is_ready(self.config.min_fill):
             return self._random(count)
         shares = self.config.candidate_share, self.config.rescore_share
@@ -93,7 +93,7 @@ class NCCCurriculum(Resumable):
         return make_records(self.dtype, self.pool.take(count), Origin.RANDOM)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score the levels, see `levels.scores`; exchange those with the lowest scores; ascend once."""
+        """Score the levels, see `levels.scores`; replace those with the lowest scores; ascend once."""
         self.buffer.remember(records)
         records["score"] = scores.score(self.config.score, records, records["best"])
         metrics = self.buffer.store(records)
@@ -102,7 +102,7 @@ class NCCCurriculum(Resumable):
 
 
 class LearnedBuffer(LevelBuffer):
-    """A buffer whose levels are drawn from a learned distribution, and leave it by their scores."""
+    """A buffer with a learned distribution over its levels; levels with the lowest scores are replaced."""
 
     state_fields = (*LevelBuffer.state_fields, "ascent")
 
@@ -121,7 +121,7 @@ class LearnedBuffer(LevelBuffer):
         return {"ncc/score": float(self.ascent.y @ score), "ncc/levels": float(np.exp(self.ascent.entropy))}
 
     def stalest(self, dtype: np.dtype, count: int) -> np.ndarray:
-        """Return `count` records of the levels that were last played longest ago, which count as played now.
+        """Return `count` records of the least recently played levels, which then count as played now.
 
         A buffer of fewer levels repeats them.
         """

@@ -4,9 +4,9 @@
         the adversary proposes levels θ
         the protagonist plays them, and so does the antagonist
         regret of a level = return of the antagonist - return of the protagonist
-        the adversary learns to cause regret; both students learn from the rewards of the environment
+        the adversary learns to maximize regret; both students learn from the rewards of the environment
 
-An unsolvable level causes no regret, nor does a level that both students solve; regret is high at the edge of the
+An unsolvable level has no regret, and neither has a level that both students solve; regret is high at the limit of the
 protagonist's abilities. Students learn from their own rewards, as in DCD, minimax and JaxUED: for each student the
 other's return is a constant. The literal algorithm is `methods.paired_literal`.
 Read next: `levels.teacher` and `levels.adversary`; `method`, for `collect_rollouts`; `methods.repaired`.
@@ -58,15 +58,15 @@ class Paired(Method):
         return self.report(levels, metrics)
 
 
-# ---------------------------------------------------------------- whose regret it is
+# ---------------------------------------------------------------- regret
 
-# Nothing makes the antagonist the better student. Where it is not, regret is negative on levels that the protagonist
-# has just learned to solve, and the adversary is taught to avoid them: so the default is the regret of a population,
-# the best of all students against the mean of all.
+# The antagonist need not be the better student. If it is worse, regret is negative on levels that the protagonist has
+# just learned to solve, and the adversary learns to avoid them. So the default is the regret of a population: the best
+# student's return minus the mean of all.
 
 
 def paired_regret(levels: np.ndarray, config: PairedConfig) -> np.ndarray:
-    """Return the regret `[L]` that level records `[L]` have caused, by `config.roles` and `config.regret`."""
+    """Return the regret `[L]` of level records `[L]`, by `config.roles` and `config.regret`."""
     returns = levels["returns"]  # [L, S, n]
     if has_antagonist(config):
         regret = scores.regret(returns[:, 0], returns[:, 1], config.regret)
@@ -78,12 +78,12 @@ def paired_regret(levels: np.ndarray, config: PairedConfig) -> np.ndarray:
 
 
 def has_antagonist(config: PairedConfig) -> bool:
-    """Return whether the second student always is the antagonist; a scripted one can be nothing else."""
+    """Return whether the second student always is the antagonist, as a scripted one is."""
     return config.roles == "dennis2020" or config.antagonist == "scripted"
 
 
 class PairedCurriculum(Teacher):
-    """Proposes levels that cause regret. A `Curriculum` for two students, or more; see `Teacher` for the arguments."""
+    """Proposes levels of high regret. A `Curriculum` for two or more students; see `Teacher` for the arguments."""
 
     config: PairedConfig
 
@@ -91,23 +91,23 @@ class PairedCurriculum(Teacher):
         super().__init__(space, config, len(student_names(config)), config.episodes_per_level, seed, budget)
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Reward the adversary with the regret that its levels caused."""
+        """Reward the adversary with the regret of its levels."""
         regret = paired_regret(records, self.config)  # [L]
         return self.learn(records, regret)
 
 
-# ---------------------------------------------------------------- who the students are
+# ---------------------------------------------------------------- students
 
 NAMES = ("protagonist", "antagonist")
 
 
 def student_names(config: PairedConfig) -> tuple[str, ...]:
-    """Return the names of the students: those of the two parts, or numbers where there are more."""
+    """Return the names of the students: protagonist and antagonist, or numbered names for more than two."""
     return NAMES if config.students == 2 else tuple(f"student{k}" for k in range(config.students))
 
 
 def add_students(method: Method, config: PairedConfig) -> None:
-    """Add the students to a method; a scripted antagonist is what the environment itself does in its place."""
+    """Add the students to a method; a scripted antagonist is the scripted policy of the environment."""
     first, *others = student_names(config)
     method.add_learner(first, method.upomdp)
     if config.antagonist == "scripted":
@@ -119,7 +119,7 @@ def add_students(method: Method, config: PairedConfig) -> None:
 def kl_target(
     config: PairedConfig, learners: Sequence[Learner], learner: Learner, updates: int
 ) -> KLRegularizer | None:
-    """Return the policy that a student is kept close to: the other one's, every few updates (Mediratta et al. 2023)."""
+    """Return the KL regularizer to the other student's policy, every few updates (Mediratta et al. 2023)."""
     index = learners.index(learner)
     regularized = config.kl == "both_ways" or (config.kl == "one_way" and index == 0)
     other = learners[(index + 1) % len(learners)].student

@@ -1,4 +1,4 @@
-"""Literal PAIRED, as in Algorithm 1 (Dennis et al. 2020): the students, too, learn from regret.
+"""Literal PAIRED, as in Algorithm 1 (Dennis et al. 2020): the students also learn from regret.
 
     repeat
         the adversary proposes levels θ
@@ -43,7 +43,7 @@ class PairedLiteral(Method):
 
     def update(self) -> dict[str, float]:
         """Play one level of the adversary in each environment; let all three learn from regret."""
-        self.queue.clear()  # episodes that are still open are lost
+        self.queue.clear()  # open episodes are discarded
         for index, learner in enumerate(self.learners):
             learner.start(self.queue.first(index))
         self.fill_rollouts()
@@ -59,7 +59,7 @@ class PairedLiteral(Method):
 
 
 def regret_as_reward(rollout: Rollout, reward: np.ndarray) -> Rollout:
-    """Replace the rewards of L environments: each episode pays `reward` `[L]` when it ends, and nothing follows."""
+    """Replace the rewards of L environments by `reward` `[L]` at the end of each episode, which terminates it."""
     ended: Tensor = rollout.terminated | rollout.truncated  # [T, L]
     rollout.reward = torch.where(ended, torch.tensor(reward.tolist()), 0.0)  # [T, L]
     rollout.terminated, rollout.truncated = ended, torch.zeros_like(ended)

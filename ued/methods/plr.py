@@ -6,8 +6,8 @@
         else:
             draw a level from the buffer by score and staleness; the student plays it and learns; update its score
 
-A level on which no episode has finished has no score, and is neither kept nor dropped for it. Read next:
-`levels.buffer`, `levels.scores`; then `methods.accel`.
+A level without a finished episode has no score yet, and does not change the buffer. Read next: `levels.buffer`,
+`levels.scores`; then `methods.accel`.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ class PLR(Method):
 
     def update(self) -> dict[str, float]:
         """Play new and replayed levels; score them and store them in the buffer; learn."""
-        levels = self.collect_rollouts()  # [L] each new or replayed, as `propose` tossed the coin
+        levels = self.collect_rollouts()  # [L] each new or replayed, as sampled in `propose`
         metrics = self.curriculum.update(levels)  # score each level and store it
-        metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not marked to be trained on
+        metrics |= self.learner.learn(self.env_steps)  # robust: new levels are not training levels
         return self.report(levels, metrics)
 
     @property
@@ -50,20 +50,20 @@ class PLR(Method):
 
 
 class RobustPLR(PLR):
-    """Trains one student on replayed levels alone; new ones are only looked at (PLR⊥)."""
+    """Trains one student on replayed levels only; new ones are only evaluated (PLR⊥)."""
 
     robust = True
 
 
 class PLRCurriculum(Resumable):
-    """Replays the levels that were worth it. A `Curriculum`.
+    """Replays levels with high scores. A `Curriculum`.
 
     Args:
-        space: what levels there are.
-        config: what makes a level worth it, and how often it is replayed.
-        seed: of the choices between replay and new, and among levels.
-        robust: students learn from replayed levels alone.
-        budget: of the run, which says when replay begins; see `PLRConfig.min_fill`.
+        space: the space of levels.
+        config: score, buffer and probability of replay.
+        seed: for the choice between replayed and new levels, and among levels.
+        robust: whether students learn from replayed levels only.
+        budget: of the run, which determines the start of replay; see `PLRConfig.min_fill`.
     """
 
     state_fields: tuple[str, ...] = ("buffer", "pool", "rng")

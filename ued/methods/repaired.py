@@ -7,8 +7,8 @@
         else:
             both students play levels of the buffer and learn; the levels get their new regret
 
-Two defects of the reference implementation are not repeated: the adversary learns from its own proposals alone, never
-from the regret of replayed levels, and both students replay the same level, so that its regret means something.
+It differs from the reference implementation in two points. The adversary learns only from its own proposals, never from
+the regret of replayed levels. Both students replay the same level, so that its regret is defined.
 Read next: `methods.minimax`.
 """
 
@@ -27,7 +27,7 @@ from ued.methods.paired import PairedCurriculum, add_students, has_antagonist, k
 
 
 class Repaired(Method):
-    """Trains two students on replayed levels of an adversary; see `Paired` for what is raised."""
+    """Trains two students on replayed levels of an adversary; see `Paired` for the errors raised."""
 
     curriculum: RepairedCurriculum
 
@@ -38,11 +38,11 @@ class Repaired(Method):
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
-        """Play levels of the adversary and of the buffer; score them by regret; learn from the buffer's alone."""
-        levels = self.collect_rollouts()  # [L] each the adversary's or replayed, as `propose` tossed the coin
+        """Play levels of the adversary and of the buffer; score them by regret; learn only from the buffer's."""
+        levels = self.collect_rollouts()  # [L] each the adversary's or replayed, as sampled in `propose`
         metrics = self.curriculum.update(levels)  # the adversary, from its own; the buffer stores all
         metrics |= regret_split(levels, has_antagonist(self.config))
-        for learner in self.learners:  # from replayed levels: the others are not marked to be trained on
+        for learner in self.learners:  # from replayed levels: the others are not training levels
             metrics |= learner.learn(self.env_steps, kl_target(self.config, self.learners, learner, self.updates))
         return self.report(levels, metrics)
 
@@ -52,7 +52,7 @@ class Repaired(Method):
 
 
 class RepairedCurriculum(PairedCurriculum):
-    """Proposes levels that cause regret, and replays those that caused most. A `Curriculum`."""
+    """Proposes levels of high regret, and replays those with the highest. A `Curriculum`."""
 
     config: RepairedConfig
     state_fields = (*PairedCurriculum.state_fields, "buffer", "rng")

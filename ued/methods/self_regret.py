@@ -1,9 +1,9 @@
-"""Self-regret: PAIRED's adversary with one student, whose later episodes on a level stand for the antagonist's.
+"""Self-regret: PAIRED's adversary with one student, whose later episodes on a level replace the antagonist's.
 
     repeat
         the adversary proposes levels; the student plays 2 n episodes on each, and learns
         self-regret of a level = the best of the later n episodes - the mean of the earlier n
-        the adversary learns to cause self-regret
+        the adversary learns to maximize self-regret
 
 For outcomes 0 and 1, success rate p and n = 2 its expectation is p (1 - p), the learnability of the level. It costs as
 many steps as domain randomization, since no antagonist is simulated.
@@ -44,7 +44,7 @@ class SelfRegret(Method):
 
 
 class SelfRegretCurriculum(Teacher):
-    """Proposes levels on which the student surpasses itself. A `Curriculum`; see `Teacher` for the arguments."""
+    """Proposes levels on which the student improves. A `Curriculum`; see `Teacher` for the arguments."""
 
     def __init__(
         self, space: LevelSpace, config: SelfRegretConfig, seed: int = 0, budget: Budget | None = None

@@ -1,13 +1,13 @@
-"""Sampling for learnability (Rutherford et al. 2024, Algorithm 1), with its looking around counted and budgeted.
+"""Sampling for learnability (Rutherford et al. 2024, Algorithm 1), whose evaluation of candidates counts as steps.
 
     every `choose_every` updates
         the student plays k episodes on each of many random levels, without learning
-        choose those of the largest p (1 - p)
+        select those of the largest p (1 - p)
     repeat
-        the student plays levels, a share of them chosen ones and the rest random, and learns
+        the student plays levels, a share of them selected ones and the rest random, and learns
 
-The reference implementation spends several times more steps on looking than on training, and does not count them. Here
-candidates are played like all other levels. Read next: `methods.ncc`.
+The reference implementation spends several times more steps on candidates than on training, and does not count them.
+In this implementation, candidates are played and counted like all other levels. Read next: `methods.ncc`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ued.levels.queue import LevelQueue
 from ued.levels.record import Origin, level_record_dtype, make_records, mean_played, solved
 from ued.methods.method import Method
 
-TIE_BREAK = 0.001  # times p: of two levels that teach nothing the one that can be solved (Kinetix)
+TIE_BREAK = 0.001  # times p: of two levels of learnability 0, prefer the solved one (Kinetix)
 
 
 class SFL(Method):
@@ -37,9 +37,9 @@ class SFL(Method):
         self.learner = self.add_learner("student", self.upomdp)
 
     def update(self) -> dict[str, float]:
-        """Play candidates, chosen and random levels; choose the most learnable; learn from all but candidates."""
+        """Play candidates, selected and random levels; select the most learnable; learn from all but candidates."""
         levels = self.collect_rollouts()  # [L]
-        metrics = self.curriculum.update(levels)  # p (1 - p) of each candidate; choose the largest
+        metrics = self.curriculum.update(levels)  # p (1 - p) of each candidate; select the largest
         metrics |= self.learner.learn(self.env_steps)
         return self.report(levels, metrics)
 
@@ -48,27 +48,27 @@ class SFLCurriculum(Resumable):
     """Proposes the levels that are solved about half of the time. A `Curriculum`.
 
     Args:
-        space: what levels there are.
-        config: how many are looked at, how often, and how many are chosen.
-        seed: of the choices.
+        space: the space of levels.
+        config: number of candidates, interval between selections, and number of selected levels.
+        seed: for the choice of levels.
     """
 
     state_fields = ("pool", "rng", "waiting", "looking", "judged", "chosen", "updates")
 
     def __init__(self, space: LevelSpace, config: SFLConfig, seed: int = 0) -> None:
         self.space, self.config = space, config
-        scores.find(config.score)  # so that a missing one is found before training
+        scores.find(config.score)  # so that a missing one raises before training
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=config.candidate_episodes)
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
         self.waiting = 0  # candidates yet to be proposed
-        self.looking = False  # whether there are candidates to be proposed or to be judged
-        self.judged = np.zeros(0, self.dtype)
-        self.chosen = np.zeros(0, self.dtype)  # as they were judged
+        self.looking = False  # whether there are candidates to propose or to evaluate
+        self.judged = np.zeros(0, self.dtype)  # evaluated candidates
+        self.chosen = np.zeros(0, self.dtype)  # selected ones, with their scores
         self.updates = 0
 
     def propose(self, count: int) -> np.ndarray:
-        """Return candidates while there are any, then chosen levels and random ones."""
+        """Return candidates while there are any, then selected levels and random ones."""
         candidates = min(count, self.waiting)
         self.waiting -= candidates
         chosen = self.rng.binomial(count - candidates, self.config.chosen_share) if len(self.chosen) else 0
@@ -78,7 +78,7 @@ class SFLCurriculum(Resumable):
         replayed["id"] = again["id"]
         records = np.concatenate([new, replayed])
         records["num_episodes"][candidates:] = 1
-        records["train"][:candidates] = False  # they are only looked at
+        records["train"][:candidates] = False  # they are only evaluated
         return records[self.rng.permutation(count)]
 
     def _learnability(self, candidates: np.ndarray) -> np.ndarray:
@@ -88,7 +88,7 @@ class SFLCurriculum(Resumable):
         return scores.score("learnability", candidates) + TIE_BREAK * mean_played(solved(candidates)[:, 0])
 
     def update(self, records: np.ndarray) -> dict[str, float]:
-        """Score candidates; choose the most learnable when all are scored; ask for new ones when it is time."""
+        """Score candidates; select the most learnable when all are scored; start new candidates when due."""
         candidates = records[~records["train"]]
         candidates["score"] = self._learnability(candidates)
         records["score"] = np.nan
@@ -96,11 +96,11 @@ class SFLCurriculum(Resumable):
         self.judged = np.concatenate([self.judged, candidates])
         metrics = {"sfl/candidates": float(len(candidates))}
         if len(self.judged) >= self.config.candidates:
-            self.judged["score"] = self._learnability(self.judged)  # one may depend on all
+            self.judged["score"] = self._learnability(self.judged)  # a score may depend on all candidates
             self.chosen = self.judged[np.argsort(-self.judged["score"], kind="stable")[: self.config.chosen]]
             metrics["sfl/chosen_score"] = float(self.chosen["score"].mean())
             self.judged, self.looking = self.judged[:0], False
-        if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may take it longer
+        if self.updates % self.config.choose_every == 0 and not self.looking:  # long episodes may delay it
             self.waiting, self.looking = self.config.candidates, True
         self.updates += 1
         return metrics

@@ -91,7 +91,7 @@ def _claim(folder: Path, locked: bool) -> None:
     """Claim a folder, or raise `BusyError`; of two simultaneous claims, at most one succeeds."""
     mine = _mine(folder)
     try:
-        if locked:  # a process on this machine that was killed here no longer holds the lock
+        if locked:  # a killed process on this machine no longer holds the lock
             for left in folder.glob(f".owner.{escape(platform.node())}.*{PARTIAL}"):
                 left.unlink(missing_ok=True)
         mine.write_text(json.dumps(_myself()))
@@ -101,11 +101,11 @@ def _claim(folder: Path, locked: bool) -> None:
                 os.link(mine, folder / OWNER)
             other = _owner(folder)
         if other is not None and other != _myself():
-            here = other.get("boot") == _boot()
+            same_machine = other.get("boot") == _boot()
             silent = mine.stat().st_mtime - _touched(folder)
-            if not (here and locked) and silent < SILENT_SECONDS:
+            if not (same_machine and locked) and silent < SILENT_SECONDS:
                 who = f"process {other.get('pid')} of {other.get('host')}"
-                raise BusyError(f"{folder} is being trained by {who}, last heard of {max(silent, 0):.0f} s ago")
+                raise BusyError(f"{folder} is being trained by {who}, last heartbeat {max(silent, 0):.0f} s ago")
             os.replace(mine, folder / OWNER)
     finally:
         with suppress(OSError):
@@ -120,10 +120,10 @@ def _mine(folder: Path) -> Path:
 def _owner(folder: Path) -> dict | None:
     """Return the content of owner.json, None if there is no owner."""
     try:
-        said = json.loads((folder / OWNER).read_text())
+        content = json.loads((folder / OWNER).read_text())
     except (OSError, ValueError, RecursionError):
         return None
-    return said if isinstance(said, dict) else None
+    return content if isinstance(content, dict) else None
 
 
 def _touched(folder: Path) -> float:

@@ -28,7 +28,7 @@ class InterruptedRun(CommandError):
 
 
 class RayTasks:
-    """A Ray cluster: that of RAY_ADDRESS, the one last started on this machine, or a new local one."""
+    """A Ray cluster: the one at RAY_ADDRESS, the one last started on this machine, or a new local one."""
 
     def __init__(self) -> None:
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
@@ -45,7 +45,7 @@ class RayTasks:
         if before is not None:
             signal.signal(signal.SIGTERM, before)
         self._task = ray.remote(max_retries=RETRIES, retry_exceptions=[InterruptedRun])(train_here)
-        self._asked: set[Any] = set()
+        self._cancelled: set[Any] = set()
 
     def start(self, job: Any) -> Any:
         """Submit a run; return its Ray reference."""
@@ -58,7 +58,7 @@ class RayTasks:
         return self._ray.wait(list(active), timeout=POLL_SECONDS)[0] if active else []
 
     def failure(self, task: Any, job: Any) -> str | None:
-        """Return why a finished task failed, None if it succeeded."""
+        """Return the error of a failed task, None if it succeeded."""
         from ray.exceptions import RayError, RayTaskError
 
         try:
@@ -71,9 +71,9 @@ class RayTasks:
 
     def ask(self, active: Mapping[Any, Any]) -> None:
         """Request tasks to save and end, once, since a second request would kill them."""
-        for task in active.keys() - self._asked:
+        for task in active.keys() - self._cancelled:
             self._ray.cancel(task)
-        self._asked |= active.keys()
+        self._cancelled |= active.keys()
 
     def kill(self, active: Mapping[Any, Any]) -> None:
         """Kill tasks."""

@@ -27,7 +27,7 @@ def prepare(
     Raises `CommandError` if `folder` itself is a run.
     """
     if (folder / "config.json").exists():
-        raise CommandError(f"{folder} is a run folder; several runs need a folder of their own, --out")
+        raise CommandError(f"{folder} is a run folder; several runs need a separate folder, --out")
     runs = [
         RunFolder.create_or_extend(folder / f"{row.name}-{seed}", replace(row.config, seed=seed), row.name)
         for seed in seeds
@@ -38,7 +38,7 @@ def prepare(
 
 
 def opened(folder: Path) -> list[RunFolder]:
-    """Return the runs in a folder that `prepare` has made, by seed; none if there are none, or it is a run itself."""
+    """Return the runs in a folder made by `prepare`, by seed; an empty list without runs, and for a run folder."""
     if (folder / "config.json").exists():
         return []
     runs = [RunFolder.open(file.parent) for file in sorted(folder.glob("*-*/config.json"))]
@@ -49,7 +49,7 @@ def opened(folder: Path) -> list[RunFolder]:
 def train_together(runs: Sequence[RunFolder], how: LaunchConfig) -> int:
     """Train the unfinished of these runs in parallel and return the exit code of the command."""
     config = runs[0].config
-    # This compiles the kernels and finds mistakes of a task, once, before several processes start.
+    # This compiles the kernels and finds errors of a task, once, before several processes start.
     build.find_game(config.minigame).task(config)
     with StopRequest() as stop:
         trained = train_unfinished(runs, how, stop)

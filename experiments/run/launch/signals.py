@@ -44,7 +44,7 @@ class Stopped(KeyboardInterrupt):
 
 
 class Watchdog:
-    """While entered, a signal ends the process after a grace period, unless the context is left before.
+    """While entered, a signal ends the process after a grace period, unless the context ends first.
 
     A Python signal handler runs only after the main thread returns from a C call. So the C handler also writes the
     number of the signal to a pipe, which a thread reads.
@@ -60,7 +60,7 @@ class Watchdog:
         os.set_blocking(writing, False)
         try:
             self._old = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
-        except ValueError:  # not in the main thread, which alone receives signals
+        except ValueError:  # only the main thread receives signals
             os.close(reading)
             os.close(writing)
             return self
@@ -79,18 +79,18 @@ class Watchdog:
         os.close(reading)
 
     def _watch(self, reading: int) -> None:
-        asked = None
-        while asked is None:
-            said = os.read(reading, 1)
-            if not said:
+        received = None
+        while received is None:
+            number = os.read(reading, 1)
+            if not number:
                 return
-            asked = said[0] if said[0] in SIGNALS else None
+            received = number[0] if number[0] in SIGNALS else None
         until = time.monotonic() + self.seconds
         while (left := until - time.monotonic()) > 0:
             if select.select([reading], [], [], left)[0] and not os.read(reading, 1):
                 return
-        _say(WORDS[asked])
-        _leave(asked)
+        _say(WORDS[received])
+        _leave(received)
 
 
 _fork = threading.local()  # signals blocked by the forking thread

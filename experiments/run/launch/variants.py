@@ -1,4 +1,4 @@
-"""Rows of a comparison: methods with the settings of all runs, and variants with a name and settings of their own.
+"""Rows of a comparison: methods with the settings of all runs, and named variants with their own settings.
 
     regista compare maze --methods dr --variants "slow: --learning-rate 3e-4" "few: --method accel --accel.num-edits 3"
 
@@ -24,7 +24,7 @@ FORM = '"NAME: FLAGS", as in "slow: --learning-rate 3e-4"'
 
 
 class Variant(NamedTuple):
-    """A row of a comparison: its name in tables and folders, and the settings of its runs but for their seeds."""
+    """A row of a comparison: its name in tables and folders, and the settings of its runs except their seeds."""
 
     name: str
     config: Any
@@ -32,7 +32,7 @@ class Variant(NamedTuple):
 
 @dataclass(frozen=True)
 class Flags:
-    """What may be typed for a variant."""
+    """The flags of a variant."""
 
     train: Any = group(TrainConfig, "each run", without=("minigame", "seed"))
 
@@ -40,8 +40,8 @@ class Flags:
 def rows_of(methods: Sequence[str], variants: Sequence[str], settings: Any) -> list[Variant]:
     """Return the rows of a comparison: one for each method, and one for each variant `NAME: FLAGS`.
 
-    Without `--method` among its flags, a variant is one of the first method, or of DR if there is none.
-    Raises UsageError for what cannot be read, for a name that is taken, and for another environment.
+    Without `--method` among its flags, a variant uses the first method, or DR if there is none.
+    Raises UsageError for an invalid variant, for a name that is used twice, and for another environment.
     """
     rows = [Variant(method, replace(settings, method=method)) for method in methods]
     base = rows[0].config if rows else replace(settings, method="dr")
@@ -62,7 +62,7 @@ def _read(text: str, base: Any) -> Variant:
         config = arguments.replace_paths(Flags(train=base), typed).train
         build.find_method(config.method)
         build.find_device(config.device)
-    except (UsageError, ValueError) as error:  # shlex refuses an open quotation
+    except (UsageError, ValueError) as error:  # shlex rejects an open quotation
         raise UsageError(f"--variants {text!r}: {error}") from error
     if name in METHODS and name != config.method:
         raise UsageError(f"--variants {text!r}: {name} is the name of a method; choose another one, or --method {name}")

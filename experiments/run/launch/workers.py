@@ -27,8 +27,8 @@ from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with
 from regista.experiments.run.progress import Progress
 from ued.config import Checked, most_threads, setting
 
-POLL_SECONDS = 1.0  # between reads of the tables, which cost time of a training core
-EXIT_SECONDS = 0.05  # between looks for ended processes, whose core is idle until the next run starts
+POLL_SECONDS = 1.0  # between reads of the tables, which take processor time from training
+EXIT_SECONDS = 0.05  # between checks for ended processes, whose core is idle until the next run starts
 
 
 class Job(Protocol):
@@ -49,7 +49,7 @@ class Job(Protocol):
 
 
 class Pool(Protocol):
-    """A place where runs execute. `start` returns a handle of the run."""
+    """A launcher of runs. `start` returns a handle of the run."""
 
     def start(self, job: Any) -> Any: ...
     def ended(self, active: Collection[Any]) -> Sequence[Any]: ...
@@ -95,7 +95,7 @@ def _usable_cores() -> int:
 def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) -> bool:
     """Train the unfinished runs and print the progress; return whether all runs are finished.
 
-    Some are not after a stop request, or if only command lines were printed.
+    Not all are finished after a stop request, or if only command lines were printed.
     """
     unfinished = [run for run in runs if not run.finished()]
     if not unfinished or stop:
@@ -126,7 +126,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
     """
     pool = _make_pool(launcher)
     done = {id(run): _trained(run) for run in runs}
-    # The longest first: a run that is left at the end has one core to itself, and the others are idle.
+    # The longest first: the last run occupies one core while the others are idle.
     waiting = sorted(runs, key=lambda run: done[id(run)] - run.config.total_env_steps)
     active = dict[Any, Job]()
     progress = Progress(sum(run.config.total_env_steps for run in runs), sum(done.values()))
@@ -143,7 +143,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
                 words = pool.failure(task, run)
                 if words is not None and not stop:
                     raise _failed(run, words, len(active))
-            done |= {id(run): _trained(run) for run in before}  # not of the others: reading a long table takes time
+            done |= {id(run): _trained(run) for run in before}  # only active runs: reading a long table takes time
             progress.show(sum(done.values()), {})
     except KeyboardInterrupt:  # the second Ctrl-C
         pool.kill(active)
@@ -242,9 +242,9 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def apart(function: Callable, items: Sequence[Any], count: int, over: Callable[[list[Any]], None]) -> list[Any]:
-    """Return `function(item)` of each item, computed in up to `count` processes; `over` gets results as they come.
+    """Return `function(item)` of each item, computed in up to `count` processes; `over` receives new results.
 
-    Raises what the function raises, and `CommandError` if a process is killed.
+    Raises the errors of the function, and `CommandError` if a process is killed.
     """
     with processes(min(count, len(items))) as pool:
         with held_back():
