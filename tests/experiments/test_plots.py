@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from regista.envs.football.scenic.lineup import Lineup
-from regista.envs.football.view.render import FootballPainter, pitch_lines
+from regista.envs.football.view.render import NOSE, FootballPainter, pitch_lines
 from regista.experiments.pictures import keys, level_plots, plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run.games import find_minigame
@@ -277,3 +277,16 @@ def test_of_a_long_run_evenly_spaced_levels_are_drawn(runs, monkeypatch):
     assert len(every) == 300 and len(second) > 140
     np.testing.assert_array_equal(whole, every[::8])
     np.testing.assert_array_equal(half, second[::4])
+
+
+def test_headings_of_players_are_drawn(painter):
+    import matplotlib.pyplot as plt
+
+    theta = np.zeros((1, 6))
+    figure, axes = plt.subplots()
+    painter.draw(axes, theta)
+    places, lines = painter.positions(theta)[0], [line.get_xydata() for line in axes.lines]
+    for place in places[:-1]:  # of players, not of the ball
+        (heading,) = [line for line in lines if len(line) == 2 and np.allclose(line[0], place)]
+        assert np.linalg.norm(heading[1] - heading[0]) == pytest.approx(NOSE, rel=1e-3)
+    plt.close(figure)
