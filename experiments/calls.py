@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.loaded import ComparisonData, load_comparison
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import curves
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import ProgramConfig
 from regista.experiments.run.errors import UsageError, nearest
@@ -59,7 +59,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     with run.locked(), StopRequest() as stop:
         train_run(run, stop)
     with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
-        plots.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
+        curves.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
     return path
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import curves, plots
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.run_folders import open_runs
@@ -190,7 +190,7 @@ def load_comparison(path: str | Path) -> ComparisonData:
 
 def _figure(paths: Mapping[str, list[Path]]) -> Figure:
     try:
-        figure = plots.learning_figure(paths)
+        figure = curves.learning_figure(paths)
     except ModuleNotFoundError as error:
         raise CommandError("figures need matplotlib: pip install 'regista[pictures]'") from error
     if figure is None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from regista.experiments.commands.evaluate import check_levels
-from regista.experiments.pictures import level_plots, plots, theta_plots
+from regista.experiments.pictures import curves, level_plots, plots, theta_plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run import arguments, build, origin, starting
 from regista.experiments.run.arguments import group, positional
@@ -146,7 +146,7 @@ def show(
 
 def draw(comparison: Comparison, folder: Path, kind: plots.PictureFormat = "png") -> None:
     """Draw the pictures of a comparison: three, or two for a task without a painter."""
-    plots.learning_curves(comparison.runs, folder / f"learning_curves.{kind}")
+    curves.learning_curves(comparison.runs, folder / f"learning_curves.{kind}")
     levels = folder / f"levels.{kind}"
     if comparison.painter is None:
         return theta_plots.levels(comparison.runs, levels)

@@ -98,15 +98,20 @@ def main(argv: Sequence[str]) -> int:
     else:
         print(render_theta(program, choose_theta(program, config) if config.theta else None))
     if config.png is not None or config.rrd is not None:
-        theta = choose_theta(program, config)
-        plural = "s" * (len(theta) > 1)
-        if config.png is not None:
-            draw_scenes(program, theta, config.png, football)
-            print(f"\n{len(theta)} scene{plural} drawn to {config.png}")
-        if config.rrd is not None:
-            write_recording(program, theta, config.rrd, football)
-            print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
+        write_scenes(program, football, config)
     return 0
+
+
+def write_scenes(program: Program, football: bool, config: InspectConfig) -> None:
+    """Draw scenes of a program to `--png`, and record them in `--rrd`."""
+    theta = choose_theta(program, config)
+    plural = "s" * (len(theta) > 1)
+    if config.png is not None:
+        draw_scenes(program, theta, config.png, football)
+        print(f"\n{len(theta)} scene{plural} drawn to {config.png}")
+    if config.rrd is not None:
+        write_recording(program, theta, config.rrd, football)
+        print(f"\n{len(theta)} scene{plural} recorded in {config.rrd}; open it with: rerun {config.rrd}")
 
 
 def inspect_adversary(folder: Path, config: InspectConfig) -> int:

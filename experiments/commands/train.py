@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-from regista.experiments.pictures import plots
+from regista.experiments.pictures import curves, plots
 from regista.experiments.run import arguments, build, origin, outlook, starting, versions
 from regista.experiments.run.arguments import group, option
 from regista.experiments.run.config import TrainConfig
@@ -86,7 +86,7 @@ def main(argv: Sequence[str]) -> int:
     with run.locked():
         done = train(run, stop, connect)
     with read_from(f"{run.metrics.path} is"):
-        plots.learning_curves({run.config.method: [run.path]}, run.path / f"learning_curve.{kind}")
+        curves.learning_curves({run.config.method: [run.path]}, run.path / f"learning_curve.{kind}")
     if stop:
         print(f"stopped at {count(done)} env_steps; continue with: regista train --resume {run.path}")
     return stop.exit_code

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.pictures import keys, plots
+from regista.experiments.pictures import curves, keys, plots
 from regista.experiments.pictures.level_plots import draw_levels, draw_scales, read_periods
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
@@ -149,9 +149,9 @@ def _heading(comparison: Comparison) -> str:
 
 def _draw_learning(axes: Axes, comparison: Comparison) -> None:
     for method, paths in comparison.runs.items():
-        curve = plots.read_curve(paths, f"eval/{TRAINING_SCENE}")
+        curve = curves.read_curve(paths, f"eval/{TRAINING_SCENE}")
         if curve is not None:
-            plots.draw_curve(axes, curve, method)
+            curves.draw_curve(axes, curve, method)
     axes.set_title("Return on the training distribution")
     plots.label_steps(axes)
     plots.begin_at_zero(axes)

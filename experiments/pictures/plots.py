@@ -1,23 +1,24 @@
-"""The style of all pictures, and learning curves. Matplotlib is imported when a picture is drawn.
+"""The style of all pictures. Matplotlib is imported when a picture is drawn.
 
 Each method has the same color in all pictures, which no team has and which readers with a color vision deficiency can
-tell from the others. Read next: `pictures.keys`, legends; `pictures.level_plots`, then `pictures.overview`.
+tell from the others. Read next: `pictures.keys`, legends; `pictures.curves`, `pictures.level_plots`; then
+`pictures.overview`.
 """
 
 from __future__ import annotations
 
 import itertools
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from regista.experiments.run.progress import count
-from regista.experiments.run.table import cannot_write, read_columns, read_header
+from regista.experiments.run.table import cannot_write
 from ued.core.files import write_whole
 from ued.methods import METHODS
 
@@ -41,7 +42,6 @@ METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title fo
 VARIANT_COLOURS = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of dashed curves
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
-WINDOW = 0.04  # window of the running mean, relative to the curve's length
 
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -75,13 +75,6 @@ PictureFormat = Literal["png", "svg", "pdf"]
 FORMATS: tuple[str, ...] = get_args(PictureFormat)
 FORMAT_HELP = "file format of pictures"
 UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # metadata that would differ from call to call
-
-
-class Curve(NamedTuple):
-    """One metric of several runs on a common axis: `steps` [X], `values` [R, X] (NaN before a run's first value)."""
-
-    steps: np.ndarray
-    values: np.ndarray
 
 
 def style() -> AbstractContextManager:
@@ -187,39 +180,6 @@ def marker_legend(figure: Figure, painter: Any) -> None:
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))
 
 
-# ---------------------------------------------------------------- learning curves
-
-
-def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | None:
-    """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it."""
-    curves = []
-    for run in runs:
-        table = read_columns(run / "metrics.csv")
-        if column in table:
-            known = np.isfinite(table[column])
-            if known.any():
-                curves.append((table["env_steps"][known], table[column][known]))
-    if not curves:
-        return None
-    steps = np.linspace(min(x[0] for x, _ in curves), max(x[-1] for x, _ in curves), points)
-    values = np.stack([np.interp(steps, x, _running_mean(y), left=np.nan, right=np.nan) for x, y in curves])
-    return Curve(steps, values)
-
-
-def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
-    """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band."""
-    shade = colour(method)
-    steps, values = curve.steps, curve.values
-    known = np.isfinite(values).any(0)
-    steps, values = steps[known], values[:, known]
-    if len(values) > 1:
-        axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
-        for row in values:
-            axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
-    label, dashes = label or title(method), line_style(method)
-    axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, linestyle=dashes, label=label)
-
-
 def label_steps(axes: Axes) -> None:
     """Label the horizontal axis, with short numbers."""
     axes.set_xlabel("simulated steps, all students")
@@ -229,105 +189,3 @@ def label_steps(axes: Axes) -> None:
 def shorten_steps(axes: Axes) -> None:
     """Format the numbers of the horizontal axis as 500k, 2M."""
     axes.xaxis.set_major_formatter(lambda value, _: count(value))
-
-
-def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Write `learning_figure` to a file; none without a finished update."""
-    with style():
-        figure = learning_figure(runs)
-        if figure is not None:
-            save(figure, path)
-
-
-def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
-    """Draw the return on every test scene, and return, success, regret and spread of θ on the training levels.
-
-    `runs` gives the run folders of each method. Curves are over env_steps, with gaps where no level was finished.
-    Returns None without a finished update. The figure belongs to no window of pyplot.
-    """
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    from regista.experiments.pictures import keys
-
-    panels = _panels(runs)
-    if not panels:
-        return None
-    columns = min(3, len(panels))
-    rows = -(-len(panels) // columns)
-    wide = 3.9 * columns  # inches, as below
-    handles = keys.method_handles(runs, keys.RUNS if any(len(paths) > 1 for paths in runs.values()) else ())
-    across = keys.columns_for(handles, wide)
-    legend = 0.1 + 0.18 * -(-len(handles) // across)
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(wide, 2.75 * rows + legend))
-        grid = figure.subplots(rows, columns, squeeze=False)
-        for axes, (name, panel) in zip(grid.flat, panels.items(), strict=False):
-            _draw_panel(axes, name, panel)
-        for axes in grid.flat[len(panels) :]:
-            axes.set_visible(False)
-        for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
-            label_steps(axes)
-        figure.legend(handles=handles, loc="upper left", ncols=across, bbox_to_anchor=(0.01, 1.0))
-        figure.tight_layout(rect=(0, 0, 1, 1 - legend / figure.get_figheight()))
-    return figure
-
-
-class Panel(NamedTuple):
-    """Content of one panel: its unit, the curve of each method that has one, and whether its values are rates."""
-
-    unit: str
-    curves: list[tuple[str, Curve]]
-    rate: bool = False
-
-
-def _draw_panel(axes: Axes, name: str, panel: Panel) -> None:
-    for method, curve in panel.curves:
-        draw_curve(axes, curve, method)
-    heading(axes, name)
-    axes.set_ylabel(panel.unit)
-    axes.margins(x=0.01)
-    begin_at_zero(axes)
-    if panel.rate:
-        rate_axis(axes)
-    shorten_steps(axes)
-
-
-def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
-    """Return panels by heading: the test scenes, then properties of the training levels."""
-    headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
-    scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
-    quantities = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
-    quantities["return on training levels"] = ("return/", "mean return")
-    quantities["success on training levels"] = ("success", "share of episodes")
-    quantities["regret of training levels"] = ("regret", "regret")
-    quantities["spread of training levels"] = ("theta_std", "std of θ (uniform: 0.58)")
-    panels = {}
-    for heading, (name, unit) in quantities.items():
-        curves = []
-        for method, paths in runs.items():
-            column = next((header for header in headers[method] if _is_column(header, name)), None)
-            curve = read_curve(paths, column) if column else None
-            if curve is not None:
-                curves.append((method, curve))
-        if curves:
-            panels[heading] = Panel(unit, curves, rate=name == "success")
-    return panels
-
-
-def _is_column(column: str, name: str) -> bool:
-    """Return whether a column has this name. The first return column belongs to the evaluated student."""
-    return column.startswith(name) if name.endswith("/") else column == name
-
-
-def _scene_heading(scene: str) -> str:
-    return f"return on the {scene}" if "distribution" in scene else f"return on test scene “{scene}”"
-
-
-def _running_mean(values: np.ndarray) -> np.ndarray:
-    """Smooth with a running mean over WINDOW of the curve; windows are shorter at the ends."""
-    width = max(1, int(WINDOW * len(values)))
-    if len(values) < 40 or width < 2:
-        return values
-    kernel = np.ones(width)
-    return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same")

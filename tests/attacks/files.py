@@ -106,16 +106,16 @@ def undrawn() -> Iterator[None]:
     """Have pictures written and not drawn, which would take most of the time."""
     from matplotlib.figure import Figure
 
-    from regista.experiments.pictures import plots
+    from regista.experiments.pictures import curves, plots
 
-    before = plots.learning_curves, Figure.savefig, Figure.tight_layout
-    plots.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
+    before = curves.learning_curves, Figure.savefig, Figure.tight_layout
+    curves.learning_curves = lambda runs, path, *_, **__: plots.save(Figure(), path)  # type: ignore[assignment]
     Figure.savefig = lambda self, drawn, **_: drawn.write(bytes(10_000))  # type: ignore[method-assign]
     Figure.tight_layout = lambda self, **_: None  # type: ignore[method-assign]
     try:
         yield
     finally:
-        plots.learning_curves, Figure.savefig, Figure.tight_layout = before  # type: ignore[method-assign]
+        curves.learning_curves, Figure.savefig, Figure.tight_layout = before  # type: ignore[method-assign]
 
 
 def quietly(words: list[str]) -> tuple[int, str]:

@@ -82,6 +82,16 @@ def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, cap
         assert "2 scenes recorded in" in capsys.readouterr().out
 
 
+@pytest.mark.drawn
+def test_a_picture_has_the_format_that_is_asked_for(street, tmp_path, capsys):
+    assert main(["inspect", str(street), "--n", "1", "--png", str(tmp_path / "scenes.png"), "--format", "svg"]) == 0
+    assert "1 scene drawn to" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.glob("scenes.*")] == ["scenes.svg"]
+    assert (tmp_path / "scenes.svg").read_bytes().startswith(b"<?xml")
+    assert main(["inspect", str(street), "--format", "svg"]) == 2
+    assert "--format is of the picture that --png draws" in capsys.readouterr().err
+
+
 def test_a_recording_holds_every_scene_with_its_objects(street, tmp_path, capsys):
     from rerun.chunk import RrdReader
 

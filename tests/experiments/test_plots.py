@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from regista.envs.football.scenic.lineup import Lineup
-from regista.envs.football.view.render import FootballPainter, pitch_lines
-from regista.experiments.pictures import keys, level_plots, plots
+from regista.envs.football.view.render import NOSE, FootballPainter, pitch_lines
+from regista.experiments.pictures import curves, keys, level_plots, plots
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
@@ -71,7 +71,7 @@ def has_colour(path, colour):
 
 def test_learning_curves(runs, tmp_path):
     path = tmp_path / "curves.png"
-    plots.learning_curves(runs, path)
+    curves.learning_curves(runs, path)
     assert 0.01 < ink(path) < 0.5
     assert has_colour(path, plots.METHOD_COLOURS["dr"]) and has_colour(path, plots.METHOD_COLOURS["paired"])
 
@@ -148,14 +148,14 @@ def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(run
         table = run / "metrics.csv"
         lines = table.read_text().splitlines()
         table.write_text("\n".join([f"{lines[0]},success", *(f"{line},0.25" for line in lines[1:])]) + "\n")
-    figure = plots.learning_figure(runs)
+    figure = curves.learning_figure(runs)
     axes = {axes.get_title(loc="left"): axes for axes in figure.axes}
     assert axes["success on training levels"].get_ylim() == (0, 1)
     assert all(panel.get_xlim()[0] == 0 for panel in figure.axes if panel.get_visible())
     assert axes["regret of training levels"].get_ylim()[0] == 0
     said = [text.get_text() for text in figure.legends[0].texts]
     assert said == ["domain randomization", "PAIRED", *keys.RUNS]
-    alone = plots.learning_figure({method: paths[:1] for method, paths in runs.items()})
+    alone = curves.learning_figure({method: paths[:1] for method, paths in runs.items()})
     assert len(alone.legends[0].texts) == 2  # without bands, nothing explains them
 
 
@@ -163,7 +163,7 @@ def test_titles_lie_within_the_picture_and_beside_each_other(runs):
     for run in runs["dr"]:
         table = run / "metrics.csv"
         table.write_text(table.read_text().replace("eval/hard", f"eval/{'a scene with a long name ' * 4}"))
-    figure = plots.learning_figure(runs)
+    figure = curves.learning_figure(runs)
     figure.canvas.draw()
     boxes = [axes.title if not axes.get_title(loc="left") else axes._left_title for axes in figure.axes]
     extents = [title.get_window_extent() for title in boxes if title.get_text()]
@@ -175,13 +175,13 @@ def test_titles_lie_within_the_picture_and_beside_each_other(runs):
 @pytest.mark.parametrize("kind", plots.FORMATS)
 def test_pictures_of_every_format(runs, tmp_path, kind):
     path = tmp_path / f"curves.{kind}"
-    plots.learning_curves(runs, path)
+    curves.learning_curves(runs, path)
     first = path.read_bytes()
     assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind])
     if kind == "svg":
         assert b"PAIRED" in first and plots.METHOD_COLOURS["paired"].encode() in first  # text, not outlines
     if kind != "png":
-        plots.learning_curves(runs, path)
+        curves.learning_curves(runs, path)
         assert path.read_bytes() == first
     if kind == "pdf":
         assert b"/Type3" not in first
@@ -195,11 +195,11 @@ def test_a_format_replaces_the_ending_of_a_picture():
 
 
 def test_a_curve_averages_runs_on_one_axis(runs):
-    curve = plots.read_curve(runs["dr"], "return/student", points=50)
+    curve = curves.read_curve(runs["dr"], "return/student", points=50)
     assert curve.values.shape == (2, 50)
     assert curve.steps[0] == 4096 and curve.steps[-1] == 60 * 4096
     assert np.isfinite(curve.values).all()
-    assert plots.read_curve(runs["dr"], "regret") is None
+    assert curves.read_curve(runs["dr"], "regret") is None
 
 
 def test_levels_of_a_period_are_those_of_its_updates(runs):
@@ -243,7 +243,7 @@ def test_curves_of_students_whatever_their_names(tmp_path):
     run.mkdir()
     rows = [{"update": k, "env_steps": k, "return/student0": 1.0, "return/student1": 0.0} for k in range(1, 9)]
     Table(run / "metrics.csv").append(rows)
-    (panel,) = plots._panels({"paired": [run]}).values()
+    (panel,) = curves._panels({"paired": [run]}).values()
     assert panel.curves[0][1].values.tolist() == [[1.0] * 200]
 
 
@@ -277,3 +277,16 @@ def test_of_a_long_run_evenly_spaced_levels_are_drawn(runs, monkeypatch):
     assert len(every) == 300 and len(second) > 140
     np.testing.assert_array_equal(whole, every[::8])
     np.testing.assert_array_equal(half, second[::4])
+
+
+def test_headings_of_players_are_drawn(painter):
+    import matplotlib.pyplot as plt
+
+    theta = np.zeros((1, 6))
+    figure, axes = plt.subplots()
+    painter.draw(axes, theta)
+    places, lines = painter.positions(theta)[0], [line.get_xydata() for line in axes.lines]
+    for place in places[:-1]:  # of players, not of the ball
+        (heading,) = [line for line in lines if len(line) == 2 and np.allclose(line[0], place)]
+        assert np.linalg.norm(heading[1] - heading[0]) == pytest.approx(NOSE, rel=1e-3)
+    plt.close(figure)
