@@ -56,7 +56,7 @@ def level_card(update: int, batch: LevelBatch, names: Sequence[str], values: Val
     rows = "\n".join(f"| {name} | {value[d]:.2f} | {low[d]:.2f} to {high[d]:.2f} |" for d, name in enumerate(names))
     title = f"score {score[level]:.3f}, the highest of {len(score)}" if np.isfinite(score[level]) else "one level"
     parts = [
-        f"### Update {update}: {title}",
+        f"**Update {update}: {title}**",
         origin(batch, level).capitalize(),
         formula(batch, level, rule),
         f"| student | return | best | episodes |\n|---|---|---|---|\n{returns}",

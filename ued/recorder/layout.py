@@ -31,6 +31,7 @@ BUFFERED = ("/metrics/buffer/score", "/metrics/buffer/generation")
 RETURNS, SCORE, TESTS = "/metrics/return_per_level/", "/metrics/score_per_level", "/metrics/eval/"
 PROGRAMS, CHOICES = "/metrics/program/", "/metrics/choice_ratio/"
 CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # what views show
+TESTS_SHARE = 1.7  # height of the test scenes, whose legend has a line for each
 DARK: Colour = (12, 12, 14)
 
 
@@ -146,7 +147,8 @@ def _progress(students: Sequence[str], mixed: bool) -> Any:
     if mixed:
         curves.append(_curves("Share of the levels by program", f"{PROGRAMS}**", "RightTop"))
     curves.append(_curves("Return on the test scenes", f"{TESTS}**", "LeftTop"))
-    return rrb.Vertical(*curves, _over_time(), row_shares=[1.0] * len(curves) + [1.8])
+    shares = [1.0] * (len(curves) - 1) + [TESTS_SHARE, 1.8]
+    return rrb.Vertical(*curves, _over_time(), row_shares=shares)
 
 
 def _levels(painter: ScenePainter) -> Any:
