@@ -50,7 +50,7 @@ LEVELS = ["--levels", "20", "--level-episodes", "4"]
 @pytest.fixture
 def in_process(probe, trained_here, monkeypatch):
     """Train probes in this process, and draw nothing."""
-    monkeypatch.setattr(compare, "draw", lambda found, folder: None)
+    monkeypatch.setattr(compare, "draw", lambda found, folder, kind: None)
 
 
 def test_a_comparison_trains_tests_and_tabulates(in_process, tmp_path, capsys):

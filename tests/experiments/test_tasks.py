@@ -181,7 +181,7 @@ def test_evaluate_and_compare(task, trained_here, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(compare, "draw", lambda comparison, folder: None)
+    monkeypatch.setattr(compare, "draw", lambda comparison, folder, kind: None)
     start, out = tmp_path / "start", tmp_path / "tuned"
     short = [*SHORT, "--seeds", "2", "--levels", "0", "--episodes", "2", "--no-record", "--total-env-steps", "128"]
     assert main(["compare", task, "--methods", "dr", *short, "--hidden-size", "12", "--out", str(start)]) == 0
