@@ -51,7 +51,7 @@ class CloneConfig(Checked):
     demonstrations: Path | None = positional("folder written by regista demonstrate", default=None)
     out: Path | None = setting(None, "run folder (default runs/MINIGAME-clone-SEED)")
     minigame: str | None = setting(None, "minigame of the clone (default: that of the demonstrations)")
-    preset: Literal["fast", "thesis"] = setting("fast", "preset of the student's settings: fast or thesis")
+    preset: Literal["fast", "thesis"] = setting("fast", "preset of the student")
     seed: int = setting(0, "seed of the weights, the shuffling and the held-out split", ">=0", most=LARGEST_SEED)
     threads: int = setting(1, "threads for the networks", ">=1", most=most_threads)
     format: PictureFormat = setting("png", FORMAT_HELP)

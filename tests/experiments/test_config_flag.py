@@ -71,7 +71,7 @@ def test_older_files_open(run, tmp_path):
         ({"num_envs": "many"}, [], "'num_envs' must be int, got \"many\""),
         ({"num_envs": 0}, [], "num_envs"),
         ({}, ["--preset", "fast"], "--preset and --config exclude each other"),
-        ({}, ["1v1Free"], "which do not fit 1v1Free"),
+        ({}, ["1v1Free"], "which do not apply to 1v1Free"),
     ],
 )
 @pytest.mark.parametrize("command", ["train", "compare"])

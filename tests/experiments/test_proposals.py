@@ -72,5 +72,7 @@ def events(ratio, score):
 def test_an_option_of_high_score_that_is_hardly_proposed_is_an_event():
     kinds, told = events(0.5, 3.0)
     assert kinds == ["neglected option"]
-    assert told[0].text.startswith("side/in the way scores 3.00, the mean option 1.67, but is proposed 0.50 times")
+    assert told[0].text.startswith(
+        "side/in the way has a score of 3.00, the mean option 1.67, but is proposed 0.50 times"
+    )
     assert events(1.2, 3.0)[0] == [] and events(0.5, 1.0)[0] == []

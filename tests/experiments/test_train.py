@@ -249,7 +249,7 @@ def test_a_program_of_ones_own_must_stay_the_same(probe, tmp_path, monkeypatch, 
     program.write_text("ego = LeftCF\n")
     capsys.readouterr()
     assert main(["train", "--resume", str(path), "--total-env-steps", "22000"]) == 1
-    assert capsys.readouterr().err.startswith(f"regista: {program} has changed since {path} began")
+    assert capsys.readouterr().err.startswith(f"regista: {program} has changed since {path} was started")
 
 
 def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, capsys):

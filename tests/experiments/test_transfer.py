@@ -177,7 +177,7 @@ def test_the_tables_can_be_read_and_what_was_played_is_kept(run, capsys, tmp_pat
     twice = ["--episodes", "4", "--grf-episodes", "4", "--engine", "regista", "--markdown", str(tmp_path / "t.md")]
     assert main(["transfer", str(run), str(run), *twice]) == 0
     shown = capsys.readouterr()
-    assert "pass_and_shoot_with_keeper  simple115  dr      sampled  2 " in shown.out
+    assert "pass_and_shoot_with_keeper  simple115     dr      sampled  2 " in shown.out
     assert (
         "features outside the range of our episodes" in shown.out
         and "goals, grf:" in shown.out

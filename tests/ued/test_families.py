@@ -59,7 +59,7 @@ def test_the_table_has_every_method():
 @pytest.mark.parametrize("name", METHODS)
 def test_a_method_trains_on_a_family_or_refuses_it_as_the_page_says(name, family):
     says, upomdp = promised()[name][family], make(FAMILIES[family])
-    if says == "refused":
+    if says == "rejected":
         with pytest.raises(ValueError, match=r"levels of .*Words can be sampled and mutated.* use dr, plr"):
             METHODS[name].load()(upomdp, PPO, seed=0, env_steps=400)
         return
