@@ -358,7 +358,7 @@ def test_alp_gmm_goes_where_returns_change():
 
 @pytest.mark.parametrize("name", ["minimax", "paired", "accel", "alp_gmm"])
 def test_methods_that_choose_theta_need_one(name):
-    with pytest.raises(ValueError, match="no parameters to choose|no free parameters"):
+    with pytest.raises(ValueError, match=r"no parameters to choose|no free parameters"):
         METHODS[name](Choice(4))
 
 
