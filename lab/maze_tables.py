@@ -21,6 +21,7 @@ from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import LevelResult, Result, select, unique
+from regista.experiments.run.significance import difference_of_means, points
 from regista.experiments.run.table import read_rows
 from ued.core.task import TRAINING_SCENE
 from ued.statistics import Difference, Interval, bootstrap, detectable
@@ -147,7 +148,7 @@ def late_rates(study: Study, method: str) -> np.ndarray:
 def late_gains(study: Study) -> dict[str, Difference]:
     """Return the difference of each method to DR in the last quarter of training."""
     base = late_rates(study, "dr")
-    return {name: difference(late_rates(study, name), base) for name in study.methods if name != "dr"}
+    return {name: difference_of_means(late_rates(study, name), base) for name in study.methods if name != "dr"}
 
 
 def test_gains(study: Study) -> dict[str, Difference]:
@@ -161,7 +162,7 @@ def test_gains(study: Study) -> dict[str, Difference]:
 def worst_gains(study: Study) -> dict[str, Difference]:
     """Return the difference of each method to DR on the worst tenth of random mazes."""
     rates = {name: [row.cvar10 for row in study.random(name)] for name in study.methods}
-    return {name: difference(mine, rates["dr"]) for name, mine in rates.items() if name != "dr"}
+    return {name: difference_of_means(mine, rates["dr"]) for name, mine in rates.items() if name != "dr"}
 
 
 def note(study: Study) -> str:
@@ -195,7 +196,7 @@ def equal_steps(study: Study, steps: int = EQUAL) -> Table:
     table = [["method", "student steps", "simulated steps", "test mazes", "minus DR"]]
     found = {name: at_steps(study, name, steps) for name in study.methods}
     solved = {name: [float(row["solved"]) for row in runs] for name, runs in found.items()}
-    gains = {name: difference(mine, solved["dr"]) for name, mine in solved.items() if name != "dr"}
+    gains = {name: difference_of_means(mine, solved["dr"]) for name, mine in solved.items() if name != "dr"}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     for name, runs in found.items():
         trained, simulated = (np.mean([int(row[key]) for row in runs]) for key in ("trained_steps", "env_steps"))
@@ -241,13 +242,6 @@ def scores(study: Study, method: str, mazes: Iterable[str]) -> estimate.Scores:
     return estimate.scores([row for row in study.tests if row.scene in chosen], method)
 
 
-def difference(mine: Sequence[float] | np.ndarray, base: Sequence[float] | np.ndarray) -> Difference:
-    """Estimate the difference of two methods' means, resampling whole runs of both."""
-    rng = np.random.default_rng(0)
-    one, other = (bootstrap(np.array(values), rng) for values in (mine, base))
-    return (one - other).difference()
-
-
 def title(row: str) -> str:
     """Return what tables and legends call a row."""
     return TITLES.get(row) or plots.title(row)
@@ -256,12 +250,6 @@ def title(row: str) -> str:
 def percent(found: Interval) -> str:
     """Return a rate with its interval."""
     return f"{found.estimate:.0%}" + (f" [{100 * found.low:.0f}, {100 * found.high:.0f}]" if found.known else "")
-
-
-def points(found: Difference, mark: str) -> str:
-    """Return a difference of rates with its interval and its mark; see `significance.legend`."""
-    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
-    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
 
 
 # ---------------------------------------------------------------- picture
@@ -316,8 +304,8 @@ def sections() -> dict[str, str]:
     for part in PARTS:
         study = Study(part)
         if study.methods:
-            runs = len({row.seed for row in study.tests if row.method == study.methods[0]})
-            below = f"{runs} runs of each method, {PARTS[part].env_steps // 10**6}M steps. {note(study)}"
+            counts = unique([str(len({row.seed for row in study.tests if row.method == m})) for m in study.methods])
+            below = f"{' or '.join(counts)} runs of each method, {PARTS[part].env_steps // 10**6}M steps. {note(study)}"
             found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{below} `python -m lab.maze_tables`."
             found[f"{part} mazes"] = as_markdown(by_maze(study))
             found[f"{part} student steps"] = as_markdown(equal_steps(study))

@@ -32,6 +32,7 @@ from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.significance import difference_of_means, points
 from regista.experiments.run.table import read_rows
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
@@ -209,7 +210,14 @@ def table(rows: list[dict[str, str]]) -> str:
     head, told = ["game", "order", "setting", "runs", *SHOWN.values(), "minus dr"], []
     for kind in kinds:
         cells = [cell(runs[kind], column) for column in SHOWN]
-        told.append([*kind, str(len(runs[kind])), *cells, points(gains[kind], marks[kind]) if kind in gains else ""])
+        told.append(
+            [
+                *kind,
+                str(len(runs[kind])),
+                *cells,
+                points(gains[kind], marks[kind]) if kind in gains else "",
+            ]
+        )
     legend = significance.legend([found.p for found in gains.values()])
     versions = ", ".join(sorted({row["simulator"] for row in rows}))
     steps = max(int(row["env_steps"]) for row in rows) / 1e6
@@ -220,16 +228,9 @@ def table(rows: list[dict[str, str]]) -> str:
 
 
 def gain(mine: list[dict[str, str]], base: list[dict[str, str]]) -> Difference:
-    """Return the difference in held-out success, in percentage points."""
-    rng = np.random.default_rng(0)
-    one, other = (bootstrap(np.array([float(row["held_out"]) for row in rows]), rng) for rows in (mine, base))
-    return (one - other).difference()
-
-
-def points(found: Difference, mark: str) -> str:
-    """Return a difference with its interval and its mark."""
-    middle, low, high = (f"{value:+.0f}" for value in found[:3])
-    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
+    """Return the difference in held-out success, as a share."""
+    rates = ([float(row["held_out"]) / 100 for row in rows] for rows in (mine, base))
+    return difference_of_means(*rates)
 
 
 def cell(rows: list[dict[str, str]], column: str) -> str:

@@ -22,6 +22,21 @@ LEGEND = (
 HOW = "power below 80% at level 5% for one difference, from the pooled standard deviation of the runs by Student's t"
 
 
+def difference_of_means(mine: Sequence[Any] | np.ndarray, base: Sequence[Any] | np.ndarray) -> Difference:
+    """Estimate the difference of two methods' means over runs `[R, ...]`, resampling whole runs of both."""
+    from ued.statistics import bootstrap
+
+    rng = np.random.default_rng(0)
+    one, other = (bootstrap(np.array(values, float), rng) for values in (mine, base))
+    return (one - other).difference()
+
+
+def points(found: Difference, mark: str) -> str:
+    """Return a difference of rates in percentage points, with its interval, if known, and its mark."""
+    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
+    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
+
+
 def mark(difference: Any, adjusted: float) -> str:
     """Return the mark of a difference with `low` and `high`, given its p-value after Holm's correction."""
     if not (difference.low > 0 or difference.high < 0):

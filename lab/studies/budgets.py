@@ -33,7 +33,7 @@ def section(points: Sequence[Point]) -> str:
     budget = max(point.env_steps for point in points) / 1e6
     table = [["method", *(f"{part * budget:.0f}M steps" for part in PARTS)]]
     for name in others:
-        table.append([name, *(cell(gains[name, part], marks[name, part]) for part in PARTS)])
+        table.append([name, *(significance.points(gains[name, part], marks[name, part]) for part in PARTS)])
     games, runs = len({point.game for point in points}), len(rates(points, first, 1.0))
     about = (
         f"Success on test scenes, mean over {games} games, minus {first}, in percentage points; 95% bootstrap "
@@ -51,9 +51,7 @@ def methods(points: Sequence[Point]) -> list[str]:
 
 def gain(points: Sequence[Point], name: str, first: str, part: float) -> Difference:
     """Return the difference of two methods after a part of the budget."""
-    rng = np.random.default_rng(0)
-    mine, base = (bootstrap(rates(points, agent, part), rng) for agent in (name, first))
-    return (mine - base).difference()
+    return significance.difference_of_means(rates(points, name, part), rates(points, first, part))
 
 
 def rates(points: Sequence[Point], agent: str, part: float) -> np.ndarray:
@@ -74,12 +72,6 @@ def nearest(curve: Sequence[Point], part: float) -> Point:
     """Return the evaluation of a run nearest to a part of its budget: methods evaluate at slightly different steps."""
     budget = max(point.env_steps for point in curve)
     return min(curve, key=lambda point: abs(point.env_steps - part * budget))
-
-
-def cell(found: Difference, mark: str) -> str:
-    """Return a difference in percentage points with its interval and its mark."""
-    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
-    return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
 
 
 def draw(points: Sequence[Point], path: Path = PICTURE) -> None:

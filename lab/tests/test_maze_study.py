@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lab import maze_tables, mazes
+from regista.experiments.run import significance
 from ued.statistics import Difference
 
 SMALL = """
@@ -74,8 +75,8 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
 
 
 def test_a_difference_has_its_mark():
-    assert maze_tables.points(Difference(0.1, 0.02, 0.2, 0.001), "*") == "+10 [+2, +20] *"
-    assert maze_tables.points(Difference(0.1, np.nan, np.nan, np.nan), "") == "+10"
+    assert significance.points(Difference(0.1, 0.02, 0.2, 0.001), "*") == "+10 [+2, +20] *"
+    assert significance.points(Difference(0.1, np.nan, np.nan, np.nan), "") == "+10"
 
 
 def test_seeds_of_the_study_are_not_those_of_tuning():
