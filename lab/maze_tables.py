@@ -37,6 +37,9 @@ TITLES = {  # of rows that are no method's name
 }
 PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
 EQUAL = 10_000_000  # student steps at which methods are compared
+BUDGETS = (25_000_000, 100_000_000, 250_000_000)  # at which single long runs are shown
+
+COMMAND = "`python -m lab.maze_tables`."
 
 Table = list[list[str]]
 
@@ -113,7 +116,6 @@ def summary(study: Study) -> Table:
     on_tests, late, on_worst = ({name: points(gain, next(marks)) for name, gain in gains.items()} for gains in found)
     for name in study.methods:
         mine, few = scores(study, name, study.mazes), scores(study, name, common)
-        theirs = [study.theirs(name, maze) for maze in common]
         table.append(
             [
                 title(name),
@@ -123,7 +125,7 @@ def summary(study: Study) -> Table:
                 percent(bootstrap(late_rates(study, name), np.random.default_rng(0)).interval()),
                 late.get(name, ""),
                 percent(estimate.mean_score(few)),
-                "" if None in theirs else f"{np.mean(theirs):.0%}",  # type: ignore[arg-type]
+                published_mean(study, name, common),
                 percent(estimate.level_rate(study.random(name))),
                 percent(estimate.level_cvar(study.random(name))),
                 on_worst.get(name, ""),
@@ -141,8 +143,15 @@ def late_rates(study: Study, method: str) -> np.ndarray:
     for row in study.curves:
         if row["method"] == method:
             runs.setdefault(row["seed"], []).append((int(row["env_steps"]), float(row["solved"])))
-    ends = {seed: max(steps for steps, _ in curve) for seed, curve in runs.items()}
-    return np.array([np.mean([r for at, r in curve if at > 0.74 * ends[seed]]) for seed, curve in runs.items()])
+    return np.array([last_quarter(curve, max(steps for steps, _ in curve)) for curve in runs.values()])
+
+
+def last_quarter(curve: Iterable[tuple[int, float]], budget: int) -> float:
+    """Return the mean rate of the evaluations in the last quarter of a budget, each given as steps and rate.
+
+    An evaluation takes place at the end of an update, shortly after the step for which it is planned.
+    """
+    return float(np.mean([rate for at, rate in curve if 0.74 * budget < at < 1.01 * budget]))
 
 
 def late_gains(study: Study) -> dict[str, Difference]:
@@ -212,6 +221,27 @@ def at_steps(study: Study, method: str, steps: int) -> list[dict[str, str]]:
     seeds = unique([row["seed"] for row in mine])
     each = ([row for row in mine if row["seed"] == seed] for seed in seeds)
     return [min(run, key=lambda row: abs(int(row["trained_steps"]) - steps)) for run in each]
+
+
+def long_runs(study: Study, budgets: Sequence[int] = BUDGETS) -> Table:
+    """Return a row for each single long run: rates in the last quarter of several budgets, and those at the end."""
+    common = [name for name in study.mazes if study.theirs("dr", name) is not None]
+    table = [["method", *(f"{budget / 1e6:.0f}M" for budget in budgets), "at the end"]]
+    table[0] += [f"{len(common)} mazes", "published", "random mazes", "worst tenth"]
+    for name in study.methods:
+        curve = [(int(row["env_steps"]), float(row["solved"])) for row in study.curves if row["method"] == name]
+        [levels] = study.random(name)
+        at_end = (estimate.mean_score(scores(study, name, mazes)).estimate for mazes in (study.mazes, common))
+        rates = [f"{rate:.0%}" for rate in (*(last_quarter(curve, budget) for budget in budgets), *at_end)]
+        cells = [*rates, published_mean(study, name, common), f"{levels.goal_rate:.0%}", f"{levels.cvar10:.0%}"]
+        table.append([title(name), *cells])
+    return table
+
+
+def published_mean(study: Study, method: str, mazes: Iterable[str]) -> str:
+    """Return the mean of a method's published rates on some mazes; empty if one of them is not published."""
+    rates = [study.theirs(method, maze) for maze in mazes]
+    return "" if None in rates else f"{np.mean(rates):.0%}"  # type: ignore[arg-type]
 
 
 def tuning() -> Table:
@@ -303,10 +333,12 @@ def sections() -> dict[str, str]:
     found = {"tuning": as_markdown(tuning())}
     for part in PARTS:
         study = Study(part)
-        if study.methods:
+        if study.methods and PARTS[part].seeds == 1:
+            found[f"{part} runs"] = f"{as_markdown(long_runs(study))}\n\nOne run of each method. {COMMAND}"
+        elif study.methods:
             counts = unique([str(len({row.seed for row in study.tests if row.method == m})) for m in study.methods])
             below = f"{' or '.join(counts)} runs of each method, {PARTS[part].env_steps // 10**6}M steps. {note(study)}"
-            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{below} `python -m lab.maze_tables`."
+            found[f"{part} summary"] = f"{as_markdown(summary(study))}\n\n{below} {COMMAND}"
             found[f"{part} mazes"] = as_markdown(by_maze(study))
             found[f"{part} student steps"] = as_markdown(equal_steps(study))
     return found

@@ -55,8 +55,8 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
     assert {row["maze"] for row in trained} >= {"Maze", "FourRooms", "Labyrinth"}
     runs = {("dr", "0"), ("dr", "1"), ("mine", "0"), ("mine", "1")}
     assert {(row["method"], row["seed"]) for row in levels} == runs  # without baselines
-    mine = [row for row in curves if (row["method"], row["seed"]) == ("dr", "1")]
-    assert mine[-1]["env_steps"] == mine[-1]["trained_steps"] == "2048"
+    first = [row for row in curves if (row["method"], row["seed"]) == ("dr", "1")]
+    assert first[-1]["env_steps"] == first[-1]["trained_steps"] == "2048"
     replayed = [row for row in curves if row["method"] == "mine"][-1]
     assert int(replayed["trained_steps"]) <= int(replayed["env_steps"])
     study = maze_tables.Study("tiny")
@@ -70,6 +70,14 @@ def test_a_small_study_is_trained_stored_and_tabulated(stored):
     assert cells["Maze"][1].endswith("(50%)") and "(" not in cells["FourRooms"][1]
     table = maze_tables.equal_steps(study, 1024)
     assert [row[1] for row in table[1:]] == ["0.0M", "0.0M"]
+    some = maze_tables.Study("tiny")
+    some.levels, some.tests = (
+        [row for row in rows if (row.method, row.seed) == ("dr", 1)] for rows in (study.levels, study.tests)
+    )
+    some.curves = first
+    head, *long = maze_tables.long_runs(some, [1024, 2048])
+    assert long[0][1:3] == [f"{float(row['solved']):.0%}" for row in first if int(row["env_steps"]) >= 1024]
+    assert long[0][head.index("published")] == "35%"
     maze_tables.draw(study, stored / "curves.png")
     assert (stored / "curves.png").stat().st_size > 10_000
 
