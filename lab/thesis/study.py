@@ -80,7 +80,7 @@ def measure(task: tuple[Path, str, int]) -> tuple[list[Row], list[Value]]:
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
     played = EvalScenes(run.config, game, episodes).play(student)
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
     return rows_of(run.config, played, about), curves_of(run, agent)
 
 
