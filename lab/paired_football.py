@@ -154,7 +154,10 @@ def program(game: str, order: str, folder: Path) -> str:
 
 
 def rare_shares(run: RunFolder) -> list[float]:
-    """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run."""
+    """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run.
+
+    It is nan in a fifth without such levels.
+    """
     draws = single_game(run.config.minigame).program(run.config).draws
     name, cells = min(
         ((draw.name, cells) for draw in draws if (cells := choice_in(draw)) is not None),
@@ -164,7 +167,8 @@ def rare_shares(run: RunFolder) -> list[float]:
     proposed = table["source"] == "proposed"
     mine = cells.index(table[f"theta/{name}"]) == cells.shares.argmin()
     fifth = ((table["update"] - 1) / table["update"].max() * FIFTHS).astype(int)
-    return [float(mine[proposed & (fifth == k)].mean()) for k in range(FIFTHS)]
+    parts = [mine[proposed & (fifth == k)] for k in range(FIFTHS)]
+    return [float(part.mean()) if len(part) else float("nan") for part in parts]
 
 
 def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
@@ -175,7 +179,7 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     played = EvalScenes(config, game, EPISODES, held_out=True).play(student)
     rates = {label: 100 * float((result.returns > 0).mean()) for label, result in played.items()}
     train = rates.pop(TRAINING_SCENE)
-    shares = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
+    told = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
     row = {"game": cell.game, "order": cell.order, "variant": cell.variant, "seed": run.config.seed}
     row |= {
         "simulator": SIMULATOR_VERSION,
@@ -186,7 +190,7 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     for k, rate in enumerate(rates.values()):
         row[f"scene_{k}"] = rate
     row["scenes"] = "; ".join(rates)
-    return row | {f"rare_share_{k}": share for k, share in enumerate(shares)}
+    return row | {f"rare_share_{k}": share for k, share in enumerate(told) if not np.isnan(share)}
 
 
 TITLES = {  # of sections of the page

@@ -57,7 +57,7 @@ def test_rows_of_another_version_or_with_other_columns_are_refused(tmp_path):
     with pytest.raises(CommandError, match="can be neither published nor added to"):
         main(["order", "--csv", str(path), "--table"])
     path.write_text("game,order\n1v1Rare,first\n")
-    with pytest.raises(CommandError, match="order.csv is damaged: its columns are game, order"):
+    with pytest.raises(CommandError, match=r"order\.csv is damaged: its columns are game, order"):
         main(["order", "--csv", str(path)])
 
 
@@ -80,6 +80,8 @@ def test_a_part_is_trained_and_what_has_a_row_is_not_trained_again(part, begun, 
         (order, variant, seed, "in; clear") for order, variant in (("first", "dr"), ("last", "paired")) for seed in "01"
     ]
     assert {row["simulator"] for row in read_rows(path)} == {"1"} and len(first) == 4
+    shares = [row[f"rare_share_{k}"] for row in read_rows(path) if row["variant"] == "paired" for k in range(5)]
+    assert any(shares) and "nan" not in shares  # a fifth without proposals has no share
     assert "| 1v1Rare | last | paired | 2 |" in capsys.readouterr().out
     for folder in path.parent.glob("runs/order/*/*.pt"):
         folder.unlink()  # another machine: the rows alone are there
