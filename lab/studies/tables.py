@@ -71,6 +71,7 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
         text = f"{text}\n\n{budgets.section(points)}".rstrip()
         if page is not None:
             budgets.draw(points)
+            text = f"{text}\n\n{budgets.LINK}"
     if page is None:
         return print(text)
     put(page, f"study: {name}", text, f"Study {name}")
