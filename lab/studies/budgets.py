@@ -48,7 +48,8 @@ def section(points: Sequence[Point]) -> str:
     size = 100 * detectable([rates(points, name, 1.0).mean(1) for name in names])
     legend = significance.legend([found.p for found in gains.values()])
     said = significance.sentences(legend, significance.visible([size], runs, "{:.0f} points at the end"))
-    return f"{as_markdown(table)}\n\n{about} {said} Measured on {played_on(points)}; `{COMMAND}`."
+    below = [about, said, f"Measured on {played_on(points)}; `{COMMAND}`."]
+    return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
 
 
 def methods(points: Sequence[Point]) -> list[str]:

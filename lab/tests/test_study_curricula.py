@@ -197,6 +197,7 @@ def test_budgets_of_a_study_that_goes_on_are_those_of_games_that_all_methods_hav
     begun = [point for point in both if point.agent == "dr" or point.game == "a"]
     assert "mean over 1 games, minus dr" in budgets.section(begun)
     assert budgets.section(points("dr", 0.2)) == ""
+    assert "  " not in budgets.section([point for point in both if point.seed == 0])  # no marks, no sentence
     apart = [point for point in both if (point.agent, point.game) in (("dr", "a"), ("sfl", "b"))]
     assert budgets.section(apart) == ""
 
