@@ -1,9 +1,10 @@
 """How does PAIRED choose levels on football, and is it independent of how a program lists its options?
 
-Each part trains runs in a folder, plays their students on held-out scenes, and writes a row for each run. `order`:
+Each part trains runs in a folder, plays each finished one on held-out scenes, and writes its row. `order`:
 PAIRED and PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely.
 `restricted`: a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table
-uses. A part that was stopped goes on with the same command; `--table` prints means and intervals of its CSV file:
+uses. A part that was stopped goes on with the same command and skips what has rows; `--table` prints means and
+intervals of its CSV file:
 
     python -m lab.paired_football order --csv lab/results/paired_order.csv
     python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into RESULTS.md
@@ -12,32 +13,35 @@ uses. A part that was stopped goes on with the same command; `--table` prints me
 from __future__ import annotations
 
 import argparse
-import csv
-import re
-from collections.abc import Iterator
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lab.studies.curricula import LONG, replay
-from lab.studies.runs import ROOT, StudyRuns, training
-from regista.envs.football.version import SIMULATOR_VERSION
-from regista.experiments.run import build, significance
+from lab.studies.runs import LONGEST, ROOT, Deadline, StudyRuns, train_and_measure, training
+from lab.studies.tables import put
+from regista.envs.football.version import SIMULATOR_VERSION, simulator_name
+from regista.experiments.run import build, significance, versions
+from regista.experiments.run.errors import CommandError, UsageError, run_command
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
-from regista.experiments.run.launch.signals import StopRequest
-from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
+from regista.experiments.run.launch.workers import LaunchConfig
 from regista.experiments.run.level_table import read_levels
-from regista.experiments.run.report import as_markdown, write_text
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import as_markdown, save_rows
+from regista.experiments.run.results import unique
 from regista.experiments.run.significance import difference_of_means, points
 from regista.experiments.run.table import read_rows
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.core.task import TRAINING_SCENE
-from ued.statistics import Difference, bootstrap
+from ued.statistics import Difference, bootstrap, detectable
 
 FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
 EPISODES = 300  # on each held-out scene
@@ -135,7 +139,7 @@ def program(game: str, order: str, folder: Path) -> str:
     stands, options = BRANCHES[game]
     text = source.read_text()
     if text.count(stands) != 1:
-        raise SystemExit(f"{source} has no {stands}")
+        raise CommandError(f"{source} has no {stands}")
     weights = {name: 1 if name == "rare" or order == "even" else 25 for name in options}
     names = ORDERS.get(order, ORDERS["first"]).split()
     listed = ", ".join(f"{options[name]}: {weights[name]}" for name in names)
@@ -150,7 +154,10 @@ def program(game: str, order: str, folder: Path) -> str:
 
 
 def rare_shares(run: RunFolder) -> list[float]:
-    """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run."""
+    """Return the share of the rarest option of a choice among the adversary's levels, in each fifth of a run.
+
+    It is nan in a fifth without such levels.
+    """
     draws = single_game(run.config.minigame).program(run.config).draws
     name, cells = min(
         ((draw.name, cells) for draw in draws if (cells := choice_in(draw)) is not None),
@@ -160,7 +167,8 @@ def rare_shares(run: RunFolder) -> list[float]:
     proposed = table["source"] == "proposed"
     mine = cells.index(table[f"theta/{name}"]) == cells.shares.argmin()
     fifth = ((table["update"] - 1) / table["update"].max() * FIFTHS).astype(int)
-    return [float(mine[proposed & (fifth == k)].mean()) for k in range(FIFTHS)]
+    parts = [mine[proposed & (fifth == k)] for k in range(FIFTHS)]
+    return [float(part.mean()) if len(part) else float("nan") for part in parts]
 
 
 def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
@@ -171,7 +179,7 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     played = EvalScenes(config, game, EPISODES, held_out=True).play(student)
     rates = {label: 100 * float((result.returns > 0).mean()) for label, result in played.items()}
     train = rates.pop(TRAINING_SCENE)
-    shares = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
+    told = rare_shares(run) if cell.order in ORDERS and cell.method == "paired" else []
     row = {"game": cell.game, "order": cell.order, "variant": cell.variant, "seed": run.config.seed}
     row |= {
         "simulator": SIMULATOR_VERSION,
@@ -182,9 +190,14 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     for k, rate in enumerate(rates.values()):
         row[f"scene_{k}"] = rate
     row["scenes"] = "; ".join(rates)
-    return row | {f"rare_share_{k}": share for k, share in enumerate(shares)}
+    return row | {f"rare_share_{k}": share for k, share in enumerate(told) if not np.isnan(share)}
 
 
+TITLES = {  # of sections of the page
+    "order": "Rare levels",
+    "restricted": "PAIRED on a game without rare levels",
+    "settings": "Settings of PAIRED on football",
+}
 COLUMNS = ["game", "order", "variant", "seed", "simulator", "env_steps", "held_out", "train"]
 COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
 
@@ -197,40 +210,52 @@ SHOWN = {  # columns of the table, in percent
 }
 
 
-def table(rows: list[dict[str, str]]) -> str:
+def table(rows: Sequence[dict[str, str]], part: str) -> str:
     """Return means over the runs of each setting in percent, with 95% bootstrap intervals over runs, in Markdown.
 
-    The first setting of a game is the reference of its differences.
+    The first setting of a game is the reference of its differences; a game without its rows has none.
     """
-    kinds = list(dict.fromkeys((row["game"], row["order"], row["variant"]) for row in rows))
-    runs = {kind: [row for row in rows if (row["game"], row["order"], row["variant"]) == kind] for kind in kinds}
+    kinds = list(dict.fromkeys(cell[:3] for cell in PARTS[part].cells))
+    runs = {kind: [row for row in rows if tuple(key_of(row)[:3]) == kind] for kind in kinds}
     first = {game: next(kind for kind in kinds if kind[0] == game) for game, _, _ in kinds}
-    gains = {kind: gain(runs[kind], runs[first[kind[0]]]) for kind in kinds if kind not in first.values()}
+    runs = {kind: mine for kind, mine in runs.items() if mine}
+    others = [kind for kind in runs if kind != first[kind[0]] and first[kind[0]] in runs]
+    gains = {kind: gain(runs[kind], runs[first[kind[0]]]) for kind in others}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
-    head, told = ["game", "order", "setting", "runs", *SHOWN.values(), "minus dr"], []
-    for kind in kinds:
-        cells = [cell(runs[kind], column) for column in SHOWN]
-        told.append(
-            [
-                *kind,
-                str(len(runs[kind])),
-                *cells,
-                points(gains[kind], marks[kind]) if kind in gains else "",
-            ]
-        )
-    legend = significance.legend([found.p for found in gains.values()])
-    versions = ", ".join(sorted({row["simulator"] for row in rows}))
-    steps = max(int(row["env_steps"]) for row in rows) / 1e6
-    about = (
-        f"Percent, {steps:.1f}M env steps; 95% intervals: bootstrap over runs. {legend} Simulator version {versions}."
+    reference = " or ".join(dict.fromkeys(variant for _, _, variant in first.values()))
+    told = [["game", "order", "setting", "runs", *SHOWN.values(), f"minus {reference}"]]
+    for kind, mine in runs.items():
+        difference = points(gains[kind], marks[kind]) if kind in gains else ""
+        told.append([*kind, str(len(mine)), *(cell(mine, column) for column in SHOWN), difference])
+    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part)}"
+
+
+def below(runs: Sequence[list[dict[str, str]]], gains: Sequence[Difference], part: str) -> str:
+    """Return what stands below the table: budget, marks, the smallest visible difference, simulator and command.
+
+    The deviations of runs are pooled over all settings.
+    """
+    rows = [row for mine in runs for row in mine]
+    steps = " to ".join(unique([count(int(row["env_steps"])) for row in rows]))
+    size = 100 * detectable([shares(mine) for mine in runs])
+    said = significance.sentences(
+        f"success rates in percent on {EPISODES} episodes of each scene, {steps} env steps; 95% intervals: bootstrap "
+        "over runs, none below 5",
+        significance.legend([found.p for found in gains]),
+        significance.visible([size], [len(mine) for mine in runs], "{:.0f} points"),
     )
-    return f"{as_markdown([head, *told])}\n\n{about}"
+    names = " and ".join(unique([simulator_name(int(row["simulator"])) for row in rows]))
+    return f"{said} Measured on {names}; `python -m lab.paired_football {part}`."
 
 
 def gain(mine: list[dict[str, str]], base: list[dict[str, str]]) -> Difference:
     """Return the difference in held-out success, as a share."""
-    rates = ([float(row["held_out"]) / 100 for row in rows] for rows in (mine, base))
-    return difference_of_means(*rates)
+    return difference_of_means(shares(mine), shares(base))
+
+
+def shares(rows: Sequence[dict[str, str]]) -> np.ndarray:
+    """Return the held-out success `[R]` of some runs, as shares."""
+    return np.array([float(row["held_out"]) / 100 for row in rows])
 
 
 def cell(rows: list[dict[str, str]], column: str) -> str:
@@ -244,53 +269,103 @@ def cell(rows: list[dict[str, str]], column: str) -> str:
     return f"{found.estimate:.0f}" + (f" [{low:.0f}, {high:.0f}]" if found.known else "")
 
 
-def publish(part: str, text: str, page: Path = ROOT / "RESULTS.md") -> None:
-    """Write the table of a part between its marks on a page. Raises SystemExit if the page has no marks."""
-    begin, end, old = f"<!-- rare: {part} -->", "<!-- end -->", page.read_text()
-    found = re.search(f"{begin}.*?{end}", old, re.S)
-    if found is None:
-        raise SystemExit(f"{page.name} has no '{begin}' ... '{end}'")
-    write_text(page, f"{old[: found.start()]}{begin}\n{text}\n{end}{old[found.end() :]}")
+# ---------------------------------------------------------------- its rows
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("part", choices=PARTS)
-    parser.add_argument("--out", type=Path, default=Path("runs/paired_football"), help="folder of the runs")
-    parser.add_argument("--csv", type=Path, required=True)
-    parser.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
-    parser.add_argument("--table", action="store_true", help="train nothing, print what the CSV file has")
-    parser.add_argument("--publish", action="store_true", help="write the table into RESULTS.md")
-    arguments = parser.parse_args()
-    if not arguments.table:
-        train(PARTS[arguments.part], arguments.out / arguments.part, arguments.csv, arguments.processes)
-    text = table(read_rows(arguments.csv))
-    if arguments.publish:
-        publish(arguments.part, text)
-    else:
-        print(text)
+def key_of(row: Mapping[str, Any]) -> tuple[str, str, str, int]:
+    """Return what a later row of the same takes the place of."""
+    return row["game"], row["order"], row["variant"], int(row["seed"])
 
 
-def train(part: Part, out: Path, path: Path, processes: int) -> None:
-    """Train all runs of a part, and write their rows."""
-    base = StudyRuns(out, training(), {"total_env_steps": part.env_steps, **LONG})
-    runs = [
-        (base.open(program(cell.game, cell.order, out / "programs"), seed, chosen, f"{cell.variant}-"), cell)
-        for seed in part.seeds
-        for cell in part.cells
-        for chosen in ({"method": cell.method, **cell.settings},)
-    ]
-    with StopRequest() as stop:
-        if not train_unfinished([run for run, _ in runs], LaunchConfig(processes=processes), stop):
-            raise SystemExit(stop.exit_code)
+def load(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a file, none if it is not there.
+
+    Raises `CommandError` for rows of another version of the simulator, and for a file with other columns.
+    """
+    rows = read_rows(path) if path.exists() else []
+    if rows and list(rows[0]) != COLUMNS:
+        raise CommandError(f"{path} is damaged: its columns are {', '.join(rows[0])}")
+    refused = "they can be neither published nor added to; move the file away to measure them again"
+    for row in rows:
+        versions.check_present(int(row["simulator"]), f"rows of {path} were measured on", refused)
+    return rows
+
+
+def add(path: Path, part: Part, cells: Mapping[Path, Cell], run: RunFolder) -> None:
+    """Play a run and put its row into a file, in the place of an older one; rows stand in the order of the part.
+
+    `cells`: what runs are, by their folders.
+    """
+    row = measure(run, cells[run.path])
+    place = {cell[:3]: index for index, cell in enumerate(part.cells)}
+    spelled = {name: f"{value:.4g}" if isinstance(value, float) else value for name, value in row.items()}
+    by_key = {key_of(one): one for one in [*load(path), spelled]}
+    kept = sorted(by_key, key=lambda key: (place.get(key[:3], len(place)), key))
     path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        writer.writeheader()
-        for run, cell in runs:
-            row = measure(run, cell)
-            writer.writerow({name: f"{v:.4g}" if isinstance(v, float) else v for name, v in row.items()})
+    save_rows([by_key[key] for key in kept], COLUMNS, path)
+
+
+def train(part: Part, options: argparse.Namespace) -> int:
+    """Train the runs of a part that have no row, one seed of all after the other; return the exit code.
+
+    Each finished run is played, and its row is kept, while others still train.
+    """
+    base = StudyRuns(options.out / options.part, training(), {"total_env_steps": part.env_steps, **LONG})
+    done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= part.env_steps}
+    print(f"{len(part.cells) * len(part.seeds)} runs, {len(done)} measured", flush=True)
+    with Deadline(options.hours) as stop:
+        for seed in part.seeds:
+            missing = [cell for cell in part.cells if (*cell[:3], seed) not in done]
+            runs = [begin(base, cell, seed) for cell in missing]
+            cells = {run.path: cell for run, cell in zip(runs, missing, strict=True)}
+            keep = partial(add, options.csv, part, cells)
+            if not train_and_measure(runs, LaunchConfig(processes=options.processes), stop, keep):
+                break
+    print(f"{options.csv}{', continue with the same command' if stop else ''}", flush=True)
+    return stop.exit_code
+
+
+def begin(base: StudyRuns, cell: Cell, seed: int) -> RunFolder:
+    """Create the folder of a run or open it, if it was made with the same settings."""
+    chosen = {"method": cell.method, **cell.settings}
+    kind = f"{cell.variant.replace(', ', '_').replace(' ', '_')}-"
+    return base.open(program(cell.game, cell.order, base.folder / "programs"), seed, chosen, kind)
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the command line."""
+    made = argparse.ArgumentParser(
+        prog="python -m lab.paired_football",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    made.add_argument("part", choices=PARTS)
+    made.add_argument("--out", type=Path, default=Path("runs/paired_football"), help="folder of the runs")
+    made.add_argument("--csv", type=Path, required=True, help="file of the rows, one for each run")
+    made.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
+    made.add_argument("--hours", type=float, default=LONGEST, help="stop after so long; called again, it goes on")
+    made.add_argument("--table", action="store_true", help="train nothing, print what the CSV file has")
+    made.add_argument("--publish", action="store_true", help="write the table into RESULTS.md")
+    return made
+
+
+def main(argv: Sequence[str]) -> int:
+    """Train and play a part, print or publish its table; return the exit code."""
+    options = parser().parse_args(argv)
+    if options.processes < 0 or options.hours <= 0:
+        raise UsageError("--processes must be 0 or more, --hours above 0")
+    code = 0 if options.table else train(PARTS[options.part], options)
+    rows = load(options.csv)
+    if not rows:
+        print(f"{options.csv} has no rows")
+        return code
+    text = table(rows, options.part)
+    if options.publish:
+        put(ROOT / "RESULTS.md", f"rare: {options.part}", text, TITLES[options.part])
+    else:
+        print(f"\n{text}")
+    return code
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(run_command(main, sys.argv[1:]))

@@ -129,10 +129,11 @@ class Reader:
             runpy.run_path(words[1], run_name="__main__")
 
 
-def train_here(runs, most, stop, launcher):
+def train_here(runs, most, stop, launcher, over):
     for run in runs:
         with run.locked():
             train.train(run, stop)
+        over(run)
 
 
 @pytest.mark.slow

@@ -80,6 +80,10 @@ def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
     if not known:
         return ""
     low, high = (unit.format(size) for size in (min(known), max(known)))
-    runs = f"{min(counts)}" if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)}"
     ends = low if low == high else f"{low} to {high}, depending on the scene,"
-    return f"{runs} runs each: differences under {ends} cannot be seen reliably ({HOW})"
+    return f"{spread(counts)} runs each: differences under {ends} cannot be seen reliably ({HOW})"
+
+
+def spread(counts: Sequence[int]) -> str:
+    """Return how many there are of each, in words: "5", or "4 to 5"."""
+    return f"{min(counts)}" if len(set(counts)) == 1 else f"{min(counts)} to {max(counts)}"

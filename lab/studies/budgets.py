@@ -17,36 +17,54 @@ from lab.studies.rows import Point, played_on
 from lab.studies.runs import ROOT
 from regista.experiments.pictures import keys, plots
 from regista.experiments.run import significance
+from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown
 from regista.experiments.run.results import unique
-from ued.statistics import Difference, bootstrap
+from ued.statistics import Difference, bootstrap, detectable
 
+COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
+LINK = "![Success on test scenes over simulated steps](experiments/gallery/curricula.png)"  # on a page
 
 
 def section(points: Sequence[Point]) -> str:
-    """Return the table of differences by budget with its legend, in Markdown."""
-    first, *others = methods(points)
+    """Return the table of differences by budget with its legend, in Markdown; "" where no two methods have a game."""
+    points, names = comparable(points)
+    if len(names) < 2:
+        return ""
+    first, *others = names
     gains = {(name, part): gain(points, name, first, part) for name in others for part in PARTS}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
-    budget = max(point.env_steps for point in points) / 1e6
-    table = [["method", *(f"{part * budget:.0f}M steps" for part in PARTS)]]
+    budget = max(point.env_steps for point in points)
+    table = [["method", *(f"{count(part * budget)} steps" for part in PARTS)]]
     for name in others:
         table.append([name, *(significance.points(gains[name, part], marks[name, part]) for part in PARTS)])
-    games, runs = len({point.game for point in points}), len(rates(points, first, 1.0))
+    games, runs = len({point.game for point in points}), [len(rates(points, name, 1.0)) for name in names]
     about = (
         f"Success on test scenes, mean over {games} games, minus {first}, in percentage points; 95% bootstrap "
-        f"intervals over {runs} runs."
+        f"intervals over {significance.spread(runs)} runs."
     )
+    size = 100 * detectable([rates(points, name, 1.0).mean(1) for name in names])
     legend = significance.legend([found.p for found in gains.values()])
-    return f"{as_markdown(table)}\n\n{about} {legend} Measured on {played_on(points)}."
+    said = significance.sentences(legend, significance.visible([size], runs, "{:.0f} points at the end"))
+    below = [about, said, f"Measured on {played_on(points)}; `{COMMAND}`."]
+    return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
 
 
 def methods(points: Sequence[Point]) -> list[str]:
     """Return the methods that have points, in the order of the study."""
     found = {point.agent for point in points}
     return [name for name in COMPARISONS["curricula"].variants if name in found]
+
+
+def comparable(points: Sequence[Point]) -> tuple[list[Point], list[str]]:
+    """Return the points of games that all methods have, and the methods: a study that goes on has others, too."""
+    names, games = methods(points), unique([point.game for point in points])
+    have = {(point.game, point.agent) for point in points}
+    shared = [game for game in games if all((game, name) in have for name in names)]
+    kept = [point for point in points if point.game in shared]
+    return kept, [name for name in names if len(rates(kept, name, 1.0))]
 
 
 def gain(points: Sequence[Point], name: str, first: str, part: float) -> Difference:
@@ -82,14 +100,17 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
 
         rows = -(-len(games) // 4)
         figure, grid = plt.subplots(rows, 4, figsize=(11, 2.6 * rows), layout="constrained", sharey=True, squeeze=False)
-        for axes, game in zip(grid.flat, games, strict=False):
+        for index, (axes, game) in enumerate(zip(grid.flat, games, strict=False)):
             mine = [point for point in points if point.game == game]
             for name in names:
                 draw_method(axes, mine, name)
             axes.set_title(game)
             axes.set_xlim(left=0)
             plots.rate_axis(axes)
-            plots.shorten_steps(axes)
+            if index + 4 < len(games):
+                plots.shorten_steps(axes)
+            else:  # no panel stands below it
+                plots.label_steps(axes)
         for axes in grid.flat[len(games) :]:
             axes.set_visible(False)
         for row in grid:
@@ -102,7 +123,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
 def draw_method(axes: plots.Axes, points: Sequence[Point], name: str) -> None:
     """Draw the mean over a method's runs of one game, with the band of its 95% interval."""
     budget, rng = max(point.env_steps for point in points), np.random.default_rng(0)
-    parts = np.linspace(0, 1, 11)
+    parts = np.linspace(0.1, 1, 10)
     found = [bootstrap(mine, rng).interval() for part in parts if len(mine := rates(points, name, part))]
     if not found:
         return

@@ -9,9 +9,10 @@ Read next: `lab/studies/curricula.py`, what is compared; `lab/studies/measuring.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,13 +21,21 @@ from lab.studies import tables
 from lab.studies.curricula import COMPARISONS, Settings, Variant
 from lab.studies.measuring import measure_variant
 from lab.studies.rows import Point, add, check_present, load
-from lab.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
+from lab.studies.runs import (
+    BOOKKEEPING,
+    CHOSEN,
+    Deadline,
+    Places,
+    StudyConfig,
+    StudyRuns,
+    train_and_measure,
+    training,
+)
 from regista.experiments.run import arguments, build
 from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.launch.workers import train_unfinished
 from ued.config import LARGEST_SEED, setting
 
 TESTS = 10  # of a student during its training
@@ -72,7 +81,7 @@ class CurriculaStudy:
         self.places = Places.of(None if config.publish else config.out, "RESULTS.md")
 
     def run(self) -> int:
-        """Train, play and write, one seed of a game after the other; return the exit code."""
+        """Train, one seed of all games after the other, play and write each finished run; return the exit code."""
         self.check_published()
         table, curves = (self.places.results / f"{self.name}{end}.csv" for end in ("", "_curves"))
         check_present(table, load(table))
@@ -83,19 +92,22 @@ class CurriculaStudy:
         missing = [plan for plan in planned if done.get(plan[:3], 0) < plan.settings["total_env_steps"]]
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
         with Deadline(self.config.hours) as stop:
-            for _, plans in groupby(missing, key=lambda plan: (plan.seed, plan.game)):
-                variants = {plan.agent: self.open(plan) for plan in plans}
-                if not train_unfinished([*variants.values()], how, stop):
+            for _, plans in groupby(missing, key=lambda plan: plan.seed):
+                opened = [(self.open(plan), plan.agent) for plan in plans]
+                runs, agents = [run for run, _ in opened], {run.path: agent for run, agent in opened}
+                if not train_and_measure(runs, how, stop, partial(self.measure, table, curves, agents)):
                     break
-                for agent, run in variants.items():
-                    rows, points = measure_variant(run, agent, self.config.episodes, self.comparison.held_out)
-                    add(curves, points, Point)
-                    add(table, rows)
         if load(table):
             with redirect_stdout(how.messages):
                 tables.publish(self.places.results, self.name, self.places.page)
         print(f"{table}{', continue with the same command' if stop else ''}", file=how.messages)
         return stop.exit_code
+
+    def measure(self, table: Path, curves: Path, agents: Mapping[Path, str], run: RunFolder) -> None:
+        """Play a finished run and write its rows; its curve first, since a run with rows is not measured again."""
+        rows, points = measure_variant(run, agents[run.path], self.config.episodes, self.comparison.held_out)
+        add(curves, points, Point)
+        add(table, rows)
 
     def planned(self) -> Iterator[PlannedVariant]:
         """Yield the runs of the study, one seed of everything after the other; `UsageError` for unknown names."""
@@ -128,6 +140,8 @@ class CurriculaStudy:
         """Refuse to put into the repository what the study does not say: other settings, other seeds."""
         others = [arguments.flag_name(path.rpartition(".")[2]) for path in sorted(self.typed.keys() - BOOKKEEPING)]
         others += ["--first-seed"] if self.config.first_seed is not None else []
+        others += ["--seeds"] if (self.config.seeds or 0) > self.comparison.seeds else []
+        others += ["--episodes"] if self.config.episodes != CurriculaStudyConfig.episodes else []
         if others and self.config.publish:
             raise UsageError(f"with {', '.join(others)} it is not what {self.name} says; leave out --publish")
 

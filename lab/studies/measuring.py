@@ -42,7 +42,7 @@ def measure_run(run: RunFolder, episodes: int) -> list[Row]:
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
     evaluations = EvalScenes(run.config, game, episodes).play(student)
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds()}
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3)}
     return rows_of(run.config, evaluations, about | {"agent": agent_of(run)})
 
 
@@ -73,7 +73,7 @@ def measure_variant(run: RunFolder, agent: str, episodes: int, held_out: bool) -
         played = {
             label if label == TRAINING_SCENE else f"{HELD_OUT}{label}": result for label, result in played.items()
         }
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
     return rows_of(run.config, played, about), learning_curve(run, agent)
 
 

@@ -6,7 +6,7 @@ Read next: `regista.experiments.run.launch.workers`, which trains; `lab/studies/
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from regista.experiments.run.arguments import group
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.signals import StopRequest
-from regista.experiments.run.launch.workers import LaunchConfig
+from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
 from ued.config import Checked, setting
 
 STEPS = 1_000_000  # of a run, where a study knows of no better budget
@@ -100,3 +100,16 @@ class Deadline(StopRequest):
 
     def __bool__(self) -> bool:
         return super().__bool__() or time.monotonic() >= self._end
+
+
+def train_and_measure(
+    runs: Sequence[RunFolder], how: LaunchConfig, stop: StopRequest, measure: Callable[[RunFolder], None]
+) -> bool:
+    """Train the unfinished runs, and `measure` each run as soon as it is finished; return whether all are measured.
+
+    A study that is stopped or killed then loses no more than the measurement of the runs that have just ended.
+    """
+    for run in runs:
+        if run.finished() and not stop:
+            measure(run)
+    return train_unfinished(runs, how, stop, measure)

@@ -36,6 +36,7 @@ from ued.statistics import Difference, Interval
 NOTE = (
     "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
 )
+MOST_SCENES = 6  # that have columns of their own
 
 
 @dataclass(frozen=True)
@@ -67,15 +68,24 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
     text = tables(rows, name) if rows else f"{results / name}.csv has no rows."
     points = load(results / f"{name}_curves.csv", Point) if name == "curricula" else []
     if points:
-        text = f"{text}\n\n{budgets.section(points)}"
+        text = f"{text}\n\n{budgets.section(points)}".rstrip()
         if page is not None:
             budgets.draw(points)
+            text = f"{text}\n\n{budgets.LINK}"
     if page is None:
         return print(text)
-    begin, end, old = f"<!-- study: {name} -->", "<!-- end -->", page.read_text() if page.exists() else "# Results\n"
+    put(page, f"study: {name}", text, f"Study {name}")
+
+
+def put(page: Path, mark: str, text: str, heading: str) -> None:
+    """Put a text between its marks on a page; a page without them gets them at its end, below a heading.
+
+    Raises `CommandError` if a mark has no end, and if the disk refuses.
+    """
+    begin, end, old = f"<!-- {mark} -->", "<!-- end -->", page.read_text() if page.exists() else "# Results\n"
     if begin not in old:
-        old = f"{old.rstrip()}\n\n## Study {name}\n\n{begin}\n{end}\n"
-    found = re.search(f"{begin}.*?{end}", old, re.S)
+        old = f"{old.rstrip()}\n\n## {heading}\n\n{begin}\n{end}\n"
+    found = re.search(f"{re.escape(begin)}.*?{end}", old, re.S)
     if found is None:
         raise CommandError(f"{page} has the mark '{begin}' without '{end}'")
     write_text(page, f"{old[: found.start()]}{begin}\n{text}\n{end}{old[found.end() :]}")
@@ -84,7 +94,7 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
 def tables(rows: Sequence[Row], name: str) -> str:
     """Return the tables, and below them what was played and the command."""
     if name in COMPARISONS:
-        games = [[row for row in rows if row.game == game] for game in unique([row.game for row in rows])]
+        games = [[row for row in rows if row.game == game] for game in games_of(rows, name)]
         made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}{below(game, name)}" for game in games]
     else:
         made = [as_markdown(goals_table(rows))]
@@ -93,14 +103,25 @@ def tables(rows: Sequence[Row], name: str) -> str:
     return "\n\n".join([*made, about])
 
 
+def games_of(rows: Sequence[Row], name: str) -> list[str]:
+    """Return the games that have rows, the study's own first, in its order."""
+    found = unique([row.game for row in rows])
+    return [game for game in unique([*COMPARISONS[name].games, *found]) if game in found]
+
+
 def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
-    """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method."""
-    scenes = unique([row.scene for row in rows])
+    """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method.
+
+    Of games with many scenes only random levels and the mean are shown.
+    """
+    tests = unique([row.scene for row in rows if row.scene != TRAIN])
+    scenes = [TRAIN, *(tests if len(tests) <= MOST_SCENES else ())]
     known, scores = [row.result() for row in rows], held_out_scores(rows, name)
     first, *others = scores
     gains = gains_of(scores)
     marks = dict(zip(others, significance.marks(list(gains.values())), strict=True))
     mean = "held-out mean" if COMPARISONS[name].held_out else "validation mean"
+    mean += f" of {len(tests)}" if len(tests) > MOST_SCENES else ""
     table = [["method", *scenes, mean, f"minus {first}", "runs", "env steps"]]
     for method, mine in scores.items():
         cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]

@@ -6,7 +6,7 @@ from lab.studies.rows import Row, add, load
 from lab.thesis import __main__ as command
 from lab.thesis import curves, figures, plan, study, tables
 from regista.experiments.run import build
-from regista.experiments.run.errors import UsageError
+from regista.experiments.run.errors import CommandError, UsageError
 from regista.minigames import MINIGAMES
 
 BRIEF = ["--seeds", "2", "--env-steps", "20000", "--episodes", "4", "--processes", "1"]
@@ -68,6 +68,24 @@ def test_figures_have_the_order_of_the_thesis_and_tables_marks():
     assert "6 runs each: differences under" in text and "`python -m lab.thesis paired`" in text
 
 
+def test_figures_explain_their_marks_and_close_colors_have_other_lines(monkeypatch, tmp_path):
+    drawn = []
+    monkeypatch.setattr(figures.plots, "save", lambda figure, path: drawn.append(figure))
+    values = [
+        curves.Value("1v1Free", agent, 0, steps, curve, 0.5, "1")
+        for agent in ("paired", "paired_literal")
+        for steps in (250_000, 500_000)
+        for curve in curves.CURVES
+    ]
+    figures.draw_curves(values, tmp_path / "curves.png")
+    figures.draw_strategies([row("built-in", scene="A: chases the ball", game="3v2FourBehaviors")], tmp_path / "a.png")
+    shown, bars = drawn
+    assert {line.get_linestyle() for line in shown.axes[0].lines} == {"-", "--"}
+    assert shown.axes[0].get_xlim()[0] == 0
+    (legend,) = bars.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["95% CI"]
+
+
 def test_table_4_1_stands_beside_the_published_numbers():
     rows = [row(seed=seed, game="offense/easy_crossing", goals=10 + seed) for seed in range(5)]
     line = tables.randomization_table(rows).splitlines()[2]
@@ -79,7 +97,7 @@ def test_a_text_goes_into_its_place_on_the_page(tmp_path):
     page.write_text("a\n<!-- thesis: paired -->\nold\n<!-- end -->\nb <!-- end -->\n")
     tables.publish("paired", "new", page)
     assert page.read_text() == "a\n<!-- thesis: paired -->\nnew\n<!-- end -->\nb <!-- end -->\n"
-    with pytest.raises(ValueError, match="has no place"):
+    with pytest.raises(CommandError, match="has no place"):
         tables.publish("strategies", "new", page)
     for name in ("paired", "strategies", "randomization"):
         assert f"<!-- thesis: {name} -->\n" in tables.PAGE.read_text()
@@ -107,8 +125,7 @@ def test_the_built_in_ai_meets_the_four_strategies(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_runs_are_trained_played_and_drawn_once(begun, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(study, "apart", lambda function, items, count, over: over([function(item) for item in items]))
+def test_runs_are_trained_played_and_drawn_once(begun, tmp_path, capsys):
     words = ["paired", *BRIEF, "--games", "ChoosePassing", "--methods", "dr", "paired", "--out", str(tmp_path)]
     assert command.main(words) == 0
     assert begun == [f"ChoosePassing-{agent}-features-{seed}" for seed in (0, 1) for agent in ("dr", "paired")]

@@ -1,11 +1,12 @@
 """`python -m lab.paired_football`: rare branches in each order, their rows, and the table on a page."""
 
-import sys
-
 import pytest
 
 from lab import paired_football
-from lab.paired_football import ORDERS, Cell, Part, order_part, publish, table
+from lab.paired_football import ORDERS, Cell, Part, main, order_part, table
+from lab.studies import runs
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import read_rows
 
 
@@ -25,10 +26,10 @@ def test_the_table_has_even_branches_and_plr_beside_paired_for_each_order():
     assert cells[2:] == [(order, method) for method in ("paired", "plr") for order in ORDERS]
 
 
-def test_differences_are_to_the_first_setting_and_marked(tmp_path):
-    rows = [row("first", "dr", seed, 40 + seed) for seed in range(5)]
-    rows += [row("last", "paired", seed, 70 + seed) for seed in range(5)]
-    text = table(rows)
+def test_differences_are_to_the_first_setting_and_marked():
+    rows = [row("last", "paired", seed, 70 + seed) for seed in range(5)]
+    rows += [row("first", "dr", seed, 40 + seed) for seed in range(5)]
+    text = table(rows, "order")
     head, _, dr, paired, *_ = text.splitlines()
     assert head == (
         "| game | order | setting | runs | held-out success | first scene | second scene "
@@ -36,27 +37,73 @@ def test_differences_are_to_the_first_setting_and_marked(tmp_path):
     )
     assert dr.startswith("| 1v1Rare | first | dr | 5 | 42 [") and dr.endswith("|  |  |")
     assert paired.startswith("| 1v1Rare | last | paired | 5 | 72 [") and "| 25 [25, 25] | +30 [" in paired
-    assert paired.endswith("] * |") and "4.0M env steps" in text and text.endswith("Simulator version 1.")
-    page = tmp_path / "page.md"
-    page.write_text("# A\n<!-- rare: order -->\nold\n<!-- end -->\n## B\n")
-    publish("order", text, page)
-    assert page.read_text() == f"# A\n<!-- rare: order -->\n{text}\n<!-- end -->\n## B\n"
-    with pytest.raises(SystemExit, match=r"page.md has no '<!-- rare: settings -->'"):
-        publish("settings", text, page)
+    assert paired.endswith("] * |") and ", 4M env steps; 95% intervals: bootstrap over runs" in text
+    assert " Marks: * survives Holm's correction at 5% over the one difference of this table" in text
+    assert " 5 runs each: differences under 4 points cannot be seen reliably" in text
+    assert text.endswith("Measured on simulator version 1; `python -m lab.paired_football order`.")
+
+
+def test_a_table_whose_reference_has_no_run_yet_has_no_differences():
+    head, _, plr, *_ = table([row("last", "plr", 20, 70)], "order").splitlines()
+    assert head.endswith("| minus dr |") and plr == "| 1v1Rare | last | plr | 1 | 70 | 75 | 65 |  |  |"
+    other = row("middle", "1 episode", 1000, 70)
+    assert table([other], "settings").splitlines()[0].endswith("| minus population, 2 episodes |")
+
+
+def test_rows_of_another_version_or_with_other_columns_are_refused(tmp_path):
+    path = tmp_path / "order.csv"
+    old = dict.fromkeys(paired_football.COLUMNS, "1") | row("first", "dr", 20, 40) | {"simulator": "0"}
+    save_rows([old], paired_football.COLUMNS, path)
+    with pytest.raises(CommandError, match="can be neither published nor added to"):
+        main(["order", "--csv", str(path), "--table"])
+    path.write_text("game,order\n1v1Rare,first\n")
+    with pytest.raises(CommandError, match=r"order\.csv is damaged: its columns are game, order"):
+        main(["order", "--csv", str(path)])
+
+
+@pytest.fixture
+def part(tmp_path, monkeypatch):
+    """Make `order` a part of two short runs for each of two seeds; return its CSV file, and what is typed."""
+    short = {"num_envs": 4, "ppo.num_steps": 512}
+    cells = [Cell("1v1Rare", "first", "dr", "dr", short), Cell("1v1Rare", "last", "paired", "paired", short)]
+    monkeypatch.setattr(paired_football, "PARTS", {"order": Part(cells, range(2), 8192)})
+    monkeypatch.setattr(paired_football, "EPISODES", 4)
+    return tmp_path / "order.csv", ["order", "--csv", str(tmp_path / "order.csv"), "--out", str(tmp_path / "runs")]
 
 
 @pytest.mark.slow
-def test_a_part_is_trained_and_its_rows_are_kept(tmp_path, monkeypatch, capsys):
-    short = {"num_envs": 4, "ppo.num_steps": 512}
-    cells = [Cell("1v1Rare", "first", "dr", "dr", short), Cell("1v1Rare", "last", "paired", "paired", short)]
-    monkeypatch.setattr(paired_football, "PARTS", {"order": Part(cells, range(1), 8192)})
-    monkeypatch.setattr(paired_football, "EPISODES", 4)
-    path = tmp_path / "order.csv"
-    monkeypatch.setattr(sys, "argv", ["", "order", "--csv", str(path), "--out", str(tmp_path / "runs")])
-    paired_football.main()
-    rows = read_rows(path)
-    assert [(row["order"], row["variant"], row["scenes"]) for row in rows] == [
-        ("first", "dr", "in; clear"),
-        ("last", "paired", "in; clear"),
+def test_a_part_is_trained_and_what_has_a_row_is_not_trained_again(part, begun, capsys):
+    path, words = part
+    assert main(words) == 0
+    first, text = begun.copy(), path.read_text()
+    assert [(row["order"], row["variant"], row["seed"], row["scenes"]) for row in read_rows(path)] == [
+        (order, variant, seed, "in; clear") for order, variant in (("first", "dr"), ("last", "paired")) for seed in "01"
     ]
-    assert "| 1v1Rare | last | paired | 1 |" in capsys.readouterr().out
+    assert {row["simulator"] for row in read_rows(path)} == {"1"} and len(first) == 4
+    shares = [row[f"rare_share_{k}"] for row in read_rows(path) if row["variant"] == "paired" for k in range(5)]
+    assert any(shares) and "nan" not in shares  # a fifth without proposals has no share
+    assert "| 1v1Rare | last | paired | 2 |" in capsys.readouterr().out
+    for folder in path.parent.glob("runs/order/*/*.pt"):
+        folder.unlink()  # another machine: the rows alone are there
+    assert main(words) == 0
+    assert begun == first and path.read_text() == text
+
+
+@pytest.mark.slow
+def test_a_part_that_was_stopped_keeps_each_finished_run(part, begun, monkeypatch):
+    path, words = part
+    usual = paired_football.measure
+
+    def killed(run, cell):
+        if run.config.seed == 0 and cell.method == "paired":
+            raise KeyboardInterrupt
+        return usual(run, cell)
+
+    monkeypatch.setattr(paired_football, "measure", killed)
+    with pytest.raises(KeyboardInterrupt):
+        main(words)
+    assert [row["variant"] for row in read_rows(path)] == ["dr"]
+    monkeypatch.setattr(paired_football, "measure", usual)
+    monkeypatch.setattr(runs.RunFolder, "finished", lambda run: run.env_steps() >= 8192)  # pictures are not drawn here
+    assert main(words) == 0
+    assert len(begun) == len(set(begun)) == 4 and len(read_rows(path)) == 4

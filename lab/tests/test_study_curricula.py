@@ -7,11 +7,11 @@ import pytest
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from lab.studies import budgets, rows, tables
+from lab.studies import budgets, curricula_study, rows, tables
 from lab.studies.__main__ import STUDIES, main
 from lab.studies.curricula import COMPARISONS
 from lab.studies.curricula_study import CurriculaStudy, CurriculaStudyConfig
-from lab.studies.measuring import HELD_OUT
+from lab.studies.measuring import HELD_OUT, measure_variant
 from lab.studies.runs import Places
 from regista.experiments.pictures import plots
 from regista.experiments.run import arguments
@@ -78,9 +78,11 @@ def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_publ
     assert first == {"curricula": 30, "ablations": 1000, "tuning": 1000}
     for config, typed in (
         (CurriculaStudyConfig(publish=True, first_seed=7), {}),
+        (CurriculaStudyConfig(publish=True, seeds=6), {}),
+        (CurriculaStudyConfig(publish=True, episodes=20), {}),
         (CurriculaStudyConfig(publish=True), {"ppo.gamma": 0.9}),
     ):
-        with pytest.raises(UsageError, match=r"--(first-seed|gamma).*leave out --publish"):
+        with pytest.raises(UsageError, match=r"--(first-seed|seeds|episodes|gamma) it.*leave out --publish"):
             CurriculaStudy("curricula", config, typed).run()
     with pytest.raises(UsageError, match=r"no variant 'pared'.*did you mean 'paired'"):
         list(CurriculaStudy("curricula", CurriculaStudyConfig(variants=("dr", "pared")), {}).planned())
@@ -117,8 +119,8 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
         for scene, scored in (("held out, a", base + seed), ("held out, b", base + 10 + seed), ("train", 99))
     ]
     head, dr, accel = tables.success_table(measured, "curricula")
-    assert head == ["method", "held out, a", "held out, b", "train", "held-out mean", "minus dr", "runs", "env steps"]
-    assert dr[1].startswith("22% [") and dr[4].startswith("27% [") and dr[5:] == ["", "5", "9"]
+    assert head == ["method", "train", "held out, a", "held out, b", "held-out mean", "minus dr", "runs", "env steps"]
+    assert dr[2].startswith("22% [") and dr[4].startswith("27% [") and dr[5:] == ["", "5", "9"]
     assert accel[4].startswith("67% [") and accel[5].startswith("+40% [+3") and accel[5].endswith("] *")
     text = tables.tables(measured, "curricula")
     assert (
@@ -127,6 +129,39 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
     )
     assert "\n\nMarks: * survives Holm's correction at 5% over the one difference of this table" in text
     assert " 5 runs each: differences under 7 points cannot be seen" in text
+
+
+def test_games_stand_in_the_order_of_the_study_and_many_scenes_are_one_column():
+    def row(game, scene):
+        return rows.Row(game, "dr", "c", scene, 30, 9, 20, 0.5, 0.5, 10, 0, 5.0, 9.5, "", "1")
+
+    few = [row("1v1Free", scene) for scene in ("held out, in", "train")]
+    many = [row("1v1Restricted", scene) for scene in (*(f"held out, {k}" for k in range(7)), "train")]
+    text = tables.tables(few + many, "curricula")
+    assert re.findall(r"^\*\*(.+)\*\*$", text, re.M) == ["1v1Restricted", "1v1Free"]
+    assert "| method | train | held-out mean of 7 | minus dr |" in text
+    assert "| method | train | held out, in | held-out mean | minus dr |" in text
+
+
+@pytest.mark.slow
+def test_a_study_that_was_killed_keeps_each_finished_run(here, tmp_path, monkeypatch):
+    words, begun = here
+
+    def killed(run, agent, *others):
+        if agent == "accel":
+            raise KeyboardInterrupt
+        return measure_variant(run, agent, *others)
+
+    monkeypatch.setattr(curricula_study, "measure_variant", killed)
+    assert main(words) == 130
+    table = tmp_path / "results" / "curricula.csv"
+    before = rows.load(table)
+    assert {row.agent for row in before} == {"dr"} and len(begun) == 2
+    monkeypatch.setattr(curricula_study, "measure_variant", measure_variant)
+    monkeypatch.setattr(RunFolder, "finished", lambda run: run.env_steps() >= 64)  # pictures are not drawn here
+    assert main(words) == 0
+    assert len(begun) == 2  # the other run had only to be played
+    assert {row.agent for row in rows.load(table)} == {"dr", "accel"} and set(before) < set(rows.load(table))
 
 
 def points(agent, base):
@@ -149,10 +184,35 @@ def test_differences_by_budget_are_over_whole_runs(tmp_path):
     partial = [point for point in both if (point.seed, point.game) != (4, "b")]
     assert budgets.rates(partial, "dr", 1.0).shape == (4, 2)
     text = budgets.section(both)
-    assert text.startswith("| method | 0M steps |") and "| sfl | " in text and "over 5 runs" in text
+    assert text.startswith("| method | 10 steps | 30 steps |") and "| sfl | " in text and "over 5 runs" in text
+    assert "5 runs. Marks: * survives" in text and "0.0005. 5 runs each: differences under " in text
+    assert text.endswith("Measured on simulator version 1; `python -m lab.studies.tables curricula`.")
     budgets.draw(both, tmp_path / "curves.png")
     with Image.open(tmp_path / "curves.png") as picture:
         assert {(r, g, b) for _, (r, g, b, *_) in picture.convert("RGB").getcolors(10**6)} >= set(colors("dr", "sfl"))
+
+
+def test_budgets_of_a_study_that_goes_on_are_those_of_games_that_all_methods_have():
+    both = points("dr", 0.2) + points("sfl", 0.6)
+    begun = [point for point in both if point.agent == "dr" or point.game == "a"]
+    assert "mean over 1 games, minus dr" in budgets.section(begun)
+    assert budgets.section(points("dr", 0.2)) == ""
+    assert "  " not in budgets.section([point for point in both if point.seed == 0])  # no marks, no sentence
+    apart = [point for point in both if (point.agent, point.game) in (("dr", "a"), ("sfl", "b"))]
+    assert budgets.section(apart) == ""
+
+
+def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, monkeypatch):
+    from matplotlib import pyplot as plt
+
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    budgets.draw(points("dr", 0.2), tmp_path / "curves.png")
+    panels = drawn[0].axes[:2]
+    assert all(axes.get_xlabel() == "simulated steps, all students" for axes in panels)
+    assert all(line.get_xdata()[0] == pytest.approx(10) for axes in panels for line in axes.lines)
+    assert panels[0].get_ylim() == (0, 1) and panels[0].get_ylabel() == "success on test scenes"
+    plt.close(drawn[0])
 
 
 def colors(*methods):

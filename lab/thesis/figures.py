@@ -21,6 +21,7 @@ from regista.experiments.run.results import unique
 AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
 STRATEGIES = plots.METHOD_COLOURS["built-in"]
 RUN = "a run"
+DASHED = {"paired_literal": "--"}  # its color is close to that of PAIRED
 WIDTH = 0.8  # of a group of bars
 
 
@@ -61,6 +62,7 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
         bar(axes, np.arange(len(scenes)), [estimate.select(results, "built-in", s) for s in scenes], 0.6, STRATEGIES)
         finish(axes, [scene.replace(": ", "\n") for scene in scenes], "Figure 4.4: built-in AI against the strategies")
         axes.set_ylabel("goal difference of the built-in AI")
+        legend(figure, axes, keys.WHISKER)
         plots.save(figure, path)
 
 
@@ -125,6 +127,7 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
                 mine = [value for value in values if (value.game, value.curve) == (game, curve)]
                 draw_curve(grid[row, column], mine)
             grid[0, column].set_title(FIGURES[game].title)
+            grid[-1, column].set_xlim(left=0)
             plots.label_steps(grid[-1, column])
         for row, curve in enumerate(CURVES):
             grid[row, 0].set_ylabel(AXES[curve])
@@ -142,5 +145,6 @@ def draw_curve(axes: Any, values: Sequence[Value]) -> None:
         steps = sorted({value.env_steps for value in mine})
         at = [[value.value for value in mine if value.env_steps == step] for step in steps]
         if steps:
-            axes.plot(steps, [np.mean(runs) for runs in at], color=shade(name), label=method.title)
+            dashes = DASHED.get(name, "-")
+            axes.plot(steps, [np.mean(runs) for runs in at], dashes, color=shade(name), label=method.title)
             axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=shade(name), alpha=0.12, lw=0)

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 
 from lab.studies.measuring import rows_of
 from lab.studies.rows import Row, add, check_present, load
-from lab.studies.runs import Deadline, StudyRuns
+from lab.studies.runs import Deadline, StudyRuns, train_and_measure
 from lab.thesis.curves import Value, curves_of
 from lab.thesis.plan import Arm, base
 from regista.experiments.run import build
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.launch.workers import LaunchConfig, apart, train_unfinished
+from regista.experiments.run.launch.workers import LaunchConfig
 from ued.core.baselines import ScriptedPolicy
 
 DUEL = "3v2FourBehaviors"  # the game of the four strategies
@@ -36,7 +37,7 @@ def do(arms: Sequence[Arm], table: Path, curves: Path | None, options: Options) 
     """Train and play the runs that have no rows in `table` yet; return the exit code, 0 where all is done.
 
     Args:
-        arms: the runs; those of one seed, which come together, are trained and then played.
+        arms: the runs, seed by seed; each is played as soon as it is trained.
         table: CSV file of `Row`, one for each scene.
         curves: CSV file of `Value`; None: not kept.
         options: see there.
@@ -52,36 +53,27 @@ def do(arms: Sequence[Arm], table: Path, curves: Path | None, options: Options) 
     how = LaunchConfig(processes=options.processes)
     with Deadline(options.hours) as stop:
         for _, group in groupby(missing, key=lambda arm: arm.seed):
-            arms = list(group)
-            runs = [studies.open(arm.game, arm.seed, arm.settings, f"{arm.agent}-") for arm in arms]
-            if not train_unfinished(runs, how, stop):
+            begun = [(studies.open(arm.game, arm.seed, arm.settings, f"{arm.agent}-"), arm.agent) for arm in group]
+            agents = {run.path: agent for run, agent in begun}
+            keep = partial(measure, agents, table, curves, options.episodes)
+            if not train_and_measure([run for run, _ in begun], how, stop, keep):
                 break
-            tasks = [(run.path, arm.agent, options.episodes) for arm, run in zip(arms, runs, strict=True)]
-            print(f"playing {len(tasks)} runs, {options.episodes} episodes on each scene", flush=True)
-            apart(measure, tasks, how.at_a_time(1, len(tasks)), lambda played: keep(played, table, curves))
     print(f"{table}{', continue with the same command' if stop else ''}")
     return stop.exit_code
 
 
-def keep(measured: Sequence[tuple[list[Row], list[Value]]], table: Path, curves: Path | None) -> None:
-    """Write rows and curves of some runs; the curves first, since a run with rows is not measured again."""
-    if curves is not None:
-        add(curves, [value for _, values in measured for value in values], Value)
-    add(table, [row for rows, _ in measured for row in rows])
+def measure(agents: Mapping[Path, str], table: Path, curves: Path | None, episodes: int, run: RunFolder) -> None:
+    """Play a run's student on the training distribution and each test scene, and write its rows and its curves.
 
-
-def measure(task: tuple[Path, str, int]) -> tuple[list[Row], list[Value]]:
-    """Play a run's student on the training distribution and each test scene; return the rows, and its curves.
-
-    `task`: the run's folder, what rows call it, and the number of episodes on each scene.
+    The curves come first, since a run with rows is not measured again. `agents`: what rows call runs, by their folders.
     """
-    path, agent, episodes = task
-    run = RunFolder.open(path)
-    game = build.find_game(run.config.minigame)
+    game, agent = build.find_game(run.config.minigame), agents[run.path]
     student, (env_steps, _) = load_student(run, game)
     played = EvalScenes(run.config, game, episodes).play(student)
-    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": run.seconds(), "agent": agent}
-    return rows_of(run.config, played, about), curves_of(run, agent)
+    about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
+    if curves is not None:
+        add(curves, curves_of(run, agent), Value)
+    add(table, rows_of(run.config, played, about))
 
 
 def measure_strategies(episodes: int) -> list[Row]:

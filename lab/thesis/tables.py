@@ -15,6 +15,7 @@ from lab.studies.tables import NOTE, spell
 from lab.thesis.plan import FIGURES, in_order
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
+from regista.experiments.run.errors import CommandError
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import INTERVALS, Report, as_markdown, write_text
 from regista.experiments.run.results import unique
@@ -75,9 +76,9 @@ def made(rows: Sequence[Row], command: str) -> str:
 
 
 def publish(name: str, text: str, page: Path = PAGE) -> None:
-    """Put a text into its place on a page. Raises ValueError where the page has none."""
+    """Put a text into its place on a page. Raises `CommandError` where the page has none."""
     old = page.read_text()
     found = re.search(f"(<!-- thesis: {name} -->\n).*?(<!-- end -->)", old, re.S)
     if found is None:
-        raise ValueError(f"{page} has no place '<!-- thesis: {name} -->' ... '<!-- end -->'")
+        raise CommandError(f"{page} has no place '<!-- thesis: {name} -->' ... '<!-- end -->'")
     write_text(page, f"{old[: found.start()]}{found[1]}{text}\n{found[2]}{old[found.end() :]}")

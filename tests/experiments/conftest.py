@@ -53,10 +53,11 @@ def probe(monkeypatch):
 def trained_here(monkeypatch):
     """Let comparisons train in this process: no probe is seen from another, and every other imports torch anew."""
 
-    def train_all(runs, most, stop, launcher):
+    def train_all(runs, most, stop, launcher, over):
         for run in runs:
             train(RunFolder.open(run.path), stop)
             run.picture.touch()
+            over(run)
 
     monkeypatch.setattr(workers, "train_all", train_all)
 
@@ -66,10 +67,11 @@ def begun(monkeypatch):
     """Let studies train in this process; return the names of the folders of the runs that were begun, as they are."""
     names = []
 
-    def train_all(runs, most, stop, launcher):
+    def train_all(runs, most, stop, launcher, over):
         for run in runs:
             names.append(run.path.name)
-            train(RunFolder.open(run.path), stop)
+            if train(RunFolder.open(run.path), stop) >= run.config.total_env_steps:
+                over(run)
 
     monkeypatch.setattr(workers, "train_all", train_all)
     return names

@@ -220,8 +220,26 @@ def test_the_longest_run_starts_first(monkeypatch: pytest.MonkeyPatch) -> None:
     jobs = [SimpleNamespace(done=n, config=SimpleNamespace(total_env_steps=100)) for n in (50, 10, 90, 0)]
     for job in jobs:
         job.env_steps = lambda job=job: job.done
-    train_all(jobs, 2, StopRequest())
+    over: list[Any] = []
+    train_all(jobs, 2, StopRequest(), over=over.append)
     assert pool.started == [0, 10, 50, 90]
+    assert sorted(job.done for job in over) == [0, 10, 50, 90]
+
+
+def test_what_a_stop_has_ended_is_not_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    stop, over = StopRequest(), list[Any]()
+    pool = Instant()
+    pool.failure = lambda task, job: "it was killed" if stop else None  # type: ignore[method-assign]
+    monkeypatch.setattr(workers, "_make_pool", lambda launcher: pool)
+    job = SimpleNamespace(done=0, config=SimpleNamespace(total_env_steps=100), env_steps=lambda: 0)
+
+    def ended(active: Any) -> list[Any]:
+        stop.signal = 2
+        return list(active)
+
+    pool.ended = ended  # type: ignore[method-assign]
+    train_all([job], 1, stop, over=over.append)
+    assert over == []
 
 
 def test_runs_have_the_cores_that_this_process_has(monkeypatch: pytest.MonkeyPatch) -> None:

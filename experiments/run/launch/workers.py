@@ -92,10 +92,18 @@ def _usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) -> bool:
+Over = Callable[[Any], None]  # is called with a run that has finished
+
+
+def _pass(run: Any) -> None:
+    """Do nothing with a finished run."""
+
+
+def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest, over: Over = _pass) -> bool:
     """Train the unfinished runs and print the progress; return whether all runs are finished.
 
-    Not all are finished after a stop request, or if only command lines were printed.
+    Not all are finished after a stop request, or if only command lines were printed. `over` is called with each run
+    that this call has trained, while others still train.
     """
     unfinished = [run for run in runs if not run.finished()]
     if not unfinished or stop:
@@ -107,7 +115,7 @@ def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest) 
         return False
     most = how.at_a_time(unfinished[0].config.threads, len(unfinished))
     print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
-    train_all(unfinished, most, stop, how.launcher)
+    train_all(unfinished, most, stop, how.launcher, over)
     if stop:
         print("continue with the same command; finished runs are skipped")
     return not stop
@@ -119,10 +127,11 @@ def command_line(run: Job) -> str:
     return f"OMP_NUM_THREADS={run.config.threads} {shlex.join(words)}"
 
 
-def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str = "local") -> None:
+def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str = "local", over: Over = _pass) -> None:
     """Train these runs, a limited number in parallel; return early after a stop request.
 
-    Raises `CommandError` if one fails, after a request to the others to save and end.
+    `over` is called with each trained run. Raises `CommandError` if one fails, after a request to the others to save
+    and end.
     """
     pool = _make_pool(launcher)
     done = {id(run): _trained(run) for run in runs}
@@ -141,7 +150,9 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
             for task in ended:
                 run = active.pop(task)
                 words = pool.failure(task, run)
-                if words is not None and not stop:
+                if words is None:
+                    over(run)
+                elif not stop:
                     raise _failed(run, words, len(active))
             done |= {id(run): _trained(run) for run in before}  # only active runs: reading a long table takes time
             progress.show(sum(done.values()), {})
