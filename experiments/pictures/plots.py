@@ -166,15 +166,17 @@ def begin_at_zero(axes: Axes) -> None:
         axes.set_ylim(bottom=0)
 
 
-def marker_legend(figure: Figure, painter: Any) -> None:
-    """Add a legend of the present marker colors below a figure."""
+def marker_legend(figure: Figure, painter: Any, places: np.ndarray) -> None:
+    """Add a legend of the marker colors below a figure, of points that lie within it: `places` `[L, K, 2]`."""
     from matplotlib.lines import Line2D
 
     from regista.envs.football.view.render import PAPER_COLOURS
 
+    x_low, x_high, y_low, y_high = painter.bounds
+    inside = ((places >= (x_low, y_low)) & (places <= (x_high, y_high))).all(2).any(0)  # [K]
     handles = [
         Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
-        for kind in sorted(set(painter.classes.tolist()))
+        for kind in np.unique(painter.classes[inside])
     ]
     handles.append(Line2D([], [], color=FAINT, linewidth=1.6, label="heading"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))

@@ -115,6 +115,41 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
     plt.close(figure)
 
 
+class Squares(Dots):
+    """Draws two walls as squares of 0.25 m, and `Dots` between them."""
+
+    markers = (*Dots.markers, ("walls", (100, 100, 100), 0.125))
+    classes = np.array([0, 1, 2, 2])
+    tiles = classes == 2
+
+    def positions(self, theta):
+        walls = np.broadcast_to([[-0.125, -0.125], [0.125, -0.125]], (len(theta), 2, 2))
+        return np.concatenate([super().positions(theta), walls], 1)
+
+
+def test_densities_on_a_grid_are_not_mixed():
+    import matplotlib.pyplot as plt
+
+    theta = np.array([[-0.5, -0.5, 0.5, 0.5], [-0.5, 0.5, 0.5, 0.5]])  # me in two cells, the goal in one
+    figure, axes = plt.subplots()
+    level_plots.draw_levels(axes, Squares(), [theta])
+    (image,) = axes.images
+    pixels, half = image.get_array(), level_plots.CELL_PIXELS
+    assert image.origin == "lower" and pixels.shape == (2 * half, 2 * half, 3)
+
+    def seen(row, column, share):
+        """Return the color of a cell, at a share of its width."""
+        return pixels[row * half + half // 2, column * half + int(share * half)].tolist()
+
+    def shade(kind):
+        return pytest.approx((1 - keys.OPACITY * (1 - np.array(Squares.markers[kind][1]) / 255)).tolist())
+
+    assert all(seen(row, 0, 0.3) == shade(0) for row in range(2)) and seen(1, 1, 0.7) == shade(1)
+    assert all(seen(row, column, 0.3) == [1, 1, 1] for row, column in ((0, 1), (1, 1)))
+    assert all(seen(0, column, 0.01) == shade(2) and seen(1, column, 0.01) == [1, 1, 1] for column in (0, 1))
+    plt.close(figure)
+
+
 @pytest.mark.slow
 def test_overview(runs, painter, tmp_path):
     results = [
