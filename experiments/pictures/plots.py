@@ -44,7 +44,8 @@ LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
 
 STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],  # an SVG names all, for readers without the first
     "font.size": 9.5,
     "text.color": INK,
     "axes.labelcolor": INK,

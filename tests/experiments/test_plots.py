@@ -215,6 +215,7 @@ def test_pictures_of_every_format(runs, tmp_path, kind):
     assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind])
     if kind == "svg":
         assert b"PAIRED" in first and plots.METHOD_COLOURS["paired"].encode() in first  # text, not outlines
+        assert b"'DejaVu Sans', 'Verdana', 'Arial', sans-serif" in first
     if kind != "png":
         curves.learning_curves(runs, path)
         assert path.read_bytes() == first
