@@ -40,6 +40,7 @@ METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 VARIANT_COLOURS = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of dashed curves
+ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
 

@@ -13,23 +13,19 @@ from typing import Any
 
 import numpy.typing as npt
 
-from regista.experiments.pictures.plots import FAINT, INK, REFERENCE, rate_axis, save, style
+from regista.experiments.pictures.plots import ABOVE_AXES, FAINT, INK, REFERENCE, rate_axis, save, style
 
 OURS, GRF = "our simulator", "Google Research Football"
+COLORS = {GRF: REFERENCE, OURS: INK}
+SHOWN: dict[str, Any] = {"clip_on": False, "zorder": ABOVE_AXES}  # also at 0% and 100%
 LINES: dict[str, dict[str, Any]] = {
-    GRF: {"color": REFERENCE, "linewidth": 1.6},
-    OURS: {"color": INK, "linewidth": 1.2, "linestyle": "--"},
+    GRF: {"color": COLORS[GRF], "linewidth": 1.6, **SHOWN},
+    OURS: {"color": COLORS[OURS], "linewidth": 1.2, "linestyle": "--", **SHOWN},
 }
+POINT: dict[str, Any] = {"linestyle": "", "marker": "o", **SHOWN}
 POINTS: dict[str, dict[str, Any]] = {
-    GRF: {
-        "color": REFERENCE,
-        "linestyle": "",
-        "marker": "o",
-        "clip_on": False,
-        "markersize": 4.5,
-        "markerfacecolor": "none",
-    },
-    OURS: {"color": INK, "linestyle": "", "marker": "o", "clip_on": False, "markersize": 2.5},
+    GRF: {"color": COLORS[GRF], "markersize": 4.5, "markerfacecolor": "none", **POINT},
+    OURS: {"color": COLORS[OURS], "markersize": 2.5, **POINT},
 }
 SHARE = "share"  # on the vertical axis of rates
 HEAD, FOOT = 0.3, 0.3  # inches of a figure, for its title and its legend
@@ -69,7 +65,7 @@ def draw_panels(path: Path, title: str, panels: Sequence[Panel], columns: int = 
             axes.set_visible(False)
         figure.suptitle(title, x=0.02, ha="left")
         figure.legend(handles=_handles(panels), loc="lower center", ncols=4)
-        figure.tight_layout(rect=(0, FOOT / height, 1, 1 - HEAD / height))
+        figure.tight_layout(rect=(0, FOOT / height, 1, 1))  # it leaves room for the title
         save(figure, path)
 
 

@@ -188,6 +188,9 @@ def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(run
     assert axes["success on training levels"].get_ylim() == (0, 1)
     assert all(panel.get_xlim()[0] == 0 for panel in figure.axes if panel.get_visible())
     assert axes["regret of training levels"].get_ylim()[0] == 0
+    for panel in figure.axes:
+        means = [line for line in panel.lines if line.get_linewidth() == 2.0]
+        assert all(line.zorder > spine.zorder for line in means for spine in panel.spines.values())
     said = [text.get_text() for text in figure.legends[0].texts]
     assert said == ["domain randomization", "PAIRED", *keys.RUNS]
     alone = curves.learning_figure({method: paths[:1] for method, paths in runs.items()})
