@@ -62,7 +62,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
 
     upomdp.reset(seed=0, options={"theta": theta})
     try:
-        frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
+        frames: Any = upomdp.render() if upomdp.render_mode == "rgb_array" else None
     except Exception as error:  # any error of the environment
         raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
     if frames is None:
