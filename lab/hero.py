@@ -32,6 +32,7 @@ Bounds = tuple[float, float, float, float]  # x_low, x_high, y_low, y_high
 STAGES = 12  # of the training
 WIDTH, MARGIN = 400, 26  # pixels: of each half, and above and below the pitch
 MILLISECONDS = 80  # per frame
+COLORS, SAMPLED = 256, 24  # of the palette, and frames that it is made from
 
 
 def train(out: Path) -> RunFolder:
@@ -100,11 +101,21 @@ def painter_of(run: RunFolder) -> Any:
 
 def write(frames: Sequence[np.ndarray], levels: Sequence[np.ndarray], path: Path) -> None:
     """Write the film; the stages of training pass once while it plays."""
-    joined = [
-        Image.fromarray(np.hstack([frame, levels[k * len(levels) // len(frames)]])).convert("P", palette=1, colors=96)
-        for k, frame in enumerate(frames)
+    pictures = [
+        Image.fromarray(np.hstack([frame, levels[k * len(levels) // len(frames)]])) for k, frame in enumerate(frames)
     ]
+    palette = shared_palette(pictures)
+    joined = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     joined[0].save(path, save_all=True, append_images=joined[1:], duration=MILLISECONDS, loop=0, optimize=True)
+
+
+def shared_palette(pictures: Sequence[Image.Image]) -> Image.Image:
+    """Return an image with one palette for all pictures: with palettes of their own, still parts would flicker."""
+    some = pictures[:: max(1, len(pictures) // SAMPLED)]
+    strip = Image.new("RGB", (some[0].width, some[0].height * len(some)))
+    for k, picture in enumerate(some):
+        strip.paste(picture, (0, k * some[0].height))
+    return strip.quantize(COLORS)
 
 
 def main() -> None:

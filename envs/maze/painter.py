@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from regista.envs.maze.grid import BORDER, GOAL, VIEW, WALL, width_of
-from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR
+from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR, SEEN_FLOOR
 
 if TYPE_CHECKING:
     from regista.envs.maze.env import Mazes
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CELL = 4.0  # m: recordings have lines and dots of fixed size, made for a football pitch
 MARKERS = (
     ("walls", (120, 126, 140), 0.5 * CELL),
-    ("seen cells", (255, 214, 90), 0.12 * CELL),
+    ("seen cells", SEEN_FLOOR, 0.12 * CELL),
     ("goal", GOAL_COLOUR, 0.42 * CELL),
     ("agent", AGENT_COLOUR, 0.36 * CELL),
     ("its front", (255, 255, 255), 0.14 * CELL),

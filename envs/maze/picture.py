@@ -11,7 +11,8 @@ from regista.envs.maze.grid import BORDER, DIRECTIONS, GOAL, VIEW, WALL
 from regista.envs.maze.view import CELLS, MIDDLE
 
 WALL_COLOUR, FLOOR, SEEN_FLOOR = (58, 62, 72), (236, 234, 228), (255, 241, 190)
-SEEN_WALL, GOAL_COLOUR, AGENT_COLOUR = (92, 88, 84), (60, 160, 90), (214, 72, 52)
+SEEN_WALL = (92, 88, 84)
+GOAL_COLOUR, AGENT_COLOUR = (213, 94, 0), (31, 119, 208)  # orange and blue: red-green color blindness keeps them apart
 PIXELS = 320  # of a small maze's side, at least
 LEAST_CELL = 8  # pixels
 

@@ -143,11 +143,12 @@ def inspect_task(game: PythonTask, config: InspectConfig) -> int:
     from regista.experiments.pictures.task_view import describe_task, draw_task
     from ued.core.level_space import check_theta
 
-    upomdp = build.make_upomdp(game.task(None).make, 1 if config.theta else config.n, config.seed)
+    task = game.task(None)
+    upomdp = build.make_upomdp(task.make, 1 if config.theta else config.n, config.seed)
     theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
     print(describe_task(config.program, upomdp, theta))
     if config.png is not None:
-        draw_task(upomdp, theta, config.png)
+        draw_task(upomdp, theta, config.png, markers=task.painter(upomdp).markers if task.painter else ())
         print(f"\n{len(theta)} level{'s' * (len(theta) > 1)} drawn to {config.png}")
     upomdp.close()
     return 0

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ued.learning.cloning import Agreement
 
-TRAINED, HELD_OUT = "#9aa3ab", "#1f6fb4"
+TRAINED, HELD_OUT = plots.FAINT, plots.REFERENCE
 
 
 def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
@@ -36,15 +36,19 @@ def draw_cloning(table: Path, agreement: Agreement, path: Path) -> None:
         losses.legend()
         accuracies.plot(epochs, columns["held_out/accuracy"], color=HELD_OUT, label="all steps")
         accuracies.plot(epochs, columns["held_out/balanced_accuracy"], color=TRAINED, label="mean over actions")
-        accuracies.set(title="held-out accuracy", xlabel="epoch", ylim=(0, 1))
+        accuracies.set(title="held-out accuracy", xlabel="epoch")
+        plots.rate_axis(accuracies)
         accuracies.legend()
         _bars(actions, agreement)
         plots.save(figure, path)
 
 
 def _bars(axes: Axes, agreement: Agreement) -> None:
+    from matplotlib.ticker import PercentFormatter
+
     done = np.flatnonzero(agreement.counts.sum(1))
     axes.barh(np.arange(len(done)), agreement.recall[done], color=HELD_OUT)
     axes.set_yticks(np.arange(len(done)), [ACTION_NAMES[action] for action in done])
     axes.invert_yaxis()
     axes.set(title="held-out accuracy by action", xlim=(0, 1))
+    axes.xaxis.set_major_formatter(PercentFormatter(1.0))

@@ -146,7 +146,8 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
     label, dashes = label or plots.title(method), plots.line_style(method)
-    axes.plot(steps, np.nanmean(values, 0), color=shade, linewidth=2.0, linestyle=dashes, label=label)
+    mean = np.nanmean(values, 0)
+    axes.plot(steps, mean, color=shade, linewidth=2.0, linestyle=dashes, label=label, zorder=plots.ABOVE_AXES)
 
 
 def _running_mean(values: np.ndarray) -> np.ndarray:

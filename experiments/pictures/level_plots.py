@@ -5,7 +5,9 @@ Read next: `pictures.overview`.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 CELL = 1.0  # m, on a pitch
+CELL_PIXELS = 24  # of a side of a square cell
+PANEL_WIDTH = 3.3  # inches
 CELLS = 100  # along the longer side of other painters' bounds
 MOST_LEVELS = 5000  # of a run and period
 MOST_CHOICES = 2  # bar charts next to the pitches
@@ -57,7 +61,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
     choices = {method: choices_of(paths, draws) for method, paths in runs.items()}
     wide = len(PERIODS) + max(map(len, choices.values()), default=0)
     with plots.style():
-        size = (3.3 * wide, (3.3 * height / width + 0.35) * len(runs) + keys.SCALE_HEIGHT)
+        size = (PANEL_WIDTH * wide, (PANEL_WIDTH * height / width + 0.35) * len(runs) + keys.SCALE_HEIGHT)
         figure, grid = plt.subplots(len(runs), wide, figsize=size, squeeze=False)
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
             for axes, column in zip(line[len(PERIODS) :], choices[method], strict=False):
@@ -67,7 +71,7 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
             found = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
             for axes, period, thetas in zip(line, PERIODS, found, strict=False):
                 draw_levels(axes, painter, thetas)
-                plots.heading(axes, f"{plots.title(method)}: {period}")
+                axes.set_title(textwrap.fill(f"{plots.title(method)}: {period}", plots.fitting(PANEL_WIDTH)))
         figure.tight_layout(rect=(0, keys.SCALE_HEIGHT / figure.get_figheight(), 1, 1))
         draw_scales(figure, painter)
         plots.save(figure, path)
@@ -123,14 +127,12 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
         axes.text(*middle, "no level was finished", ha="center", va="center", color=plots.FAINT)
         return
     places = painter.positions(np.concatenate(known))  # [L, K, 2]
+    if tiles_of(painter).any():
+        return _draw_cells(axes, painter, places)
     x_low, x_high, y_low, y_high = painter.bounds
     cell = CELL if _is_football(painter) else max(x_high - x_low, y_high - y_low) / CELLS
-    tiles = tiles_of(painter)
-    squares = tiles.any()
-    if squares:
-        cell = 2 * painter.markers[painter.classes[tiles.argmax()]][2]
     for _, points, shade in _kinds(painter):
-        _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell, not squares)
+        _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell)
 
 
 def draw_scales(figure: Any, painter: Any) -> None:
@@ -165,20 +167,50 @@ def _draw_ground(axes: Axes, painter: Any) -> None:
     axes.set(xlim=painter.bounds[:2], ylim=painter.bounds[2:], aspect="equal", xticks=[], yticks=[])
 
 
+def _draw_cells(axes: Axes, painter: Any, places: np.ndarray) -> None:
+    """Draw the densities of points `[L, K, 2]` on a grid: of tiles as cells, of others as bars side by side in these.
+
+    Over white, each color has the opacity of its density; colors on top of each other would be mixed.
+    """
+    tiles = tiles_of(painter)
+    cell = 2 * painter.markers[painter.classes[tiles.argmax()]][2]
+    found = sorted(_kinds(painter), key=lambda kind: not tiles[kind[1]].any())  # bars cover tiles
+    kinds = [
+        (shade, _count(painter.bounds, places[:, points], cell), tiles[points].any()) for _, points, shade in found
+    ]
+    rows, columns = kinds[0][1].shape
+    picture = np.ones((rows, CELL_PIXELS, columns, CELL_PIXELS, 3))
+    inside = slice(CELL_PIXELS // 6, CELL_PIXELS - CELL_PIXELS // 6)
+    bars = np.linspace(inside.start, inside.stop, sum(not ground for *_, ground in kinds) + 1).astype(int)
+    spans = iter([slice(low, high) for low, high in pairwise(bars)])
+    for shade, counts, ground in kinds:
+        veil = keys.opacity(counts / max(counts.max(), 1e-9))[:, None, :, None, None]
+        part = slice(None) if ground else inside, slice(None) if ground else next(spans)
+        picture[:, part[0], :, part[1]] = 1 - veil * (1 - np.array(shade))
+    whole = picture.reshape(rows * CELL_PIXELS, columns * CELL_PIXELS, 3)
+    axes.imshow(whole, extent=painter.bounds, origin="lower", interpolation="nearest", zorder=0)
+
+
+def _count(bounds: tuple[float, float, float, float], points: np.ndarray, cell: float) -> np.ndarray:
+    """Return how many of the points `[..., 2]` lie in each cell: `[rows, columns]`, from the lowest row."""
+    x_low, x_high, y_low, y_high = bounds
+    x, y = points.reshape(-1, 2).T
+    bins = (max(int((y_high - y_low) / cell), 1), max(int((x_high - x_low) / cell), 1))
+    return np.histogram2d(y, x, bins, ((y_low, y_high), (x_low, x_high)))[0]
+
+
 def _draw_density(
-    axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float, blurred: bool
+    axes: Axes, bounds: tuple[float, float, float, float], points: np.ndarray, shade: Any, cell: float
 ) -> None:
     """Draw the density of `points` `[n, 2]` in one color, with opacity proportional to density."""
     from matplotlib.colors import to_rgb
 
     if not len(points):
         return
-    x_low, x_high, y_low, y_high = bounds
-    bins = (max(int((y_high - y_low) / cell), 1), max(int((x_high - x_low) / cell), 1))
-    counts, _, _ = np.histogram2d(points[:, 1], points[:, 0], bins, ((y_low, y_high), (x_low, x_high)))
+    counts = _count(bounds, points, cell)
     width = 5.0 * len(points) ** (-1 / 6)  # Scott's rule for a spread of 5 cells, 5 m on a pitch
-    density = smooth(counts, width) if blurred else counts
+    density = smooth(counts, width)
     veil = np.zeros((*density.shape, 4))
     veil[..., :3] = to_rgb(shade)
     veil[..., 3] = keys.opacity(density / max(density.max(), 1e-9))
-    axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic" if blurred else "nearest", zorder=2)
+    axes.imshow(veil, extent=bounds, origin="lower", interpolation="bicubic", zorder=2)

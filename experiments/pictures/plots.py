@@ -40,11 +40,13 @@ METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 VARIANT_COLOURS = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of dashed curves
+ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
 
 STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial"],  # an SVG names all, for readers without the first
     "font.size": 9.5,
     "text.color": INK,
     "axes.labelcolor": INK,
@@ -166,15 +168,17 @@ def begin_at_zero(axes: Axes) -> None:
         axes.set_ylim(bottom=0)
 
 
-def marker_legend(figure: Figure, painter: Any) -> None:
-    """Add a legend of the present marker colors below a figure."""
+def marker_legend(figure: Figure, painter: Any, places: np.ndarray) -> None:
+    """Add a legend of the marker colors below a figure, of points that lie within it: `places` `[L, K, 2]`."""
     from matplotlib.lines import Line2D
 
     from regista.envs.football.view.render import PAPER_COLOURS
 
+    x_low, x_high, y_low, y_high = painter.bounds
+    inside = ((places >= (x_low, y_low)) & (places <= (x_high, y_high))).all(2).any(0)  # [K]
     handles = [
         Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
-        for kind in sorted(set(painter.classes.tolist()))
+        for kind in np.unique(painter.classes[inside])
     ]
     handles.append(Line2D([], [], color=FAINT, linewidth=1.6, label="heading"))
     figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.0))

@@ -65,7 +65,7 @@ def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
         for index, (axes, row) in enumerate(zip(grid.flat, theta, strict=False)):
             painter.draw(axes, row[None])
             axes.set_title(f"scene {index}", fontweight="normal", color=plots.FAINT)
-        plots.marker_legend(figure, painter)
+        plots.marker_legend(figure, painter, painter.positions(theta))
         figure.tight_layout(rect=(0, 0.03, 1, 1), h_pad=TITLE_GAP)
         plots.save(figure, path)
 

@@ -5,7 +5,8 @@ Read next: `commands.inspect`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,18 @@ import numpy as np
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.results import align
+from ued.core.painter import Colour
 from ued.core.upomdp import UPOMDP
+
+Marker = tuple[str, Colour, float]  # name, color, radius
 
 DRAWS = 1024  # samples for the share of valid levels
 MOST_COLUMNS = 40  # listed columns of θ
 MOST_OF_A_CHOICE = 60  # characters for the values of a choice
 MOST_LETTERS = 300  # characters for the description of a level
+FRAME_WIDTH, TITLE_HEIGHT = 3.0, 0.62  # inches
+TITLE_LETTERS, TITLE_LINES = 50, 3  # of the values above a frame
+TITLE: dict[str, Any] = {"fontsize": 7.5, "fontweight": "normal"}
 
 
 def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
@@ -43,10 +50,11 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
     return "\n\n".join(parts)
 
 
-def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
-    """Draw the first frames of the levels θ `[n, D]`, one environment for each.
+def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[Marker] = ()) -> None:
+    """Draw the first frames of the levels θ `[n, D]`, one environment for each, below the values of the level.
 
-    Raises `CommandError` if the environments cannot render.
+    A legend names the `markers` of a painter whose colors the frames have. Raises `CommandError` if the environments
+    cannot render.
     """
     import matplotlib.pyplot as plt
 
@@ -54,21 +62,40 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path) -> None:
 
     upomdp.reset(seed=0, options={"theta": theta})
     try:
-        frames = upomdp.render() if upomdp.render_mode == "rgb_array" else None
+        frames: Any = upomdp.render() if upomdp.render_mode == "rgb_array" else None
     except Exception as error:  # any error of the environment
         raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
     if frames is None:
         raise CommandError('cannot draw: make the environments with render_mode="rgb_array"')
     columns = min(len(frames), 4)
+    lines = -(-len(frames) // columns)
+    tall = FRAME_WIDTH * frames[0].shape[0] / frames[0].shape[1] + TITLE_HEIGHT
     with plots.style():
-        lines = -(-len(frames) // columns)
-        figure, grid = plt.subplots(lines, columns, figsize=(3 * columns, 3 * lines), squeeze=False)
-        for axes, frame in zip(grid.flat, frames, strict=False):
+        size = (FRAME_WIDTH * columns, tall * lines)
+        figure, grid = plt.subplots(lines, columns, figsize=size, squeeze=False, layout="constrained")
+        for index, (axes, frame, values) in enumerate(zip(grid.flat, frames, upomdp.describe(theta), strict=False)):
             axes.imshow(frame)
+            axes.set_title(level_title(index, values), **TITLE)
         for axes in grid.flat:
             axes.set_axis_off()
-        figure.tight_layout()
+        if handles := _handles(markers, frames):
+            figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
         plots.save(figure, path)
+
+
+def level_title(index: int, values: Mapping[str, Any]) -> str:
+    """Return a heading of a drawn level: its number and as many of its values as fit."""
+    text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())
+    lines = textwrap.wrap(text, TITLE_LETTERS, max_lines=TITLE_LINES, placeholder=" …")
+    return "\n".join([f"level {index}", *lines])
+
+
+def _handles(markers: Sequence[Marker], frames: Sequence[np.ndarray]) -> list[Any]:
+    """Return the handles of a legend: the markers whose colors are in every frame."""
+    from matplotlib.patches import Patch
+
+    kept = [row for row in markers if all((frame[..., :3] == row[1]).all(-1).any() for frame in frames)]
+    return [Patch(color=tuple(np.array(shade) / 255), label=name) for name, shade, _ in kept]
 
 
 def _listed(values: Sequence[Any]) -> str:

@@ -92,7 +92,7 @@ def _players(seconds: float) -> Iterator[Point]:
 
     for players in PLAYERS:
         speed = _steps_per_second(load(_match_of(players), FOOTBALL), 64, 1, seconds, time.process_time)
-        yield Point("players", "random keys", players, speed)
+        yield Point("players", "random actions", players, speed)
 
 
 def _match_of(players: int) -> str:
@@ -224,11 +224,12 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             mine = [point for point in points if point.panel == name]
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
-                axes.plot(x, y, "o-", markersize=4, color=plots.METHOD_COLOURS.get(curve), label=curve)
+                shade = plots.METHOD_COLOURS.get(curve)  # no method: the next color of the style
+                axes.plot(x, y, "o-", markersize=4, color=shade, label=plots.title(curve))
             axes.set(xlabel=panel.x, ylabel=panel.y)
             axes.set_title(panel.title, pad=24)  # above the legend
             _scale_axes(axes, name)
-            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4, fontsize=8, handlelength=1.0)
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4, fontsize=7.5, handlelength=1.0)
         figure.tight_layout()
         path = folder / "scale.png"
         plots.save(figure, path)

@@ -9,12 +9,26 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy.typing as npt
 
-from regista.experiments.pictures.plots import FAINT, save, style
+from regista.experiments.pictures.plots import ABOVE_AXES, FAINT, INK, REFERENCE, rate_axis, save, style
 
-OURS, GRF = "#e4572e", "#22262b"
+OURS, GRF = "our simulator", "Google Research Football"
+COLORS = {GRF: REFERENCE, OURS: INK}
+SHOWN: dict[str, Any] = {"clip_on": False, "zorder": ABOVE_AXES}  # also at 0% and 100%
+LINES: dict[str, dict[str, Any]] = {
+    GRF: {"color": COLORS[GRF], "linewidth": 1.6, **SHOWN},
+    OURS: {"color": COLORS[OURS], "linewidth": 1.2, "linestyle": "--", **SHOWN},
+}
+POINT: dict[str, Any] = {"linestyle": "", "marker": "o", **SHOWN}
+POINTS: dict[str, dict[str, Any]] = {
+    GRF: {"color": COLORS[GRF], "markersize": 4.5, "markerfacecolor": "none", **POINT},
+    OURS: {"color": COLORS[OURS], "markersize": 2.5, **POINT},
+}
+SHARE = "share"  # on the vertical axis of rates
+HEAD, FOOT = 0.3, 0.3  # inches of a figure, for its title and its legend
 
 
 @dataclass(frozen=True)
@@ -36,16 +50,28 @@ def draw_panels(path: Path, title: str, panels: Sequence[Panel], columns: int = 
     columns = min(columns, len(panels))
     rows = math.ceil(len(panels) / columns)
     with style():
-        figure, grid = plt.subplots(rows, columns, figsize=(2.4 * columns, 1.9 * rows), squeeze=False)
+        height = 1.9 * rows + HEAD + FOOT
+        figure, grid = plt.subplots(rows, columns, figsize=(2.4 * columns, height), squeeze=False)
         for axes, panel in zip(grid.flat, panels, strict=False):
-            marks = {"linestyle": "", "marker": "o", "markersize": 3} if panel.points else {"linewidth": 1.4}
-            axes.plot(*panel.grf, color=GRF, **marks)
-            axes.plot(*panel.ours, color=OURS, alpha=0.85, **marks)
+            marks = POINTS if panel.points else LINES
+            axes.plot(*panel.grf, **marks[GRF])
+            axes.plot(*panel.ours, **marks[OURS])
             axes.set_title(panel.title, fontsize=8)
             axes.set_xlabel(panel.across, fontsize=7, color=FAINT)
             axes.set_ylabel(panel.up, fontsize=7, color=FAINT)
+            if panel.up == SHARE:
+                rate_axis(axes)
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
-        figure.suptitle(f"{title}: ours (orange) and Google Research Football's (black)", x=0.02, ha="left")
-        figure.tight_layout(rect=(0, 0, 1, 1 - 0.3 / (1.9 * rows)))
+        figure.suptitle(title, x=0.02, ha="left")
+        figure.legend(handles=_handles(panels), loc="lower center", ncols=4)
+        figure.tight_layout(rect=(0, FOOT / height, 1, 1))  # it leaves room for the title
         save(figure, path)
+
+
+def _handles(panels: Sequence[Panel]) -> list[Any]:
+    """Return the handles of a legend: both simulators, as lines or points as the panels have them."""
+    from matplotlib.lines import Line2D
+
+    kinds = [marks for marks, points in ((LINES, False), (POINTS, True)) if points in {row.points for row in panels}]
+    return [Line2D([], [], label=name, **marks[name]) for marks in kinds for name in (GRF, OURS)]

@@ -255,8 +255,8 @@ def test_a_picture_shows_walls_goal_and_agent():
         dark = (corners == WALL_COLOUR).all(-1) | (corners == SEEN_WALL).all(-1)
         np.testing.assert_array_equal(dark, np.pad(level.walls, 1, constant_values=True))
         assert tuple(corners[level.goal[0] + 1, level.goal[1] + 1]) == GOAL_COLOUR
-        red = np.argwhere((picture == AGENT_COLOUR).all(-1)) // size - 1
-        assert {tuple(cell) for cell in red.tolist()} == {level.start}
+        agent = np.argwhere((picture == AGENT_COLOUR).all(-1)) // size - 1
+        assert {tuple(cell) for cell in agent.tolist()} == {level.start}
     assert Mazes(1).render() is None
     with pytest.raises(ValueError, match="render_mode"):
         Mazes(1, render_mode="human")
@@ -270,8 +270,8 @@ def test_an_agent_is_drawn_facing_where_it_looks():
         mazes.reset(options={"theta": mazes.theta_of(level)[None]})
         picture = mazes.render()[0]
         size = len(picture) // 5
-        red = np.argwhere((picture[2 * size : 3 * size, 2 * size : 3 * size] == AGENT_COLOUR).all(-1)) - size / 2
-        row, column = red.mean(0)  # the base is heavier than the tip
+        agent = np.argwhere((picture[2 * size : 3 * size, 2 * size : 3 * size] == AGENT_COLOUR).all(-1)) - size / 2
+        row, column = agent.mean(0)  # the base is heavier than the tip
         heads.append(int(np.argmax([-column, -row, column, row])))
     assert heads == [0, 1, 2, 3]
 

@@ -1,4 +1,4 @@
-"""Colors of methods: none is a team's, and readers with a color vision deficiency tell all from each other."""
+"""Colors of methods and mazes: readers with a color vision deficiency tell them apart; no method has a team's color."""
 
 import itertools
 
@@ -7,6 +7,8 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from regista.envs.football.view import render
+from regista.envs.maze import painter as maze
+from regista.envs.maze import picture as mazes
 from regista.experiments.pictures import plots
 
 # Machado, Oliveira and Fernandes 2009, severity 1: linear RGB as it is seen, rows by channel.
@@ -52,6 +54,31 @@ def test_no_method_has_the_color_of_a_team():
     methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
     shown = lab([*methods, *plots.VARIANT_COLOURS])
     assert np.linalg.norm(shown[:, None] - lab(teams)[None], axis=2).min() > 15
+
+
+@pytest.mark.parametrize("deficiency", DEFICIENCIES)
+def test_goal_agent_and_ground_of_mazes_differ_for_every_reader(deficiency):
+    shown = [np.array(shade) / 255 for shade in (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)]
+    assert closest(shown, deficiency) > 60  # densities are pale tints of both, one on the other
+    frames = (mazes.WALL_COLOUR, mazes.FLOOR, mazes.SEEN_FLOOR, mazes.SEEN_WALL)
+    recordings = (maze.MazePainter.background, *(shade for _, shade, _ in maze.MARKERS[: maze.GOALS]))
+    for grounds in (frames, recordings):
+        apart = lab(shown, deficiency)[:, None] - lab([np.array(shade) / 255 for shade in grounds], deficiency)[None]
+        assert np.linalg.norm(apart, axis=2).min() > 25
+
+
+def test_mazes_have_the_same_colors_everywhere_and_no_method_has_them():
+    markers = {name: shade for name, shade, _ in maze.MARKERS}
+    assert (markers["goal"], markers["agent"]) == (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)
+    assert markers["seen cells"] == mazes.SEEN_FLOOR
+    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
+    shown = lab([np.array(shade) / 255 for shade in (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)])
+    assert np.linalg.norm(lab([*methods, *plots.VARIANT_COLOURS])[:, None] - shown[None], axis=2).min() > 15
+
+
+@pytest.mark.parametrize("deficiency", DEFICIENCIES)
+def test_what_is_compared_with_differs_from_ink_for_every_reader(deficiency):
+    assert closest([plots.REFERENCE, plots.INK], deficiency) > 20
 
 
 def test_a_methods_color_does_not_depend_on_the_other_methods():

@@ -74,6 +74,32 @@ def test_values_of_parameters_are_read_as_python_writes_them():
     assert read_params(texts) == {"a": 3, "b": -0.5, "c": True, "d": None, "e": [1, "x"], "f": "snow storm", "g": ""}
 
 
+def test_drawn_levels_have_their_values_and_a_legend(tmp_path, monkeypatch):
+    from regista.experiments.pictures import plots
+
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    assert main(["inspect", "maze", "--n", "2", "--png", str(tmp_path / "mazes.png")]) == 0
+    (figure,) = drawn
+    assert [text.get_text() for text in figure.legends[0].texts] == ["seen cells", "goal", "agent"]
+    titles = [axes.get_title(loc="left").splitlines() for axes in figure.axes]
+    assert [lines[0] for lines in titles] == ["level 0", "level 1"]
+    assert all("shortest path" in " ".join(lines) and 2 < len(lines) <= 4 for lines in titles)
+    figure.canvas.draw()
+    boxes = [axes._left_title.get_window_extent() for axes in figure.axes]
+    assert boxes[0].x1 < boxes[1].x0
+
+
+def test_a_legend_names_the_markers_that_are_drawn(tmp_path, monkeypatch):
+    from regista.experiments.pictures import plots
+
+    drawn = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    assert main(["inspect", "1v1Free", "--n", "1", "--png", str(tmp_path / "scenes.png")]) == 0
+    said = [text.get_text() for text in drawn[0].legends[0].texts]
+    assert said == ["left team", "right keeper", "ball", "heading"]  # the left keeper is outside
+
+
 def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, capsys):
     for program in (str(street), "1v1Free"):
         png, rrd = tmp_path / "scenes.png", tmp_path / "scenes.rrd"

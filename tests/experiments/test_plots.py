@@ -115,6 +115,41 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
     plt.close(figure)
 
 
+class Squares(Dots):
+    """Draws two walls as squares of 0.25 m, and `Dots` between them."""
+
+    markers = (*Dots.markers, ("walls", (100, 100, 100), 0.125))
+    classes = np.array([0, 1, 2, 2])
+    tiles = classes == 2
+
+    def positions(self, theta):
+        walls = np.broadcast_to([[-0.125, -0.125], [0.125, -0.125]], (len(theta), 2, 2))
+        return np.concatenate([super().positions(theta), walls], 1)
+
+
+def test_densities_on_a_grid_are_not_mixed():
+    import matplotlib.pyplot as plt
+
+    theta = np.array([[-0.5, -0.5, 0.5, 0.5], [-0.5, 0.5, 0.5, 0.5]])  # me in two cells, the goal in one
+    figure, axes = plt.subplots()
+    level_plots.draw_levels(axes, Squares(), [theta])
+    (image,) = axes.images
+    pixels, half = image.get_array(), level_plots.CELL_PIXELS
+    assert image.origin == "lower" and pixels.shape == (2 * half, 2 * half, 3)
+
+    def seen(row, column, share):
+        """Return the color of a cell, at a share of its width."""
+        return pixels[row * half + half // 2, column * half + int(share * half)].tolist()
+
+    def shade(kind):
+        return pytest.approx((1 - keys.OPACITY * (1 - np.array(Squares.markers[kind][1]) / 255)).tolist())
+
+    assert all(seen(row, 0, 0.3) == shade(0) for row in range(2)) and seen(1, 1, 0.7) == shade(1)
+    assert all(seen(row, column, 0.3) == [1, 1, 1] for row, column in ((0, 1), (1, 1)))
+    assert all(seen(0, column, 0.01) == shade(2) and seen(1, column, 0.01) == [1, 1, 1] for column in (0, 1))
+    plt.close(figure)
+
+
 @pytest.mark.slow
 def test_overview(runs, painter, tmp_path):
     results = [
@@ -153,6 +188,9 @@ def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(run
     assert axes["success on training levels"].get_ylim() == (0, 1)
     assert all(panel.get_xlim()[0] == 0 for panel in figure.axes if panel.get_visible())
     assert axes["regret of training levels"].get_ylim()[0] == 0
+    for panel in figure.axes:
+        means = [line for line in panel.lines if line.get_linewidth() == 2.0]
+        assert all(line.zorder > spine.zorder for line in means for spine in panel.spines.values())
     said = [text.get_text() for text in figure.legends[0].texts]
     assert said == ["domain randomization", "PAIRED", *keys.RUNS]
     alone = curves.learning_figure({method: paths[:1] for method, paths in runs.items()})
@@ -180,6 +218,7 @@ def test_pictures_of_every_format(runs, tmp_path, kind):
     assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind])
     if kind == "svg":
         assert b"PAIRED" in first and plots.METHOD_COLOURS["paired"].encode() in first  # text, not outlines
+        assert b"'DejaVu Sans', 'Verdana', 'Arial', sans-serif" in first
     if kind != "png":
         curves.learning_curves(runs, path)
         assert path.read_bytes() == first

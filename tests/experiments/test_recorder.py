@@ -24,6 +24,7 @@ from ued.recorder.layout import shown
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
+from ued.recorder.theta_log import MOST_COLUMNS, ThetaLog
 from ued.recorder.writer import Writer
 
 rerun = pytest.importorskip("rerun")
@@ -179,6 +180,20 @@ def test_looks_are_written_once(recorded):
 
 def test_every_curve_of_the_layout_is_shown():
     assert shown("metrics/eval/a scene") and shown("metrics/levels/random") and not shown("metrics/time/sim")
+
+
+@pytest.mark.parametrize(("columns", "labels"), [(3, 3), (10, 10), (172, 10)])
+def test_densities_of_many_columns_have_a_height_and_few_labels(columns, labels):
+    written = {}
+    stream = SimpleNamespace(log=lambda entity, *parts, static=False: written.update({str(entity): parts}))
+    draws = [DRAWS[0] for _ in range(columns)]
+    log = ThetaLog(stream, SimpleNamespace(), draws)
+    log.open()
+    texts = written["theta/over_time/axis"][0].labels.as_arrow_array().to_pylist()
+    assert sum(text.startswith("place.x") for text in texts) == labels and len(texts) == labels + 5
+    places = [parts[0] for entity, parts in written.items() if entity.split("/")[-1].isdigit()]
+    assert len(places) == min(columns, MOST_COLUMNS)
+    assert all(place.scale.as_arrow_array().to_pylist()[0][1] > 0 for place in places)
 
 
 def test_two_equal_names_are_told_apart():

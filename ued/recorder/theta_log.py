@@ -22,6 +22,8 @@ MAP_COLUMNS = 400  # maximum width of the densities over updates
 MAP_BLUR = 1.2  # of those densities, in columns and bins
 HEIGHTS = "BarChart:values"  # the only part of a histogram that changes
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
+MOST_LABELS = 10  # of the densities over updates
+NARROW_GAP = 0.2  # between the densities of many columns, as a share of their height
 MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, which bounds the file size
 
 
@@ -129,13 +131,15 @@ class ThetaLog:
     def _axes(self) -> None:
         """Write the places of the densities and their labels."""
         columns, band = self._density.shape[1], MAP_HEIGHT / max(len(self.names), 1)
-        scale = [MAP_WIDTH / columns, (band - MAP_GAP) / BINS, 1.0]
+        scale = [MAP_WIDTH / columns, (band - min(MAP_GAP, NARROW_GAP * band)) / BINS, 1.0]
+        every = -(-len(self.names) // MOST_LABELS)  # more labels would cover each other
         ticks, texts = [], []
         for d, name in enumerate(self.names):
             place = rerun.Transform3D(translation=[0, d * band, 0], scale=scale)
             self.stream.log(f"theta/over_time/{d}", place, static=True)
-            ticks.append([-32, (d + 0.5) * band])
-            texts.append(f"{name}: {self.low[d]:g} to {self.high[d]:g}")
+            if d % every == 0:
+                ticks.append([-32, (d + 0.5) * band])
+                texts.append(f"{name}: {self.low[d]:g} to {self.high[d]:g}")
         for mark in np.linspace(0, self._horizon, 5):
             ticks.append([mark / self._horizon * MAP_WIDTH, MAP_HEIGHT])
             texts.append(f"#{mark:.0f}")
