@@ -15,8 +15,10 @@ import numpy as np
 
 from regista.experiments.pictures import curves, keys, plots
 from regista.experiments.pictures.level_plots import draw_levels, draw_scales, read_periods
+from regista.experiments.run import results as estimate
 from regista.experiments.run.proposals import PERIODS
 from regista.experiments.run.results import Result, goal_rate, select, unique
+from regista.experiments.run.significance import marks, points
 from ued.core.task import TRAINING_SCENE
 from ued.statistics import Interval
 
@@ -31,6 +33,9 @@ COLUMNS = 4  # pitches per row
 MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
 ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
 HEADING_LENGTH = 105  # characters per line of the heading
+GAINS_LENGTH = 160  # characters per line of the differences below it
+GAINS_LINE = 0.19  # inches
+ALL = "all scenes"  # the mean over them, as in the tables
 
 Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading, runs, period of training
 
@@ -54,9 +59,10 @@ def overview(comparison: Comparison, path: Path) -> None:
     """Draw the picture: curves and goals at the top, a row of pitches for each method below."""
     import matplotlib.pyplot as plt
 
-    heading, handles = _heading(comparison), _handles(comparison)
-    head = 0.55 + 0.2 * heading.count("\n")  # inches, like all sizes below
-    many = len(unique([row.scene for row in comparison.results])) > MOST_HORIZONTAL
+    heading, gains, handles = _heading(comparison), _gains(comparison), _handles(comparison)
+    title = 0.3 + 0.2 * heading.count("\n")  # inches, like all sizes below
+    head = title + GAINS_LINE * len(gains) + 0.25
+    many = len(unique([row.scene for row in comparison.results])) >= MOST_HORIZONTAL  # with the mean of all
     across = keys.columns_for(handles, WIDTH)
     legend = 0.65 + ROTATED_HEIGHT * many + 0.2 * -(-len(handles) // across)
     above_height, below_height = head + CURVES_HEIGHT + legend, _levels_height(comparison)
@@ -68,6 +74,8 @@ def overview(comparison: Comparison, path: Path) -> None:
         _draw_learning(left, comparison)
         _draw_goals(right, comparison)
         above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
+        below_title = 1 - (title + 0.02) / above_height
+        above.text(0.01, below_title, "\n".join(gains), va="top", fontsize=9, color=plots.INK)
         top, bottom = 1 - head / above_height, legend / above_height
         above.subplots_adjust(left=0.06, right=0.99, top=top, bottom=bottom, wspace=0.16)
         above.legend(handles=handles, loc="lower center", ncols=across, columnspacing=1.2)
@@ -147,6 +155,35 @@ def _heading(comparison: Comparison) -> str:
     return textwrap.fill(whole, HEADING_LENGTH)
 
 
+def _gains(comparison: Comparison) -> list[str]:
+    """Return lines with the difference of each method to the first in the mean over all scenes; [] of one run each."""
+    reference, *others = comparison.runs
+    known = {name: _scores(comparison, name) for name in comparison.runs}
+    base = known[reference]
+    if base is None:
+        return []
+    found = {name: estimate.score_advantage(mine, base) for name in others if (mine := known[name]) is not None}
+    found = {name: gain for name, gain in found.items() if gain.known}
+    if not found:
+        return []
+    told = [
+        f"{plots.title(name)} {points(gain, mark)}" + (", no difference detected" if gain.low <= 0 <= gain.high else "")
+        for (name, gain), mark in zip(found.items(), marks(list(found.values())), strict=True)
+    ]
+    whole = (
+        f"{comparison.word.capitalize()} on {ALL} minus {plots.title(reference)}, points [95% CI]: {'; '.join(told)}"
+    )
+    return textwrap.wrap(whole, GAINS_LENGTH)
+
+
+def _scores(comparison: Comparison, method: str) -> estimate.Scores | None:
+    """Return the rates of a method on all scenes; None if it was not evaluated on one of them."""
+    scenes = unique([row.scene for row in comparison.results])
+    if not all(select(comparison.results, method, scene) for scene in scenes):
+        return None
+    return estimate.scores(comparison.results, method)
+
+
 def _draw_learning(axes: Axes, comparison: Comparison) -> None:
     for method, paths in comparison.runs.items():
         curve = curves.read_curve(paths, f"eval/{TRAINING_SCENE}")
@@ -158,26 +195,38 @@ def _draw_learning(axes: Axes, comparison: Comparison) -> None:
 
 
 def _draw_goals(axes: Axes, comparison: Comparison) -> None:
-    """Draw the success rate of every method on every scene, with its interval if available."""
+    """Draw the success rate of every method, with its interval if available: mean of all scenes, then each scene."""
     scenes = unique([row.scene for row in comparison.results])
     methods = unique([row.method for row in comparison.results])
+    shown = [ALL, *scenes] if len(scenes) > 2 else scenes
     reach = 0.8
     for place, method in enumerate(methods):
         offset = (place - (len(methods) - 1) / 2) * reach / len(methods)
-        for index, scene in enumerate(scenes):
-            if not select(comparison.results, method, scene):  # no bar, which would read as 0
-                continue
-            interval = _interval(comparison, method, scene)
-            axes.bar(index + offset, interval.estimate, 0.9 * reach / len(methods), color=plots.colour(method))
-            if not interval.known:
-                continue
-            low, high = interval.estimate - interval.low, interval.high - interval.estimate
-            span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
-            axes.errorbar(index + offset, interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)
-    rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(scenes) > MOST_HORIZONTAL else {}
-    names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in scenes]
-    axes.set_xticks(range(len(scenes)), names, **rotated)
+        for index, scene in enumerate(shown):
+            interval = _rate(comparison, method, scene)
+            if interval is not None:  # else no bar, which would read as 0
+                _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.colour(method))
+    rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(shown) > MOST_HORIZONTAL else {}
+    names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in shown]
+    axes.set_xticks(range(len(shown)), names, **rotated)
     axes.tick_params(axis="x", length=0, labelcolor=plots.INK)
     axes.grid(axis="x", visible=False)
     plots.rate_axis(axes)
     axes.set_title(f"{'Goals' if comparison.word == 'goals' else 'Success'} after training, share of episodes")
+
+
+def _rate(comparison: Comparison, method: str, scene: str) -> Interval | None:
+    """Return a method's rate on a scene or in the mean of all; None if it is not known."""
+    if scene == ALL:
+        mine = _scores(comparison, method)
+        return None if mine is None else estimate.mean_score(mine)
+    return _interval(comparison, method, scene) if select(comparison.results, method, scene) else None
+
+
+def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, color: str) -> None:
+    """Draw a bar with its whisker."""
+    axes.bar(at, interval.estimate, width, color=color)
+    if interval.known:
+        low, high = interval.estimate - interval.low, interval.high - interval.estimate
+        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
+        axes.errorbar(at, interval.estimate, span, color=plots.INK, elinewidth=0.9, capsize=2)

@@ -178,6 +178,33 @@ def test_a_bar_without_results_is_absent(runs, painter):
     plt.close(figure)
 
 
+def test_the_mean_of_all_scenes_stands_first_and_differences_to_the_first_method_below_the_heading(runs, painter):
+    import matplotlib.pyplot as plt
+
+    from regista.experiments.pictures import overview as pictures
+
+    goals = {"dr": (20, 22, 24, 26, 28), "paired": (60, 62, 64, 66, 68), "plr": (5, 15, 24, 33, 43)}
+    results = [
+        Result(method, seed, scene, 100, 0.5, 0.5, count + extra, 30.0, 1000, 10)
+        for method, counts in goals.items()
+        for seed, count in enumerate(counts)
+        for scene, extra in (("easy", 10), ("hard", 0), ("harder", -2))
+    ]
+    known = Comparison("a game", dict.fromkeys(goals, [Path()] * 5), results, painter)
+    [line] = pictures._gains(known)
+    assert line.startswith("Goals on all scenes minus domain randomization, points [95% CI]: PAIRED +40 [")
+    assert "] *; PLR +0 [" in line and line.endswith("no difference detected")
+    figure, axes = plt.subplots()
+    pictures._draw_goals(axes, known)
+    names = [label.get_text() for label in axes.get_xticklabels()]
+    heights = {round(bar.get_x() + bar.get_width() / 2, 3): bar.get_height() for bar in axes.patches}
+    assert names == ["all scenes", "easy", "hard", "harder"] and len(heights) == 12
+    assert [round(height, 4) for at, height in sorted(heights.items()) if at < 0.5] == [0.2667, 0.6667, 0.2667]
+    plt.close(figure)
+    single = Comparison("a game", {"dr": [Path()], "paired": [Path()]}, results[:3] + results[15:18], painter)
+    assert pictures._gains(single) == []  # one run each: no interval
+
+
 def test_curves_begin_at_zero_rates_end_at_one_and_legends_say_what_is_drawn(runs):
     for run in itertools.chain.from_iterable(runs.values()):
         table = run / "metrics.csv"
