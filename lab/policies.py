@@ -37,7 +37,7 @@ class Recipe(NamedTuple):
     flags: tuple[str, ...] = ()
 
 
-POLICIES = {  # one for each suite, by game
+POLICIES = {  # by game, one for each suite
     "1v1Restricted": Recipe("dr", 1_500_000),
     "offense/11_vs_gk": Recipe("dr", 1_500_000),
     "defense/hesitant_dribble": Recipe("dr", 2_000_000),
