@@ -14,7 +14,7 @@ USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch
 CACHED := PYTHONDONTWRITEBYTECODE=
 KERNELS := from regista.experiments.run.games import compile_football; compile_football()
 
-.PHONY: setup demo results transfer publish grf docs test test-quick torture lint format benchmark clean
+.PHONY: setup demo policies results transfer publish grf docs test test-quick torture lint format benchmark clean
 
 setup: $(READY)
 
@@ -30,6 +30,10 @@ $(READY): pyproject.toml constraints.txt
 demo: $(READY)
 	$(BIN)/regista compare 1v1Rare --methods dr paired --seeds 5 --total-env-steps 1_200_000 --num-envs 16 --num-steps 512 \
 		--ent-coef 0.003 --paired.adversary.ent-coef 0.1 --held-out --out demo
+
+# The policies that are installed with Regista, and their table: four minutes. What is trained in runs/policies is kept.
+policies: $(READY)
+	OMP_NUM_THREADS=1 $(BIN)/python -m lab.policies
 
 # The studies of RESULTS.md, about eight hours on 2 cores; what has a row in lab/studies/results is not done again. In
 # parts: make publish STUDY="curricula --hours 3".

@@ -41,6 +41,7 @@ flags of every command:
   --version     the version, without a command
 
 begin with:
+  regista play --player shipped:maze --video maze.gif
   regista train maze --method plr --total-env-steps 500_000
   regista evaluate runs/maze-plr-0
   regista play --player runs/maze-plr-0 --scene Labyrinth --video policy.gif

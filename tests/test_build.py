@@ -16,7 +16,7 @@ from tests.wheels import LINKS, ROOT, build_sdist, build_wheel, clone, install, 
 pytestmark = pytest.mark.slow
 
 FOLDERS = {f"regista/{name}": name for name in ("kernels", "envs", "minigames", "experiments")}
-DATA = {".scenic", ".csv", ".pyi", ".typed", ".html"}  # what programs read, besides Python
+DATA = {".scenic", ".csv", ".pyi", ".typed", ".html", ".json", ".pt"}  # what programs read, besides Python
 
 
 @pytest.fixture(scope="module")

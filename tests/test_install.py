@@ -101,6 +101,13 @@ def test_a_run_is_evaluated(trained, regista):
     assert "easy" in regista("evaluate", str(trained), *FEW)
 
 
+def test_a_shipped_policy_plays_and_is_evaluated(regista, project):
+    regista("play", "--player", "shipped:maze", "--video", "maze.gif")
+    assert (project / "maze.gif").stat().st_size > 1000
+    assert "shipped:maze" in regista("list")
+    assert "random" in regista("evaluate", "shipped:maze", "--episodes", "2", "--levels", "0")
+
+
 def test_methods_are_compared(regista, project):
     regista(
         "compare", GAME, "--methods", "dr", "plr", "--seeds", "1", "--processes", "1", *FEW, *SHORT, "--out", "both"

@@ -1,5 +1,6 @@
 """`regista evaluate`: evaluate trained runs and baselines on the test scenes of their minigame.
 
+    regista evaluate shipped:maze                                              # a policy installed with Regista
     regista evaluate runs/1v1Restricted-paired-0 --episodes 500
     regista evaluate runs/compare-1v1Restricted                                # all runs in a folder, by method
     regista evaluate runs/1v1Restricted-paired-0 --engine grf                  # five minutes in GRF
@@ -40,7 +41,9 @@ DESCRIPTION = "Evaluate runs on the test scenes of their minigame and on its tra
 class EvaluateConfig(Checked):
     """Arguments of `regista evaluate`."""
 
-    runs: tuple[Path, ...] = positional("run folders, or folders of runs", default=())
+    runs: tuple[Path, ...] = positional(
+        "run folders, folders of runs, or shipped policies such as shipped:maze", default=()
+    )
     episodes: int | None = setting(
         None,
         f"episodes on each scene (default {EPISODES}; with --engine grf as many as --minutes allow)",
@@ -100,7 +103,7 @@ def main(argv: Sequence[str]) -> int:
     typed = arguments.typed_settings(EvaluateConfig(), argv, "evaluate", DESCRIPTION)
     config = arguments.replace_paths(EvaluateConfig(), typed)
     if not config.runs:
-        raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0")
+        raise UsageError("evaluate needs at least one run folder, such as runs/1v1Restricted-paired-0, or shipped:maze")
     runs = open_runs(config.runs)
     for path in sorted(typed.keys() - OF_GALLERY if config.gallery else typed.keys() & GALLERY_ALONE):
         flag = arguments.flag_name(path.removeprefix("playing."))

@@ -1,4 +1,4 @@
-"""`regista list`: show the minigames and built-in tasks as tables, or the details of one.
+"""`regista list`: show the minigames, built-in tasks and shipped policies as tables, or the details of one.
 
     regista list
     regista list maze
@@ -19,10 +19,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.experiments.run import arguments, build
+from regista.experiments.run import arguments, build, shipped
 from regista.experiments.run.arguments import group, positional
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import all_starts
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.results import align
@@ -35,7 +36,8 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Show the minigames: players (left v right), number D of free parameters θ (training, test scenes), the players "
-    "that one agent and a team control, and the published goal differences of PPO. Then show the built-in tasks."
+    "that one agent and a team control, and the published goal differences of PPO. Then show the built-in tasks, and "
+    "the shipped policies."
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
@@ -95,6 +97,8 @@ def main(argv: Sequence[str]) -> int:
         print(table([HEAD, *(line(ALL[name]) for name in games)], shutil.get_terminal_size().columns))
     if tasks:
         print(align([["\ntask" if games else "task", "what"], *([name, BUILT_IN[name].about] for name in tasks)]))
+    if policies := [policy for name in chosen if (policy := shipped.of_game(name))]:
+        print(f"\n{policy_table(policies)}")
     return 0
 
 
@@ -160,6 +164,14 @@ def number(row: Published | None) -> str:
     return "" if row is None else f"{row.goal_difference:+.2f}"
 
 
+def policy_table(names: Sequence[str]) -> str:
+    """Return the table of shipped policies, with the commands that use one."""
+    configs = [RunFolder.open(shipped.located(name)).config for name in names]
+    trained = [f"{config.method}, {config.total_env_steps:_} env_steps" for config in configs]
+    rows = align([["shipped policy", "trained by"], *map(list, zip(names, trained, strict=True))])
+    return f"{rows}\n\nregista play --player {names[0]} and regista evaluate {names[0]} need no training"
+
+
 # ---------------------------------------------------------------- one of them
 
 
@@ -172,6 +184,7 @@ def card(game: Minigame) -> str:
         "one agent moves": f"{game.control}, recommended reward: {game.rewards}",
         "a team moves": " or ".join(game.team_control),
         "semi-expert": ", ".join(f"experts/{path.name}" for path in (game.expert, game.team_expert) if path),
+        "trained policy": shipped.of_game(game.name),
     }
     players, dim = look(game)
     parts = [
@@ -223,6 +236,7 @@ def task_card(name: str) -> str:
         "actions": upomdp.single_action_space,
         "baselines": ", ".join(task.make_baselines(upomdp)),
         "trained by default": f"{config.total_env_steps:_} env_steps in {config.num_envs} environments",
+        "trained policy": shipped.of_game(name),
     }
     parts = [f"{name}: D = {upomdp.theta_dim}", listed(rows, 20)]
     for title, scenes in (("test", task.tests), ("held out", task.held_out)):

@@ -1,5 +1,6 @@
 """`regista play`: play a match, an episode of a task, a level of a run, or a record; write a video or a record of it.
 
+    regista play --player shipped:maze --video maze.gif            # a policy that is installed with Regista
     regista play --player runs/paired --video policy.mp4           # the student of a run, in the run's own game
     regista play 1v1Free --scene hard --player runs/paired --episodes 5 --video hard.gif
     regista play maze --scene Labyrinth --player runs/accel --video maze.gif
@@ -30,6 +31,7 @@ from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.games import single_game
 from regista.experiments.run.players import SCRIPTED, Actor, MatchStudent, scripted_player, task_player
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.shipped import located
 from regista.experiments.run.table import cannot_write
 from regista.experiments.run.tasks import PythonTask
 from ued.config import LARGEST_SEED, Checked, setting
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Play matches of a program, episodes of a task, a level of a run, or a recorded match, and write a video or a "
-    "record of it. --player RUN shows a trained student."
+    "record of it. --player RUN shows a trained student, --player shipped:NAME one that is installed with Regista."
 )
 WITH_REPLAY = {"replay", "match", "video", "speed"}
 
@@ -56,7 +58,9 @@ class PlayConfig(Checked):
         "minigame, path of a .scenic program, or task (default: that of --player RUN)", default=""
     )
     player: str = setting(
-        "bot", "policy of the agents: a run folder, bot (tasks: random), random, idle; for tasks also a baseline"
+        "bot",
+        "policy of the agents: a run folder, a shipped policy such as shipped:maze, bot (tasks: random), random, idle; "
+        "for tasks also a baseline",
     )
     greedy: bool = setting(False, "the student of a run takes its most likely actions")
     scene: str = setting(TRAINING_SCENE, "test scene to play")
@@ -105,15 +109,15 @@ def main(argv: Sequence[str]) -> int:
 
 
 def _game_of_player(player: str) -> str:
-    """Return the game of the run that plays. Raises `UsageError` if the player is not a run folder."""
-    if player in SCRIPTED or not Path(player).is_dir():
+    """Return the game of the run that plays. Raises `UsageError` if the player is neither a run nor shipped."""
+    if player in SCRIPTED or not located(player).is_dir():
         raise UsageError(
-            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --player RUN, "
-            "--level RUN --id N, --replay RECORD"
+            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --player RUN, such as "
+            "shipped:maze, --level RUN --id N, --replay RECORD"
         )
     from regista.experiments.run.folder import RunFolder
 
-    return str(RunFolder.open(Path(player)).config.minigame)
+    return str(RunFolder.open(located(player)).config.minigame)
 
 
 def _check(config: PlayConfig, typed: dict[str, Any]) -> None:

@@ -30,9 +30,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from regista.experiments.run import config as configs
-from regista.experiments.run import provenance, trust, versions
+from regista.experiments.run import provenance, shipped, trust, versions
 from regista.experiments.run.config import ConfigError, TrainConfig
-from regista.experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.launch.owner import OWNER, owned
 from regista.experiments.run.launch.signals import CHILD_GRACE_SECONDS
 from regista.experiments.run.level_table import open_levels
@@ -105,6 +105,11 @@ class RunFolder:
     @classmethod
     def open(cls, path: Path) -> RunFolder:
         """Open an existing run. Raises `CommandError` for a folder without a run."""
+        if shipped.is_name(path):
+            raise UsageError(
+                f"only `play --player` and `evaluate` accept {path}; copy its folder, {shipped.located(path)}, to use "
+                f"the policy as a run"
+            )
         if not (path / "config.json").exists():
             raise CommandError(f"{path} is not a run folder: it has no config.json")
         check_files(path)

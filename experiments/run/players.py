@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.level_stage import Choose, LevelStage
+from regista.experiments.run.shipped import located
 
 SCRIPTED = ("bot", "random", "idle")  # players of football that are not trained
 
@@ -27,7 +27,7 @@ class Actor(NamedTuple):
 
 
 def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
-    """Return the player of a name: random, idle, a baseline of the task, or the run folder of a student.
+    """Return the player of a name: random, idle, a baseline of the task, a shipped policy, or a student's run folder.
 
     Raises `UsageError` for another name, and for a student of another task.
     """
@@ -38,19 +38,19 @@ def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
     baselines = stage.game.task(stage.game.start("fast")).make_baselines(stage.env)
     if name in baselines:
         return Actor(partial(_policy, baselines[name]), f"the baseline '{name}'")
-    if not Path(name).is_dir():
+    if not located(name).is_dir():
         known = ", ".join(("idle", *baselines))
-        raise UsageError(f"--player must be {known} or a run folder; there is no folder {name}")
-    return _student(Path(name), stage, greedy)
+        raise UsageError(f"--player must be {known}, a shipped policy or a run folder; there is no folder {name}")
+    return _student(name, stage, greedy)
 
 
-def _student(path: Path, stage: LevelStage, greedy: bool) -> Actor:
+def _student(name: str, stage: LevelStage, greedy: bool) -> Actor:
     from regista.experiments.run.evaluator import load_student
     from regista.experiments.run.folder import RunFolder
 
-    run = RunFolder.open(path)
+    run = RunFolder.open(located(name))
     if run.config.minigame != stage.game.name:
-        raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play {stage.game.name}")
+        raise UsageError(f"{name} is a run on {run.config.minigame}; it cannot play {stage.game.name}")
     student, (env_steps, _) = load_student(run, stage.game)
     return Actor(partial(_policy, student, greedy=greedy), _named(run, env_steps))
 
@@ -88,14 +88,19 @@ class MatchStudent:
 
     @classmethod
     def open(cls, path: str) -> MatchStudent:
-        """Return the student of a run folder. Raises `UsageError` for another folder, or a run on another task."""
+        """Return the student of a run folder or a shipped policy.
+
+        Raises `UsageError` for another folder, or a run on another task.
+        """
         from regista.experiments.run.build import find_game
         from regista.experiments.run.folder import RunFolder
 
-        if not Path(path).is_dir():
+        if not located(path).is_dir():
             known = ", ".join(SCRIPTED)
-            raise UsageError(f"--player must be {known} or a run folder of football; there is no folder {path}")
-        run = RunFolder.open(Path(path))
+            raise UsageError(
+                f"--player must be {known}, a shipped policy or a run folder of football; there is no folder {path}"
+            )
+        run = RunFolder.open(located(path))
         if run.config.engine is None:
             raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play football")
         return cls(run, find_game(run.config.minigame))

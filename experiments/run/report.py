@@ -172,18 +172,18 @@ class Report:
         table = [["method", "", *self.scenes, "runs", "env_steps", "updates"]]
         for name in self.methods:
             table.append([name, "return", *self._cells(name, "return", _signed), *self._training(name)])
-            table.append(["", self.word, *self._cells(name, "goals", _percent), "", "", ""])
+            table.append(["", self.word, *self._cells(name, "goals", percent), "", "", ""])
             if name in self.others():
                 table.append(["", f"− {self.first}", *self._cells(name, "return minus first", _signed), "", "", ""])
         return table
 
     def by_method(self) -> list[list[str]]:
         """Return methods x aggregates over all scenes and over random levels."""
-        columns: dict[str, Write] = {"mean": _percent, "IQM": _percent, "IQM, stratified": _percent}
+        columns: dict[str, Write] = {"mean": percent, "IQM": percent, "IQM, stratified": percent}
         if self.others():
             columns |= {"mean minus first": _points, "P(better)": two_digits}
         if self.levels:
-            columns |= {"random levels": _percent, "CVaR10": _percent}
+            columns |= {"random levels": percent, "CVaR10": percent}
         names = {"mean minus first": f"mean − {self.first}", "P(better)": f"P(better than {self.first})"}
         table = [["method", *(names.get(measure, measure) for measure in columns)]]
         for name in self.methods:
@@ -269,16 +269,17 @@ def _signed(entry: Entry | None) -> str:
     return _spelled(entry, lambda value: f"{value:+.2f}") + _mark(entry)
 
 
-def _percent(entry: Entry | None) -> str:
-    return _spelled(entry, lambda value: f"{value:.0%}")
-
-
 def _points(entry: Entry | None) -> str:
     return _spelled(entry, lambda value: f"{100 * value:+.0f}%") + _mark(entry)
 
 
 def _mark(entry: Entry | None) -> str:
     return "" if entry is None or not entry.mark else f" {entry.mark}"
+
+
+def percent(interval: Interval | Entry | None) -> str:
+    """Return a rate in percent with its interval, if it has one."""
+    return _spelled(interval, lambda value: f"{value:.0%}")
 
 
 def two_digits(interval: Interval | Entry | None) -> str:

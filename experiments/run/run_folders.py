@@ -12,6 +12,7 @@ from regista.experiments.run import config as configs
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import MAY_CHANGE, RunFolder
 from regista.experiments.run.notes import warn
+from regista.experiments.run.shipped import located
 
 DEPTH = 2  # levels of folders that are searched: runs/compare-maze/plr-0
 
@@ -19,10 +20,10 @@ DEPTH = 2  # levels of folders that are searched: runs/compare-maze/plr-0
 def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
     """Return the runs of these paths; runs in a folder by label and seed, without those that have no checkpoint.
 
-    Raises `CommandError` for a path that neither is nor holds a run.
+    A path may name a shipped policy. Raises `CommandError` for a path that neither is nor holds a run.
     """
     found: list[RunFolder] = []
-    for path in paths:
+    for path in map(located, paths):
         found += [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path)
     return found
 
