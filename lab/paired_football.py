@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lab.studies.curricula import LONG, replay
+from lab.studies.curricula import LONG, PPO, replay
 from lab.studies.runs import LONGEST, ROOT, Deadline, StudyRuns, train_and_measure, training
 from lab.studies.tables import put
 from regista.envs.football.version import SIMULATOR_VERSION, simulator_name
@@ -310,7 +310,7 @@ def train(part: Part, options: argparse.Namespace) -> int:
 
     Each finished run is played, and its row is kept, while others still train.
     """
-    base = StudyRuns(options.out / options.part, training(), {"total_env_steps": part.env_steps, **LONG})
+    base = StudyRuns(options.out / options.part, training(), {"total_env_steps": part.env_steps, **LONG, **PPO})
     done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= part.env_steps}
     print(f"{len(part.cells) * len(part.seeds)} runs, {len(done)} measured", flush=True)
     with Deadline(options.hours) as stop:

@@ -2,6 +2,10 @@
 
 A variant is a method with settings of its own; the first of a comparison is the reference of the others. Read next:
 `lab/studies/curricula_study.py`, which trains and evaluates.
+
+When five runs of `curricula` leave a game open, ten decide. The rule, set before any final run: a game is open if in it a
+method's difference to DR excludes 0 but does not survive Holm's correction over the table. DR and that method then get
+five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from lab.studies.curricula import LONG, Settings
+from lab.studies.curricula import LONG, PPO, Settings
 from lab.studies.rows import TRAIN, Row
 from lab.studies.runs import training
 from regista.experiments.run.config import TrainConfig, presets
@@ -65,7 +65,7 @@ class Budget(NamedTuple):
 
     def settings(self, more: Settings) -> Settings:
         """Return the settings of a run, by dotted path."""
-        return {"total_env_steps": self.env_steps} | (LONG if self.preset == "fast" else {}) | more
+        return {"total_env_steps": self.env_steps} | (LONG | PPO if self.preset == "fast" else {}) | more
 
 
 class Arm(NamedTuple):
