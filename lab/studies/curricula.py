@@ -3,9 +3,9 @@
 A variant is a method with settings of its own; the first of a comparison is the reference of the others. Read next:
 `lab/studies/curricula_study.py`, which trains and evaluates.
 
-When five runs of `curricula` leave a game open, ten decide. The rule, set before any final run: a game is open if in it a
-method's difference to DR excludes 0 but does not survive Holm's correction over the table. DR and that method then get
-five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`.
+When five runs of `curricula` leave a game open, ten decide. The rule, set before any final run: a game is open if a
+method's difference to DR in it excludes 0 but does not survive Holm's correction over the table. DR and that method
+then get five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ class Comparison(NamedTuple):
         games: settings of each game.
         first_seed: of the first run. Seeds below 1000 are of final tables: no run by which anything is chosen has one.
         seeds: runs of each variant on each game.
+        more_seeds: further runs of a variant on a game that the first ones leave open, by the rule above.
         held_out: evaluate on held-out scenes; False: on validation scenes, see `lab.studies.measuring`.
     """
 
@@ -38,7 +39,13 @@ class Comparison(NamedTuple):
     games: dict[str, Settings]
     first_seed: int
     seeds: int = 5
+    more_seeds: int = 0
     held_out: bool = True
+
+    @property
+    def most_seeds(self) -> int:
+        """The most runs of a variant on a game."""
+        return self.seeds + self.more_seeds
 
 
 # Few environments, long rollouts: 8,192 steps per update, as by default.
@@ -141,7 +148,7 @@ ABLATIONS = {  # one cause at a time, and one pair of them
 }
 
 COMPARISONS = {
-    "curricula": Comparison(METHODS, GAMES, first_seed=30),
+    "curricula": Comparison(METHODS, GAMES, first_seed=30, more_seeds=5),
     "ablations": Comparison(ABLATIONS, games(4_000_000, "1v1Restricted", "3v2FourBehaviors"), first_seed=1000),
     "tuning": Comparison(
         TUNING, games(4_000_000, "1v1Restricted", "Buildup"), first_seed=1000, seeds=1, held_out=False

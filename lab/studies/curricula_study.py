@@ -140,7 +140,7 @@ class CurriculaStudy:
         """Refuse to put into the repository what the study does not say: other settings, other seeds."""
         others = [arguments.flag_name(path.rpartition(".")[2]) for path in sorted(self.typed.keys() - BOOKKEEPING)]
         others += ["--first-seed"] if self.config.first_seed is not None else []
-        others += ["--seeds"] if (self.config.seeds or 0) > self.comparison.seeds else []
+        others += ["--seeds"] if (self.config.seeds or 0) > self.comparison.most_seeds else []
         others += ["--episodes"] if self.config.episodes != CurriculaStudyConfig.episodes else []
         if others and self.config.publish:
             raise UsageError(f"with {', '.join(others)} it is not what {self.name} says; leave out --publish")
