@@ -27,6 +27,7 @@ from regista.experiments.run.launch.seeds import prepare
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.variants import rows_of
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
+from regista.experiments.run.progress import terminal_width
 from regista.experiments.run.report import Report
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 from ued.core.task import TRAINING_SCENE
@@ -131,7 +132,7 @@ def show(
         comparison = Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters)
         draw(comparison, folder, kind)
     report.save(folder)
-    print(f"\n{report.text()}\n")
+    print(f"\n{report.text(terminal_width())}\n")
     print(f"tables: {folder}/table.md, table.csv; by run: results.csv, levels.csv")
     drawn = ["overview"] * (painter is not None) + ["learning_curves", "levels"]
     print(f"pictures: {folder}/{', '.join(f'{name}.{kind}' for name in drawn)}")

@@ -24,6 +24,7 @@ from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import terminal_width
 from regista.experiments.run.report import Report, write_text
 from regista.experiments.run.run_folders import by_game, open_runs, warn_of_mixtures
 from ued.config import Checked, most_threads, setting
@@ -133,7 +134,7 @@ def _evaluate(runs: Sequence[RunFolder], config: EvaluateConfig) -> None:
     warn_of_mixtures(runs)
     first = replace(runs[0].config, threads=config.threads).on_engine(config.playing)
     report = evaluator(first, config).report(runs, config.baselines)
-    print(json.dumps(as_json(report), indent=2) if config.json else report.text())
+    print(json.dumps(as_json(report), indent=2) if config.json else report.text(terminal_width()))
     if config.csv is not None:
         report.save_csv(config.csv)
     if config.markdown is not None:

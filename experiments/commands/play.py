@@ -348,7 +348,8 @@ def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Ta
         choose = player.choose(config.seed + episode)
         played = stage.play(config.steps, choose, film=config.video is not None)
         tally.add(played.total, played.success)
-        print(f"{played.steps} steps by {player.name}, return {played.total:g}{', ended' * played.ended}")
+        end = f", ended {'with' if played.success else 'without'} success" if played.ended else ""
+        print(f"{played.steps} steps by {player.name}, return {played.total:g}{end}")
         yield from played.frames
 
 

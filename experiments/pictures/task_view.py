@@ -25,6 +25,10 @@ MOST_OF_A_CHOICE = 60  # characters for the values of a choice
 MOST_LETTERS = 300  # characters for the description of a level
 FRAME_WIDTH, TITLE_HEIGHT = 3.0, 0.62  # inches
 TITLE_LETTERS, TITLE_LINES = 50, 3  # of the values above a frame
+CANNOT_DRAW = (
+    'cannot draw: make the environments with render_mode="rgb_array"; an environment of your own sets self.render_mode '
+    "and has render(), which returns a frame [height, width, 3] of bytes"
+)
 TITLE: dict[str, Any] = {"fontsize": 7.5, "fontweight": "normal"}
 
 
@@ -66,7 +70,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
     except Exception as error:  # any error of the environment
         raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
     if frames is None:
-        raise CommandError('cannot draw: make the environments with render_mode="rgb_array"')
+        raise CommandError(CANNOT_DRAW)
     columns = min(len(frames), 4)
     lines = -(-len(frames) // columns)
     tall = FRAME_WIDTH * frames[0].shape[0] / frames[0].shape[1] + TITLE_HEIGHT
@@ -76,7 +80,9 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
         for index, (axes, frame, values) in enumerate(zip(grid.flat, frames, upomdp.describe(theta), strict=False)):
             axes.imshow(frame)
             axes.set_title(level_title(index, values), **TITLE)
-        for axes in grid.flat:
+            axes.set(xticks=[], yticks=[])
+            axes.spines[:].set_visible(True)  # white frames would run into each other
+        for axes in grid.flat[len(frames) :]:
             axes.set_axis_off()
         if handles := _handles(markers, frames):
             figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))

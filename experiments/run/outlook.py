@@ -25,6 +25,10 @@ from ued.levels.budget import BATCH, FILL, LEAST_BATCH, SHARE
 from ued.methods import METHODS
 
 FEW = 2  # minimum levels per environment in a run
+UNKNOWN = (
+    "the environment declares no step limit, so the number of levels in this run is unknown; "
+    "wrap it in gymnasium.wrappers.TimeLimit, or set self.max_episode_steps"
+)
 
 
 @dataclass(frozen=True)
@@ -133,7 +137,7 @@ def tell(config: Any, method: Any, say: Any) -> None:
     """Print the estimate, and warn on stderr if the budget is too small for the method."""
     found = outlook(config, method)
     if found is None:
-        say("the environment declares no step limit: the number of levels in this run is unknown")
+        say(UNKNOWN)
         return
     say(found.line())
     for shortcoming in found.shortcomings():

@@ -86,6 +86,11 @@ def count(number: float) -> str:
     return f"{number:.0f}"
 
 
+def terminal_width() -> int | None:
+    """Return the columns of the terminal; None if stdout is a file or a pipe."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
 def duration(seconds: float) -> str:
     """Format a duration briefly: 42 s, 3 min, 1 h 05."""
     seconds = max(seconds, 0.0)

@@ -20,9 +20,10 @@ import numpy as np
 
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance, versions
-from regista.experiments.run.results import LevelResult, Result, align, select, unique
+from regista.experiments.run.results import LevelResult, Result, align_within, select, unique
 from regista.experiments.run.table import cannot_write, spell
 from ued.core.files import write_whole
+from ued.core.task import TRAINING_SCENE
 
 if TYPE_CHECKING:
     from ued.statistics import Difference, Interval
@@ -33,7 +34,9 @@ INTERVALS = (
     "95% intervals: bootstrap over runs and their episodes; for a single run or a baseline, over its episodes only, "
     "Wilson's for rates and Student's t for returns and CVaR10; none below 5 runs, or 5 episodes"
 )
-OF_SCENES = "mean and IQM over all scenes; stratified: rliable's interval, too narrow since each run plays all scenes"
+OF_SCENES = (
+    "mean and IQM over all scenes{training}; stratified: rliable's interval, too narrow since each run plays all scenes"
+)
 OF_PAIRS = "P(better): probability that a run's mean exceeds that of a run of {first}"
 OF_LEVELS = "CVaR10: on the worst tenth of {levels} random levels, selected by other episodes than those that count"
 
@@ -216,7 +219,8 @@ class Report:
 
     def _notes(self) -> list[str]:
         """Return the notes below the second table."""
-        notes = [f"{self.word}; {OF_SCENES}"]
+        training = f", including the {TRAINING_SCENE}" if TRAINING_SCENE in self.scenes else ""
+        notes = [f"{self.word}; {OF_SCENES.format(training=training)}"]
         if self.others():
             notes.append(OF_PAIRS.format(first=self.first))
             size = 100 * estimate.detectable_score([self._scores[name] for name in self.several])
@@ -229,10 +233,11 @@ class Report:
 
     # ------------------------------------------------------------ forms
 
-    def text(self) -> str:
-        """Return both tables for a terminal."""
+    def text(self, width: int | None = None) -> str:
+        """Return both tables for a terminal; a table that is wider than `width` characters is cut into blocks."""
         first, second = (";\n ".join(notes) for notes in (self.notes_by_scene(), self._notes()))
-        return f"{align(self.by_scene())}\n[{first}]\n\n{align(self.by_method())}\n[{second}]"
+        scenes, methods = align_within(self.by_scene(), width), align_within(self.by_method(), width, kept=1)
+        return f"{scenes}\n[{first}]\n\n{methods}\n[{second}]"
 
     def markdown(self) -> str:
         """Return both tables in Markdown."""

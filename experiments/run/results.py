@@ -270,6 +270,21 @@ def _rng() -> np.random.Generator:
     return np.random.default_rng(BOOTSTRAP_SEED)
 
 
+def align_within(rows: list[list[str]], width: int | None, kept: int = 2) -> str:
+    """Return rows as aligned text in blocks of columns that fit a width in characters, one below the other.
+
+    Each block begins with the first `kept` columns, and has at least one more. None: one block.
+    """
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    blocks: list[list[int]] = [[]]
+    for column in range(kept, len(widths)):
+        taken = sum(widths[other] + 2 for other in (*range(kept), *blocks[-1])) + widths[column]
+        if width is not None and blocks[-1] and taken > width:
+            blocks.append([])
+        blocks[-1].append(column)
+    return "\n\n".join(align([[*row[:kept], *(row[k] for k in block)] for row in rows]) for block in blocks)
+
+
 def align(rows: list[list[str]]) -> str:
     """Return rows as aligned text columns, with a line below the first row."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]

@@ -28,6 +28,7 @@ from regista.experiments.run.results import (
     Result,
     Scores,
     advantage,
+    align_within,
     chance_of_better,
     goal_rate,
     iqm_score,
@@ -40,6 +41,7 @@ from regista.experiments.run.results import (
 )
 from regista.experiments.run.table import read_rows
 from ued.core.level_space import level_dtype
+from ued.core.task import TRAINING_SCENE
 from ued.evaluation import Evaluation
 
 ROOT = Path(__file__).parents[2]
@@ -310,6 +312,25 @@ def test_the_table_has_methods_and_scenes():
     second = cells.index(["method", "mean", "IQM", "IQM, stratified", "mean − dr", "P(better than dr)"])
     assert cells[second + 3][-1].startswith("1.00 [0.") and cells[second + 2][0] == "dr"
     assert cells[second + 4] == ["shoot", "5%", "5%", "5%"]
+
+
+def test_a_table_that_is_wider_than_the_terminal_is_cut_into_blocks():
+    report = Report(two_methods())
+    assert report.text(10_000) == report.text()
+    narrow = report.text(60)
+    scenes = narrow.partition("\n[")[0]
+    blocks = scenes.split("\n\n")
+    assert len(blocks) > 1 and max(map(len, scenes.splitlines())) <= 60
+    assert [block.split("\n")[0].split()[:2] for block in blocks[:2]] == [["method", "easy"], ["method", "hard"]]
+    assert set(narrow.replace("─", "").split()) == set(report.text().replace("─", "").split())
+    assert len(align_within([["method", "", "a long scene"]], 5).splitlines()) == 2  # one column at least
+
+
+def test_a_mean_that_includes_the_training_levels_says_so():
+    rows = two_methods()
+    assert "mean and IQM over all scenes;" in Report(rows).text()
+    training = [replace(one, scene=TRAINING_SCENE) for one in rows if one.scene == "easy"]
+    assert f"over all scenes, including the {TRAINING_SCENE};" in Report([*rows, *training]).text()
 
 
 def test_markdown_and_csv_have_the_same_numbers(tmp_path):

@@ -86,6 +86,7 @@ def test_drawn_levels_have_their_values_and_a_legend(tmp_path, monkeypatch):
     assert [lines[0] for lines in titles] == ["level 0", "level 1"]
     assert all("shortest path" in " ".join(lines) and 2 < len(lines) <= 4 for lines in titles)
     figure.canvas.draw()
+    assert all(side.get_visible() for axes in figure.axes for side in axes.spines.values())  # white frames have an edge
     boxes = [axes._left_title.get_window_extent() for axes in figure.axes]
     assert boxes[0].x1 < boxes[1].x0
 

@@ -79,6 +79,9 @@ def test_a_student_of_a_task_is_filmed_on_each_level_of_a_test(caves, tmp_path, 
     shown = played(words, capsys)
     assert [line.rpartition("depth = ")[2] for line in shown[:6:2]] == ["0.25", "0.75", "0.25"]
     assert all(f"4 steps {STUDENT}" in line for line in shown[1:6:2]) and "success" in shown[6]
+    ends = [line.rpartition(", ")[2] for line in shown[1:6:2]]
+    solved = ends.count("ended with success")
+    assert solved + ends.count("ended without success") == 3 and f"success {solved} of 3" in shown[6]
     with Image.open(video) as film:
         assert film.info["duration"] % 100 == 0  # render_fps = 10
 

@@ -229,6 +229,18 @@ def test_inspect_tells_kinds_and_draws_first_frames(task, tmp_path, capsys):
     assert "level 0: force = 0.4472, ground = ice" in capsys.readouterr().out
 
 
+def test_environments_that_cannot_be_drawn_are_told_what_they_need(tmp_path, capsys):
+    (tmp_path / "undrawn.py").write_text(
+        "import gymnasium, ued\n"
+        "def make(num_envs):\n"
+        "    one = lambda: gymnasium.make('CartPole-v1')\n"
+        "    return ued.GymUPOMDP(one, lambda env, values: None, {'a': (0, 1)}, num_envs)\n"
+    )
+    assert main(["inspect", f"{tmp_path / 'undrawn.py'}:make", "--png", str(tmp_path / "levels.png")]) == 1
+    error = capsys.readouterr().err
+    assert 'render_mode="rgb_array"' in error and "sets self.render_mode and has render()" in error
+
+
 def test_one_call_from_python_trains_tests_and_loads_a_policy(task, tmp_path):
     out = tmp_path / "run"
     settings = {"num_envs": 4, "ppo": regista.PPOConfig(num_steps=16, hidden_size=8), "record": False, "eval_every": 0}
