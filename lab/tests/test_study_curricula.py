@@ -78,12 +78,12 @@ def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_publ
     assert first == {"curricula": 30, "ablations": 1000, "tuning": 1000}
     for config, typed in (
         (CurriculaStudyConfig(publish=True, first_seed=7), {}),
-        (CurriculaStudyConfig(publish=True, seeds=6), {}),
+        (CurriculaStudyConfig(publish=True, seeds=11), {}),
         (CurriculaStudyConfig(publish=True, episodes=20), {}),
         (CurriculaStudyConfig(publish=True), {"ppo.gamma": 0.9}),
     ):
         with pytest.raises(UsageError, match=r"--(first-seed|seeds|episodes|gamma) it.*leave out --publish"):
-            CurriculaStudy("curricula", config, typed).run()
+            CurriculaStudy("curricula", config, typed).check_published()
     with pytest.raises(UsageError, match=r"no variant 'pared'.*did you mean 'paired'"):
         list(CurriculaStudy("curricula", CurriculaStudyConfig(variants=("dr", "pared")), {}).planned())
 
