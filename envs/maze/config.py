@@ -46,6 +46,9 @@ class MazeConfig:
             value, least, most = getattr(self, entry.name), entry.metadata["least"], entry.metadata["most"]
             if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
                 raise ValueError(f"{entry.name} must be an integer from {least} to {most}, got {value!r}")
+        for name in ("random_count", "goal_last", "see_through"):
+            if not isinstance(getattr(self, name), bool):  # "False" would count as true
+                raise ValueError(f"{name} must be True or False, got {getattr(self, name)!r}")
         if self.representation not in REPRESENTATIONS:
             known = ", ".join(map(repr, REPRESENTATIONS))
             raise ValueError(f"representation must be one of {known}, not {self.representation!r}")

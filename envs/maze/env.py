@@ -23,7 +23,7 @@ from regista.envs.maze.grid import (
     empty_layouts,
     width_of,
 )
-from regista.envs.maze.levels import Maze, MazeFamily
+from regista.envs.maze.levels import Maze, MazeFamily, check_maze
 from regista.envs.maze.paths import UNREACHABLE, path_lengths
 from regista.envs.maze.picture import draw_maze, view_entries
 from regista.envs.maze.rollout import play_mazes
@@ -108,10 +108,8 @@ class Mazes(UPOMDP):
         return self._family.valid(check_theta(theta, self.theta_dim))
 
     def theta_of(self, maze: Maze) -> np.ndarray:
-        """Return the θ `[D]` of a maze. Raises ValueError for one of another size."""
-        side = self.config.side
-        if np.shape(maze.walls) != (side, side):
-            raise ValueError(f"these mazes have {side} x {side} cells, got walls of shape {np.shape(maze.walls)}")
+        """Return the θ `[D]` of a maze. Raises ValueError for one of another size, and for places outside of it."""
+        check_maze(maze, self.config.side)
         return self._family.encode(maze)
 
     def describe(self, theta: Any) -> list[dict[str, Any]]:

@@ -20,7 +20,8 @@ from typing import NamedTuple
 import numpy as np
 
 from regista.envs.maze.builder import MazeBuilder, bins
-from regista.envs.maze.grid import DIRECTIONS, Layouts, layouts_of
+from regista.envs.maze.grid import DIRECTIONS, Layouts, layouts_of, width_of
+from regista.envs.maze.paths import UNREACHABLE, path_lengths
 from ued.core.cells import bin_center, index_in
 from ued.core.parameters import Choice, Integer
 
@@ -148,7 +149,8 @@ class MazeFamily:
 def maze_from(drawing: str) -> Maze:
     """Return the maze of a drawing: rows of `#` walls, `.` cells, `G` the goal, and `>`, `v`, `<` or `^` the agent.
 
-    Raises ValueError for a drawing that is not square, has other characters, or not one goal and one agent.
+    Raises ValueError for a drawing that is not square, has other characters, or not one goal and one agent, and for a
+    maze without a path to the goal.
     """
     rows = drawing.split()
     text = "".join(rows)
@@ -159,4 +161,21 @@ def maze_from(drawing: str) -> Maze:
         raise ValueError(f"a maze has one goal 'G' and one agent, got {text.count('G')} and {len(agents)}")
     walls = np.array([mark == "#" for mark in text]).reshape(len(rows), len(rows))
     (start, mark), goal = agents[0], text.index("G")
-    return Maze(walls, divmod(start, len(rows)), divmod(goal, len(rows)), ARROWS.index(mark))
+    maze = Maze(walls, divmod(start, len(rows)), divmod(goal, len(rows)), ARROWS.index(mark))
+    cells = (np.array([place]) for place in (start, goal, maze.direction))
+    if path_lengths(layouts_of(walls[None], *cells), width_of(len(rows))) == [UNREACHABLE]:
+        raise ValueError(f"walls separate the agent in {maze.start} from the goal in {maze.goal} (row, column): {rows}")
+    return maze
+
+
+def check_maze(maze: Maze, side: int) -> None:
+    """Raise ValueError unless this is a maze of S x S cells with start and goal in different ones."""
+    if np.shape(maze.walls) != (side, side):
+        raise ValueError(f"these mazes have {side} x {side} cells, got walls of shape {np.shape(maze.walls)}")
+    for name, place in (("start", maze.start), ("goal", maze.goal)):
+        if np.shape(place) != (2,) or not all(int(entry) == entry and 0 <= entry < side for entry in place):
+            raise ValueError(f"the {name} of a maze is a row and a column from 0 to {side - 1}, got {place}")
+    if tuple(maze.start) == tuple(maze.goal):
+        raise ValueError(f"start and goal of a maze are different cells, both are {maze.start}")
+    if maze.direction not in range(DIRECTIONS):
+        raise ValueError(f"the direction of an agent is from 0 to {DIRECTIONS - 1}, got {maze.direction}")

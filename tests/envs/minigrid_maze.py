@@ -1,4 +1,9 @@
-"""Mazes of ours, played by the `minigrid` package: the reference of `envs/maze`."""
+"""Mazes of ours, played by the `minigrid` package: the reference of `envs/maze`.
+
+python -m tests.envs.minigrid_maze      # write `minigrid_plays.npz`, which tests compare where minigrid is missing
+"""
+
+from pathlib import Path
 
 import numpy as np
 from minigrid.core.grid import Grid
@@ -9,6 +14,9 @@ from minigrid.minigrid_env import MiniGridEnv
 from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.env import Mazes
 from regista.envs.maze.levels import Maze
+from tests.envs.minigrid_plays import RECORDED, vectors_of
+
+PLAYS = Path(__file__).with_name("minigrid_plays.npz")
 
 
 class MiniGridMaze(MiniGridEnv):
@@ -48,7 +56,7 @@ def compare(config: MazeConfig, num_mazes: int, num_steps: int, seed: int) -> di
     rng, counts = np.random.default_rng(seed), dict.fromkeys(("steps", "terminated", "truncated", "hidden"), 0)
     for _ in range(num_steps):
         actions = rng.choice([0, 1, 2, 2], num_mazes)
-        _, reward, terminated, truncated, info = ours.advance(actions)
+        vectors, reward, terminated, truncated, info = ours.advance(actions)
         results = [env.step(int(action)) for env, action in zip(theirs, actions, strict=True)]
         seen, *others = zip(*(result[:4] for result in results), strict=True)
         seen = list(seen)
@@ -57,7 +65,7 @@ def compare(config: MazeConfig, num_mazes: int, num_steps: int, seed: int) -> di
         ):
             np.testing.assert_array_equal(mine, np.array(other), name)
         np.testing.assert_array_equal(info["success"], np.array(others[0]) > 0)
-        _assert_same(ours, seen)
+        _assert_same(ours, seen, vectors)
         counts["steps"] += num_mazes
         counts["terminated"] += int(terminated.sum())
         counts["truncated"] += int(truncated.sum())
@@ -85,6 +93,40 @@ def level_maze(env, level):
     return Maze(walls, start, goal, int((level["theta"][-1] + 1) / 2 * 4))
 
 
-def _assert_same(ours, seen):
-    np.testing.assert_array_equal(ours.images(), np.stack([one["image"] for one in seen]), "image")
-    np.testing.assert_array_equal(ours.directions(), [one["direction"] for one in seen], "direction")
+def _assert_same(ours, seen, vectors=None):
+    images, directions = np.stack([one["image"] for one in seen]), np.array([one["direction"] for one in seen])
+    np.testing.assert_array_equal(ours.images(), images, "image")
+    np.testing.assert_array_equal(ours.directions(), directions, "direction")
+    if vectors is not None:
+        np.testing.assert_array_equal(vectors, vectors_of(images, directions, ours.config), "observation")
+
+
+def record(config: MazeConfig, num_mazes: int, num_steps: int) -> dict[str, np.ndarray]:
+    """Play random mazes in MiniGrid; return what `minigrid_plays` compares. Episodes that end begin again."""
+    sampled = Mazes(num_mazes, config)
+    sampled.reset(seed=0)
+    theirs = [MiniGridMaze(config) for _ in range(num_mazes)]
+    actions = np.random.default_rng(1).choice([0, 1, 2, 2], (num_steps, num_mazes))
+    found = {name: [] for name in ("image", "direction", "reward", "terminated", "truncated")}
+    for env, level in zip(theirs, sampled.levels, strict=True):
+        _begin(env, level)
+    for row in actions:
+        results = [env.step(int(action)) for env, action in zip(theirs, row, strict=True)]
+        seen, *others = zip(*(result[:4] for result in results), strict=True)
+        for name, values in zip(("reward", "terminated", "truncated"), others, strict=True):
+            found[name].append(values)
+        for name in ("image", "direction"):
+            found[name].append([one[name] for one in seen])
+        for index, ended in enumerate(np.logical_or(*others[1:])):
+            if ended:
+                _begin(theirs[index], sampled.levels[index])
+    return {"theta": sampled.levels["theta"], "actions": actions} | {
+        name: np.array(rows) for name, rows in found.items()
+    }
+
+
+if __name__ == "__main__":
+    plays = {}
+    for name, (config, *size) in RECORDED.items():
+        plays |= {f"{name} {key}": values for key, values in record(config, *size).items()}
+    np.savez_compressed(PLAYS, **plays)

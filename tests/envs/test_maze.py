@@ -11,6 +11,7 @@ import torch
 from regista.envs.maze.config import MazeConfig
 from regista.envs.maze.env import Mazes
 from regista.envs.maze.levels import Maze, MazeFamily, maze_from
+from tests.envs.minigrid_plays import RECORDED, compare_with_recorded
 from ued import METHODS, ACCELConfig, BufferConfig, PPOConfig
 from ued.core.parameters import LevelFamily
 from ued.learning import worker
@@ -154,6 +155,13 @@ def test_mazes_play_as_those_of_minigrid(config):
     assert config is not OPAQUE or min(counts.values()) > 0
 
 
+@pytest.mark.parametrize("name", RECORDED)
+def test_mazes_play_as_recorded_in_minigrid(name):
+    counts = compare_with_recorded(name)
+    assert counts["truncated"] > 0 and (counts["hidden"] > 0) == ("hide" in name)
+    assert name != "5 x 5, hide" or counts["terminated"] > 20
+
+
 # ---------------------------------------------------------------- levels
 
 
@@ -242,11 +250,27 @@ def test_a_drawing_that_is_no_maze_is_refused():
         (">x\nG.", "as many rows"),
         ("..\nG.", "one agent"),
         (">G\nG.", "one goal"),
+        (">#.\n##.\n..G", r"walls separate the agent in \(0, 0\) from the goal in \(2, 2\)"),
     ):
         with pytest.raises(ValueError, match=message):
             maze_from(wrong)
     with pytest.raises(ValueError, match="5 x 5 cells"):
         Mazes(1, FIVE).theta_of(maze_from(">G\n.."))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"goal": (5, 5)}, r"goal of a maze is a row and a column from 0 to 4, got \(5, 5\)"),
+        ({"start": (-1, 2)}, r"start of a maze is a row and a column from 0 to 4, got \(-1, 2\)"),
+        ({"start": (0.5, 2)}, "start of a maze is"),
+        ({"goal": (0, 0)}, r"different cells, both are \(0, 0\)"),
+        ({"direction": 4}, "from 0 to 3, got 4"),
+    ],
+)
+def test_a_maze_that_does_not_exist_has_no_code(change, message):
+    with pytest.raises(ValueError, match=message):
+        Mazes(1, FIVE).theta_of(maze_from(CORRIDOR)._replace(**change))
 
 
 # ---------------------------------------------------------------- states
@@ -308,6 +332,8 @@ def test_misuse_is_reported():
         ("max_steps", 0),
         ("max_steps", 2.5),
         ("representation", "rgb"),
+        ("see_through", "no"),
+        ("random_count", 1),
     ):
         with pytest.raises(ValueError, match=name):
             MazeConfig(**{name: value})

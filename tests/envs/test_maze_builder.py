@@ -2,9 +2,13 @@
 
 import numpy as np
 import pytest
+import torch
 
 from regista.envs.maze.builder import NOWHERE, MazeBuilder
+from regista.envs.maze.config import MazeConfig
+from regista.envs.maze.env import Mazes
 from regista.envs.maze.levels import MazeFamily, maze_from
+from ued import METHODS, PPOConfig
 
 
 def built(family, actions, luck=0):
@@ -123,3 +127,15 @@ def test_columns_of_codes_are_declared_at_any_size(side, most):
     share = (family.draw_codes(np.random.default_rng(0), 500)[:, : side**2] > 0).mean()
     weights = columns["wall[0, 0]"].weights
     assert weights[1] / sum(weights) == pytest.approx(max(share, 0.5 / side**2), rel=0.15)
+
+
+@pytest.mark.parametrize("memory", ["none", "gru"])
+def test_literal_paired_goes_on_where_no_episode_ends_within_a_rollout(memory):
+    mazes = Mazes(4, MazeConfig(side=5, num_walls=4, max_steps=20))
+    ppo = PPOConfig(num_steps=2, num_minibatches=2, memory=memory, hidden_size=8)
+    method = METHODS["paired_literal"].load()(mazes, ppo, None, seed=0, env_steps=1000)
+    before = [weight.clone() for weight in method.student.parameters()]
+    for _ in range(2):
+        method.update()
+    assert method.env_steps == 2 * 2 * 2 * 4
+    assert all(torch.equal(*pair) for pair in zip(before, method.student.parameters(), strict=True))

@@ -116,10 +116,11 @@ class GRU(nn.Module):
 
         0: pieces are whole rollouts. See `NoMemory.sequences`.
         """
-        num_steps, num_envs = train.shape
-        pieces = num_envs * num_steps // (bptt_steps or num_steps)
-        rows = torch.arange(train.numel()).view(-1, bptt_steps or num_steps, num_envs)  # [T / L, L, N]
-        rows = rows.transpose(1, 2).reshape(pieces, -1)  # [T / L * N, L]
+        num_steps, num_envs = train.shape  # N may be 0
+        length = bptt_steps or num_steps
+        count = num_steps // length
+        rows = torch.arange(train.numel()).view(count, length, num_envs)  # [T / L, L, N]
+        rows = rows.transpose(1, 2).reshape(count * num_envs, length)  # [T / L * N, L]
         return rows[train.flatten()[rows].any(1)]
 
 
