@@ -170,8 +170,8 @@ def test_gains(study: Study) -> dict[str, Difference]:
 
 def worst_gains(study: Study) -> dict[str, Difference]:
     """Return the difference of each method to DR on the worst tenth of random mazes."""
-    rates = {name: [row.cvar10 for row in study.random(name)] for name in study.methods}
-    return {name: difference_of_means(mine, rates["dr"]) for name, mine in rates.items() if name != "dr"}
+    base = study.random("dr")
+    return {name: estimate.level_advantage(study.random(name), base) for name in study.methods if name != "dr"}
 
 
 def note(study: Study) -> str:
@@ -181,7 +181,7 @@ def note(study: Study) -> str:
     sizes = [
         estimate.detectable_score([scores(study, name, study.mazes) for name in study.methods]),
         detectable([late_rates(study, name) for name in study.methods]),
-        detectable([np.array([row.cvar10 for row in study.random(name)]) for name in study.methods]),
+        estimate.detectable_level([study.random(name) for name in study.methods]),
     ]
     seen = significance.visible([100 * size for size in sizes], counts, "{:.0f} points")
     return significance.sentences(significance.legend([gain.p for gain in gains]), seen)

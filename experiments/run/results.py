@@ -228,10 +228,29 @@ def level_cvar(rows: Sequence[LevelResult]) -> Interval:
     """
     from ued.statistics import bootstrap, student_t
 
-    values, errors = np.array([[row.cvar10, row.cvar10_error] for row in rows]).T
+    values, errors = _cvars(rows)
     if len(rows) == 1:
         return _as_share(student_t(values[0], errors[0], int(WORST * rows[0].levels)))
     return _as_share(bootstrap(values, _rng(), errors=errors).interval())
+
+
+def level_advantage(rows: Sequence[LevelResult], reference: Sequence[LevelResult]) -> Difference:
+    """Estimate the difference of two methods on the worst tenth of random levels, resampling whole runs of both."""
+    return _difference(_cvars(rows), _cvars(reference))
+
+
+def detectable_level(methods: Sequence[Sequence[LevelResult]]) -> float:
+    """Return the smallest difference on the worst tenth of random levels that the runs of these methods can detect."""
+    from ued.statistics import detectable
+
+    found = list(map(_cvars, methods))
+    return detectable([values for values, _ in found], [errors for _, errors in found])
+
+
+def _cvars(rows: Sequence[LevelResult]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the goal rates of runs on the worst tenth of the levels `[R]` and their standard errors `[R]`."""
+    values, errors = np.array([[row.cvar10, row.cvar10_error] for row in rows]).T
+    return values, errors
 
 
 # ---------------------------------------------------------------- shared
