@@ -73,9 +73,9 @@ FLOORS = {
         "maze.view",  # what agents see
         "maze.dynamics",  # a step
         "maze.builder",  # an adversary's steps
+        "maze.paths",  # how far the goal is
         "maze.levels",
         "maze.rollout",
-        "maze.paths",  # how far the goal is
         "maze.picture",
         "maze.env",
         "maze.gym_env",
