@@ -37,6 +37,7 @@ TITLES = {  # of rows that are no method's name
 }
 PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
 EQUAL = 10_000_000  # student steps at which methods are compared
+APART = 0.02  # between the intervals at the ends of curves, as a share of a curve
 BUDGETS = (25_000_000, 100_000_000, 250_000_000)  # at which single long runs are shown
 
 COMMAND = "`python -m lab.maze_tables`."
@@ -295,8 +296,8 @@ def draw(study: Study, path: Path) -> None:
         labels = ("simulated steps, all students", "steps that the student learned from")
         for axes, key, label in zip(panels, ("env_steps", "trained_steps"), labels, strict=True):
             known = [
-                draw_method(axes, [row for row in study.curves if row["method"] == name], key, name)
-                for name in study.methods
+                draw_method(axes, [row for row in study.curves if row["method"] == name], key, name, APART * index)
+                for index, name in enumerate(study.methods)
             ]
             axes.set_xlabel(label)
             axes.set_xlim(left=0)
@@ -310,8 +311,11 @@ def draw(study: Study, path: Path) -> None:
         plots.save(figure, path)
 
 
-def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str) -> bool:
-    """Draw the mean over a method's runs, and the 95% interval of its last value; return whether it is known."""
+def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str, aside: float) -> bool:
+    """Draw the mean over a method's runs, and the 95% interval of its last value; return whether it is known.
+
+    `aside`: distance between the end of the curve and the interval, as a share of the curve.
+    """
     seeds = unique([row["seed"] for row in curve])
     runs = [[row for row in curve if row["seed"] == seed] for seed in seeds]
     count = min(map(len, runs))
@@ -321,7 +325,7 @@ def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, 
     end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
     if end.known:
         whisker = [[max(end.estimate - end.low, 0.0)], [max(end.high - end.estimate, 0.0)]]
-        axes.errorbar(steps[:, -1].mean(), end.estimate, whisker, color=color, elinewidth=1.2, capsize=3)
+        axes.errorbar(steps[:, -1].mean() * (1 + aside), end.estimate, whisker, color=color, elinewidth=1.2, capsize=3)
     return end.known
 
 
