@@ -37,15 +37,17 @@ def read_periods(run: Path, periods: Iterable[tuple[float, float]]) -> list[np.n
     """Return θ `[L, D]` of the training levels in each of these periods, shares of the run's updates.
 
     Of more than `MOST_LEVELS` levels it returns at most so many, evenly spaced: a density needs no more, and a long run
-    has hundreds of thousands.
+    has millions. No others are kept in memory.
     """
-    table = read_levels(run, "update", "theta/")
-    columns = [column for name, column in table.items() if name.startswith("theta/")]
-    if not columns:
-        return [np.zeros((0, 0)) for _ in periods]
-    found = [np.flatnonzero(within(table["update"], period)) for period in periods]
+    update = read_levels(run, "update").get("update", np.zeros(0))
+    found = [np.flatnonzero(within(update, period)) for period in periods]
     kept = [rows[:: -(-len(rows) // MOST_LEVELS) or 1] for rows in found]
-    return [np.stack([column[rows] for column in columns], 1) for rows in kept]
+    needed = np.unique(np.concatenate([np.zeros(0, np.int64), *kept]))
+    columns = [*read_levels(run, "theta/", rows=needed).values()]
+    if not columns:
+        return [np.zeros((0, 0)) for _ in kept]
+    theta = np.stack(columns, 1)
+    return [theta[np.searchsorted(needed, rows)] for rows in kept]
 
 
 def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: Sequence[Parameter] = ()) -> None:

@@ -27,7 +27,8 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
     """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training."""
     import matplotlib.pyplot as plt
 
-    tables = (read_levels(run, "theta/") for paths in runs.values() for run in paths)
+    nothing = np.zeros(0, np.int64)  # names alone
+    tables = (read_levels(run, "theta/", rows=nothing) for paths in runs.values() for run in paths)
     names = next((_names(table) for table in tables if table), [])[:MOST_COLUMNS]
     if not names:
         return

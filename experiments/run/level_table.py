@@ -30,13 +30,13 @@ WHOLE = dict.fromkeys(("update", "id", "visit", "parent", "episodes"), "int64") 
 DELTAS = ("id", "visit")  # nearly in order: stored as differences
 
 
-def read_levels(run: Path, *names: str) -> dict[str, np.ndarray]:
+def read_levels(run: Path, *names: str, rows: np.ndarray | None = None) -> dict[str, np.ndarray]:
     """Return columns as `ued.levels.table.read_levels` does; none without a table.
 
     Raises `CommandError` for a damaged table, and for levels.parquet without PyArrow.
     """
     try:
-        return tables.read_levels(run, *names)
+        return tables.read_levels(run, *names, rows=rows)
     except FileNotFoundError:
         return {}
     except ValueError as error:

@@ -72,6 +72,17 @@ def test_both_forms_have_the_same_numbers(tmp_path, small_parts):
     )
 
 
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_some_rows_of_a_table_are_those_of_the_whole_table(tmp_path, small_parts, form):
+    run = written(tmp_path / form, form).path.parent
+    whole = read_levels(run)
+    for chosen in ([0, 1, 99, 100, 101, 350], [len(whole["id"]) - 1], [250], []):
+        found = read_levels(run, "visit", "theta/", "best/", rows=np.array(chosen, np.int64))
+        assert set(found) == {"visit", "theta/a, b", "theta/ego.x", "best/student"}
+        for name, values in found.items():
+            np.testing.assert_array_equal(values, whole[name][np.array(chosen, np.int64)])
+
+
 def test_levels_csv_leaves_out_what_follows_until_a_row_differs(tmp_path):
     table = written(tmp_path / "run", "csv", range(1, 6))
     narrow = ["update", "id", "source", "seed", "theta/a, b", "theta/ego.x", "return/student", "score"]

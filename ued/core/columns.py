@@ -78,20 +78,31 @@ def _column(cells: list[str], is_text: bool) -> np.ndarray:
     return np.array(cells, str) if is_text else np.array([float(cell or nan) for cell in cells], np.float64)
 
 
-def read_parts(folder: Path, wanted: Wanted = every) -> Columns:
+def read_parts(folder: Path, wanted: Wanted = every, rows: np.ndarray | None = None) -> Columns:
     """Return the wanted columns of the Parquet files `part-*.parquet` of a folder, in the order of their names.
+
+    Args:
+        folder: with the files.
+        wanted: whether a column is read.
+        rows: indices of the rows to return `[R]`, ascending; None: all. Memory is that of these rows and of one file.
 
     Types as in `read_csv`. Raises `ValueError` for a damaged file, `ModuleNotFoundError` without PyArrow.
     """
     import pyarrow as pa
     from pyarrow import parquet
 
-    tables = []
+    tables: list[pa.Table] = []
+    begin = 0  # the first row of a file
     for path in sorted(folder.glob(PARTS)):
         try:
             with parquet.ParquetFile(path) as file:
                 names = [name for name in file.schema_arrow.names if wanted(name)]
-                tables.append(file.read(columns=names, use_threads=False))
+                end = begin + file.metadata.num_rows
+                if rows is None:
+                    tables.append(file.read(columns=names, use_threads=False))
+                elif len(mine := rows[(rows >= begin) & (rows < end)]) or not tables:
+                    tables.append(file.read(columns=names, use_threads=False).take(mine - begin))
+                begin = end
         except (pa.ArrowException, OSError, KeyError) as error:
             reason = str(error).partition("\n")[0]
             raise ValueError(f"{path} is damaged: {reason}") from error

@@ -39,13 +39,14 @@ def implied_by(name: str) -> str | float | None:
     return IMPLIED.get(name)
 
 
-def read_levels(run: str | Path, *names: str) -> Columns:
+def read_levels(run: str | Path, *names: str, rows: np.ndarray | None = None) -> Columns:
     """Return columns of the table of a run's levels, `[R]` each, including those that levels.csv omits.
 
     Args:
         run: the folder of a run, or the path of its levels.csv or levels.parquet.
         names: the columns to read; `"theta/"` selects all that begin with it. None: all. Columns that the table does
             not have are missing in the result.
+        rows: indices of the rows to return `[R]`, ascending; None: all. Of levels.parquet no others are kept in memory.
 
     Numbers are float64, nan where not available; `source` and `program` are strings.
 
@@ -65,7 +66,12 @@ def read_levels(run: str | Path, *names: str) -> Columns:
     def wanted(name: str) -> bool:
         return not names or _matches(name, [*names, *also])
 
-    columns = with_implied(read_parts(path, wanted) if path.is_dir() else read_csv(path, wanted, WORDS))
+    if path.is_dir():
+        found = read_parts(path, wanted, rows)
+    else:
+        found = read_csv(path, wanted, WORDS)
+        found = found if rows is None else {name: values[rows] for name, values in found.items()}
+    columns = with_implied(found)
     return {name: values for name, values in columns.items() if not names or _matches(name, names)}
 
 
