@@ -22,6 +22,7 @@ from ued.recorder.shades import unique_names
 
 PERIODS = {"first tenth": (0.0, 0.1), "middle": (0.45, 0.55), "last tenth": (0.9, 1.0)}  # shares of a run's updates
 DECILES = 10
+AT_ONCE = 32  # columns of θ in memory: a long run has millions of levels with hundreds
 
 
 class ColumnOfProposals(NamedTuple):
@@ -42,15 +43,18 @@ class ColumnOfProposals(NamedTuple):
 
 def read_proposals(run: Path, draws: Sequence[Parameter]) -> list[ColumnOfProposals]:
     """Return a run's proposals by column. Raises `CommandError` for a run without proposals."""
-    table, path = read_levels(run, "update", "source", "theta/", "score"), table_of(run)
+    table, path = read_levels(run, "update", "source", "score"), table_of(run)
     proposed = table.get("source", np.zeros(0, str)) == "proposed"
     if not proposed.any():
         raise CommandError(f"{run} has no levels proposed by an adversary: {path} has no row with source 'proposed'")
-    columns = []
-    for name, draw in zip(unique_names(draws), draws, strict=True):
-        if f"theta/{name}" not in table:
-            raise CommandError(f"{path} has no column theta/{name}: it belongs to another program")
-        columns.append(_column(name, draw, table, proposed))
+    columns, names = [], unique_names(draws)
+    for begin in range(0, len(names), AT_ONCE):
+        some = slice(begin, begin + AT_ONCE)
+        values = read_levels(run, *(f"theta/{name}" for name in names[some]))
+        for name, draw in zip(names[some], draws[some], strict=True):
+            if f"theta/{name}" not in values:
+                raise CommandError(f"{path} has no column theta/{name}: it belongs to another program")
+            columns.append(_column(name, draw, table | values, proposed))
     return columns
 
 

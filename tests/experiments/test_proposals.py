@@ -26,7 +26,9 @@ def write(path, middle, source="proposed"):
     return path
 
 
-def test_proposals_stand_beside_the_weights_of_the_program(tmp_path):
+@pytest.mark.parametrize("columns", [1, 32])
+def test_proposals_stand_beside_the_weights_of_the_program(tmp_path, monkeypatch, columns):
+    monkeypatch.setattr("regista.experiments.run.proposals.AT_ONCE", columns)
     run = write(tmp_path / "run", 0.0)
     side, x = read_proposals(run, DRAWS)
     assert side.names == ("left", "in the way", "right") and side.choice and not x.choice
