@@ -35,7 +35,7 @@ TITLES = {  # of rows that are no method's name
     "general_sfl": "SFL, generalized learnability",
     "published_plr": "PLR⊥, temperature 0.1",
 }
-PUBLISHED = {"paired_steps": "paired"}  # our row: theirs, where the names differ
+PUBLISHED = {"paired_steps": "paired", "accel_empty": "accel"}  # our row: theirs, where the names differ
 EQUAL = 10_000_000  # student steps at which methods are compared
 APART = 0.02  # between the intervals at the ends of curves, as a share of a curve
 BUDGETS = (25_000_000, 100_000_000, 250_000_000)  # at which single long runs are shown

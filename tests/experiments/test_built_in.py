@@ -95,7 +95,7 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
         (["train", "mase"], "did you mean 'maze' or 'maze60'?"),
         (["train", "maze+1v1Free"], "maze is a Python task"),
         (["play", "maze", "--scene", "Labyrint"], "did you mean 'Labyrinth'?"),
-        (["play", "maze", "--player", "nobody"], "idle, shortest path, random or a run folder"),
+        (["play", "maze", "--player", "nobody"], "idle, shortest path, random, a shipped policy or a run folder"),
         (["play", "maze", "--control", "all"], "omit --control"),
         (["play", "maze", "--engine", "grf"], "a task has its own environments"),
         (["play", "1v1Free", "--scene", "hart"], "did you mean 'hard'?"),

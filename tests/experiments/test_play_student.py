@@ -64,7 +64,7 @@ def test_a_student_plays_test_scenes_levels_and_other_games(football, tmp_path, 
         (["1v1Free", "--player", "CAVES"], "it cannot play football"),
         (["1v1Free", "--episodes", "2", "--record", "x.npz"], "--record writes one match"),
         (["1v1Free", "--seed", str(2**32 - 1), "--episodes", "2"], "needs seeds above"),
-        (["--player", "nowhere"], "--player RUN, --level RUN --id N"),
+        (["--player", "nowhere"], "--player RUN, such as shipped:maze, --level RUN --id N"),
     ],
 )
 def test_what_cannot_be_played_is_said(words, message, football, caves, capsys):
