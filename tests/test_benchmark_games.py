@@ -309,6 +309,7 @@ def test_the_list_shows_games_with_what_is_published(monkeypatch, capsys):
     card = capsys.readouterr().out
     assert "11 v 1 players, D = 2" in card and "experts/11_vs_gk.scenic" in card and "+0.126 ± 0.206" in card
     assert main(["list", "defense", "easy_crossing"]) == 0
-    assert len(capsys.readouterr().out.splitlines()) == 9 + 1 + 2
+    games, policies, _ = (list(part) for blank, part in groupby(capsys.readouterr().out.splitlines(), bool) if blank)
+    assert len(games) == 9 + 1 + 2 and any("shipped:defense/hesitant_dribble" in line for line in policies)
     assert main(["list", "easycrossing"]) == 2
     assert "did you mean 'offense/easy_crossing'" in capsys.readouterr().err
