@@ -283,6 +283,8 @@ def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:
             raise UsageError(f"{flag} and --resume exclude each other: a resumed run keeps its folder and its settings")
     if run.label == "clone":
         raise CommandError(f"{run.path} is a clone; start a new run from it: regista train --from {run.path}")
+    if "config.minigame" in typed:
+        typed = {**typed, "config.minigame": build.find_game(typed["config.minigame"]).name}
     flags = arguments.replace_paths(TrainFlags(config=run.config), typed)
     run.extend(flags.config)
     return run

@@ -132,13 +132,14 @@ class LevelStage:
         return float(self.env.metadata.get("render_fps") or FRAMES_PER_SECOND)
 
     def describe(self) -> str:
-        """Describe the level: its seed, its visit, and the parameters of θ."""
+        """Describe the level: its seed, the visit whose random numbers it uses, and the parameters of θ."""
         values = self.env.describe(self.level["theta"])[0]
         spelled = ", ".join(
             f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
             for name, value in values.items()
         )
-        return f"seed {int(self.level['seed'][0])}, visit {self.visit}: {spelled or 'no parameters'}"
+        numbers = f", random numbers of visit {self.visit}" if self.visit else ""
+        return f"level of seed {int(self.level['seed'][0])}{numbers}: {spelled or 'no parameters'}"
 
     def play(self, steps: int, choose: Choose, film: bool = False) -> PlayedTask:
         """Play the episode from its start, for at most this many steps; `choose` returns the actions `[1, ...]`."""

@@ -54,8 +54,8 @@ class Progress:
         share = min(steps / self.total, 1.0)
         parts = [f"{share:4.0%}  {count(steps)} {self.unit}", *([f"{count(speed)}/s"] if speed else [])]
         parts += [f"{name} {value:+.2f}" for name, value in facts.items() if value == value]
-        if speed > 0:
-            parts.append(f"{duration((self.total - steps) / speed)} left")
+        if speed > 0 and (left := (self.total - steps) / speed) >= 1:
+            parts.append(f"{duration(left)} left")
         done = round(share * BAR)
         bar = "━" * done + "╌" * (BAR - done) + " " if self.tty else ""
         return bar + "  ".join(parts)

@@ -7,7 +7,8 @@
 
 Every run is a folder beneath `--out`, and so are the rows; a second call skips what is finished, continues what is not,
 and plays what has not been played. `--publish` keeps the rows in `lab/studies/results` and writes their tables into
-BENCHMARK.md or RESULTS.md. Read next: `lab/studies/benchmark_study.py` and `lab/studies/curricula_study.py`.
+BENCHMARK.md, or into docs/benchmarks/football.md with a summary in RESULTS.md. Read next:
+`lab/studies/benchmark_study.py` and `lab/studies/curricula_study.py`.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from ued.statistics import Difference, bootstrap, detectable
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
-LINK = "![Success on test scenes over simulated steps](experiments/gallery/curricula.png)"  # on a page
+LINK = "![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)"  # on a page
 
 
 def section(points: Sequence[Point]) -> str:

@@ -49,7 +49,7 @@ class Comparison(NamedTuple):
 
 
 # Few environments, long rollouts: 8,192 steps per update, as by default.
-LONG: Settings = {"num_envs": 16, "ppo.num_steps": 512, "ppo.ent_coef": 0.003}
+LONG: Settings = {"num_envs": 16, "ppo.num_steps": 512}
 
 
 def games(env_steps: int, *names: str) -> dict[str, Settings]:
@@ -78,7 +78,7 @@ def replay(group: str, score: str, **more: Any) -> Settings:
 
 
 SCORES = ("max_mc", "positive_value_loss", "learnability")
-PPO = ppo(0.003, 0.003)  # of all methods: the best of DR's six
+PPO = ppo(0.003, 0.01)  # of all methods: of DR's six the best mean over games of success on validation scenes
 
 TUNING = {
     f"dr, rate {rate:g}, entropy {entropy:g}": Variant("dr", ppo(rate, entropy))
@@ -150,7 +150,11 @@ ABLATIONS = {  # one cause at a time, and one pair of them
 COMPARISONS = {
     "curricula": Comparison(METHODS, GAMES, first_seed=30, more_seeds=5),
     "ablations": Comparison(ABLATIONS, games(4_000_000, "1v1Restricted", "3v2FourBehaviors"), first_seed=1000),
-    "tuning": Comparison(
-        TUNING, games(4_000_000, "1v1Restricted", "Buildup"), first_seed=1000, seeds=1, held_out=False
+    "tuning": Comparison(  # of Buildup every setting of DR solves 3% after so many steps, which ranks none
+        TUNING,
+        games(4_000_000, "1v1Restricted", "ChoosePassing", "3v2FourBehaviors"),
+        first_seed=1000,
+        seeds=1,
+        held_out=False,
     ),
 }

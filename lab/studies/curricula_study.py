@@ -24,6 +24,7 @@ from lab.studies.rows import Point, add, check_present, load
 from lab.studies.runs import (
     BOOKKEEPING,
     CHOSEN,
+    ROOT,
     Deadline,
     Places,
     StudyConfig,
@@ -38,6 +39,7 @@ from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.folder import RunFolder
 from ued.config import LARGEST_SEED, setting
 
+PAGE = "docs/benchmarks/football.md"
 TESTS = 10  # of a student during its training
 
 
@@ -51,7 +53,7 @@ class CurriculaStudyConfig(StudyConfig):
         None, "seed of the first run; those of final tables are below 1000", most=LARGEST_SEED - 10_000, least=0
     )
     out: Path = setting(Path("runs/curricula"), "folder of the runs and of their rows")
-    publish: bool = setting(False, "keep the rows in lab/studies/results and write their tables into RESULTS.md")
+    publish: bool = setting(False, f"keep the rows in lab/studies/results and write their tables into {PAGE}")
     episodes: int = setting(200, "whole episodes of each student on each scene", ">=1", most=1_000_000)
     train: TrainConfig = group(training, "each run", without=(*CHOSEN, "method", "eval_every"))
 
@@ -78,7 +80,7 @@ class CurriculaStudy:
         self.name, self.config, self.typed = name, config, typed
         self.comparison = COMPARISONS[name]
         self.runs = StudyRuns(config.out / name, config.train, {})
-        self.places = Places.of(None if config.publish else config.out, "RESULTS.md")
+        self.places = Places.of(None if config.publish else config.out, PAGE)
 
     def run(self) -> int:
         """Train, one seed of all games after the other, play and write each finished run; return the exit code."""
@@ -100,6 +102,8 @@ class CurriculaStudy:
         if load(table):
             with redirect_stdout(how.messages):
                 tables.publish(self.places.results, self.name, self.places.page)
+                if self.config.publish and self.name == "curricula":
+                    tables.publish_summary(self.places.results, ROOT / "RESULTS.md")
         print(f"{table}{', continue with the same command' if stop else ''}", file=how.messages)
         return stop.exit_code
 
@@ -147,9 +151,11 @@ class CurriculaStudy:
 
 
 def games_of_study(name: str) -> dict[str, list[Any]]:
-    """Return what the runs of a study begin with on its own games, for its help; variants have further settings."""
+    """Return what all runs of a study have on its own games, for its help; variants have further settings."""
     base = CurriculaStudyConfig()
-    settings = COMPARISONS[name].games.values()
+    variants = [variant.settings.items() for variant in COMPARISONS[name].variants.values()]
+    common = dict(item for item in variants[0] if all(item in other for other in variants))
+    settings = [game | common for game in COMPARISONS[name].games.values()]
     trained = [arguments.replace_paths(base, {f"train.{path}": v for path, v in game.items()}) for game in settings]
     return {"for the games of the study": trained}
 

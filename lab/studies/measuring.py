@@ -63,18 +63,20 @@ def measure_variant(run: RunFolder, agent: str, episodes: int, held_out: bool) -
     """Play a run on random levels and on scenes of its game; return rows, and its learning curve.
 
     `held_out`: on the game's held-out scenes, or on its test scenes if it has no others. Such rows are called
-    `held out, ...`. No tuning run may be evaluated on them, so a game of a tuning study needs held-out scenes.
+    `held out, ...`. No tuning run may be played on them: of a game without further test scenes, tuning plays random
+    levels alone and has no curve.
     """
     game = build.find_game(run.config.minigame)
     student, (env_steps, _) = load_student(run, game)
-    unseen = held_out and bool(game.task(run.config.scored()).held_out)
-    played = EvalScenes(run.config, game, episodes, unseen).play(student)
+    has_held_out = bool(game.task(run.config.scored()).held_out)
+    scenes = EvalScenes(run.config, game, episodes, held_out and has_held_out)
+    played = scenes.play(student, None if held_out or has_held_out else [TRAINING_SCENE])
     if held_out:
         played = {
             label if label == TRAINING_SCENE else f"{HELD_OUT}{label}": result for label, result in played.items()
         }
     about = {"seed": run.config.seed, "env_steps": env_steps, "seconds": round(run.seconds(), 3), "agent": agent}
-    return rows_of(run.config, played, about), learning_curve(run, agent)
+    return rows_of(run.config, played, about), learning_curve(run, agent) if held_out or has_held_out else []
 
 
 def learning_curve(run: RunFolder, agent: str) -> list[Point]:

@@ -4,6 +4,7 @@ Cells are success rates for the studies of curricula, goal differences per episo
 rows `fast` and `thesis` stand beside published results of Google Research Football (GRF):
 
     python -m lab.studies.tables curricula                          # of lab/studies/results/curricula.csv
+    python -m lab.studies.tables curricula --summary                # a row for each game: differences to DR
     python -m lab.studies.tables tuning --results runs/curricula/results
     python -m lab.studies.tables fast --page BENCHMARK.md           # between <!-- study: fast --> and <!-- end -->
 
@@ -17,6 +18,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from lab.studies import budgets
 from lab.studies.curricula import COMPARISONS
@@ -46,6 +49,7 @@ class TablesConfig:
     name: str = positional("curricula, ablations, tuning, fast or thesis", default="")
     results: Path = setting(RESULTS, "folder of the CSV files of studies")
     page: Path | None = setting(None, "write the tables into this page instead of printing them")
+    summary: bool = setting(False, "of curricula: one table, a row for each game")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -54,8 +58,21 @@ def main(argv: Sequence[str]) -> int:
     names = (*COMPARISONS, "fast", "thesis")
     if config.name not in names:
         raise UsageError(f"no stored rows '{config.name}'; there are {', '.join(names)}")
-    publish(config.results, config.name, config.page)
+    if config.summary:
+        publish_summary(config.results, config.page)
+    else:
+        publish(config.results, config.name, config.page)
     return 0
+
+
+def publish_summary(results: Path, page: Path | None = None) -> None:
+    """Print the summary of the study of methods, or put it into its place on a page; see `publish`."""
+    rows = load(results / "curricula.csv")
+    check_present(results / "curricula.csv", rows)
+    text = summary(rows)
+    if page is None:
+        return print(text)
+    put(page, "study: summary", text, "Football")
 
 
 def publish(results: Path, name: str, page: Path | None = None) -> None:
@@ -93,6 +110,8 @@ def put(page: Path, mark: str, text: str, heading: str) -> None:
 
 def tables(rows: Sequence[Row], name: str) -> str:
     """Return the tables, and below them what was played and the command."""
+    if name == "tuning":
+        return tuning_text(rows)
     if name in COMPARISONS:
         games = [[row for row in rows if row.game == game] for game in games_of(rows, name)]
         made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}{below(game, name)}" for game in games]
@@ -109,6 +128,79 @@ def games_of(rows: Sequence[Row], name: str) -> list[str]:
     return [game for game in unique([*COMPARISONS[name].games, *found]) if game in found]
 
 
+def summary(rows: Sequence[Row]) -> str:
+    """Return one table: success of the first method on each game and of all games, and the others' differences to it.
+
+    "All games" are means over games of the runs with the same seed, of games and methods that all have them.
+    """
+    found = games_of(rows, "curricula")
+    scores = {game: held_out_scores([row for row in rows if row.game == game], "curricula") for game in found}
+    first, *others = (
+        name for name in COMPARISONS["curricula"].variants if any(name in mine for mine in scores.values())
+    )
+    scores = {game: mine for game, mine in scores.items() if first in mine}
+    if len(scores) > 1 and all({first, *others} == set(mine) for mine in scores.values()):
+        scores["**all games**"] = {
+            name: over_games([mine[name] for mine in scores.values()]) for name in (first, *others)
+        }
+    gains = {(game, name): gain for game, mine in scores.items() for name, gain in gains_of(mine).items()}
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
+    table = [["game", first, *(f"{name} minus {first}" for name in others)]]
+    for game, mine in scores.items():
+        cells = [significance.points(gains[game, n], marks[game, n]) if n in mine else "" for n in others]
+        table.append([game, percent(estimate.mean_score(mine[first])), *cells])
+    runs = [len(each.rates) for mine in scores.values() for each in mine.values()]
+    sizes = [100 * estimate.detectable_score(list(mine.values())) for mine in scores.values()]
+    steps = unique([count(row.env_steps) for row in rows])
+    about = (
+        f"Success on held-out scenes in percent, and differences in percentage points, after {' to '.join(steps)} "
+        f"simulated steps; 95% bootstrap intervals over {significance.spread(runs)} runs."
+    )
+    legend = significance.legend([gain.p for gain in gains.values()])
+    said = significance.sentences(legend, significance.visible(sizes, runs, "{:.0f} points"))
+    below = [about, said, f"Measured on {played_on(rows)}; `python -m lab.studies.tables curricula --summary`."]
+    return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
+
+
+def over_games(scores: Sequence[estimate.Scores]) -> estimate.Scores:
+    """Return the means over scenes of each game as columns `[R, G]`, of as many runs as all games have."""
+    runs = min(len(mine.rates) for mine in scores)
+    rates = [mine.rates[:runs].mean(1) for mine in scores]
+    errors = [np.sqrt((mine.errors[:runs] ** 2).sum(1)) / mine.errors.shape[1] for mine in scores]
+    return estimate.Scores(np.stack(rates, 1), np.stack(errors, 1))
+
+
+def tuning_text(rows: Sequence[Row]) -> str:
+    """Return a table of all settings that were tried, the best of each method in bold."""
+    found, variants = games_of(rows, "tuning"), COMPARISONS["tuning"].variants
+    rates = {}
+    for name in variants:
+        mine = [[row for row in rows if (row.game, row.agent) == (game, name)] for game in found]
+        if all(mine):
+            rates[name] = [100 * validation_rate(played) for played in mine]
+    best: dict[str, str] = {}
+    for name, each in rates.items():
+        method = variants[name].method
+        if method not in best or sum(each) > sum(rates[best[method]]):
+            best[method] = name
+    table = [["method, setting", *found, "mean"]]
+    for name, each in rates.items():
+        label = f"**{name}**" if name in best.values() else name
+        table.append([label, *(f"{rate:.0f}%" for rate in each), f"{np.mean(each):.1f}%"])
+    about = (
+        "Success after one run each, on the scenes by which settings are chosen: test scenes of games that also have "
+        "held-out ones, random levels of the others. Bold: chosen. "
+        f"Measured on {played_on(rows)}; `python -m lab.studies.tables tuning`."
+    )
+    return f"{as_markdown(table)}\n\n{about}"
+
+
+def validation_rate(rows: Sequence[Row]) -> float:
+    """Return the mean success of a run on its test scenes, or on random levels if no other scenes were played."""
+    tests = [row for row in rows if row.scene != TRAIN] or rows
+    return float(np.mean([row.scored / row.episodes for row in tests]))
+
+
 def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     """Return methods x scenes of one game, the mean over held-out levels, and its difference to the first method.
 
@@ -120,7 +212,7 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     first, *others = scores
     gains = gains_of(scores)
     marks = dict(zip(others, significance.marks(list(gains.values())), strict=True))
-    mean = "held-out mean" if COMPARISONS[name].held_out else "validation mean"
+    mean = "held-out mean"
     mean += f" of {len(tests)}" if len(tests) > MOST_SCENES else ""
     table = [["method", *scenes, mean, f"minus {first}", "runs", "env steps"]]
     for method, mine in scores.items():

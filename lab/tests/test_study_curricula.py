@@ -3,6 +3,7 @@
 import math
 import re
 
+import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 from PIL import Image
@@ -15,9 +16,9 @@ from lab.studies.measuring import HELD_OUT, measure_variant
 from lab.studies.runs import Places
 from regista.experiments.pictures import plots
 from regista.experiments.run import arguments
+from regista.experiments.run import results as estimate
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.games import find_minigame
 from tests.experiments.test_limits import numbers_of
 from tests.floors import ROOT
 from ued.config import bounds_of
@@ -64,6 +65,7 @@ def test_variants_are_trained_and_played_on_held_out_scenes_and_kept_in_small_ta
     [
         ("curricula", "ChoosePassing", {"held out, top blocked", "held out, bottom blocked"}),  # has no other scenes
         ("tuning", "1v1Restricted", {"easy", "medium", "hard"}),  # held-out scenes are left alone
+        ("tuning", "ChoosePassing", set()),  # its test scenes are those of final tables
     ],
 )
 def test_scenes_that_are_played(begun, tmp_path, study, game, scenes):
@@ -71,6 +73,8 @@ def test_scenes_that_are_played(begun, tmp_path, study, game, scenes):
     words = [study, "--games", game, "--variants", name, "--seeds", "1", *SHORT]
     assert main([*words, "--out", str(tmp_path)]) == 0
     assert {row.scene for row in rows.load(tmp_path / "results" / f"{study}.csv")} == {"train", *scenes}
+    curves = tmp_path / "results" / f"{study}_curves.csv"
+    assert bool(rows.load(curves, rows.Point)) == bool(scenes)
 
 
 def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_published():
@@ -88,13 +92,12 @@ def test_seeds_of_final_tables_are_in_no_trial_and_only_the_study_itself_is_publ
         list(CurriculaStudy("curricula", CurriculaStudyConfig(variants=("dr", "pared")), {}).planned())
 
 
-def test_each_method_has_as_many_tuning_runs_and_games_of_tuning_have_other_scenes():
+def test_each_method_has_as_many_tuning_runs_and_its_settings_are_among_them():
     tuned = COMPARISONS["tuning"]
     counts = dict.fromkeys(COMPARISONS["curricula"].variants, 0)
     for variant in tuned.variants.values():
         counts[variant.method] += 1
     assert set(counts.values()) == {6}
-    assert all(find_minigame(game).held_out for game in tuned.games)
     tried = [variant.settings for variant in tuned.variants.values()]
     for name, variant in COMPARISONS["curricula"].variants.items():
         assert variant.settings in tried, name
@@ -222,6 +225,50 @@ def colors(*methods):
 
 def test_what_is_published_goes_into_the_repository():
     assert Places.of(None, "RESULTS.md") == (ROOT / "lab" / "studies" / "results", ROOT / "RESULTS.md")
+
+
+def played(game, agent, seed, scene, scored):
+    """Return a row of 100 episodes."""
+    return rows.Row(game, agent, "c", scene, seed, 9, 100, scored / 100, 0.5, scored, 0, 5.0, 9.5, "", "1")
+
+
+def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
+    measured = [
+        played(game, agent, seed, scene, base + seed)
+        for game, agent, base in (("a", "dr", 20), ("a", "sfl", 60), ("b", "dr", 40), ("b", "sfl", 40))
+        for seed in range(5)
+        for scene in ("held out, x", "held out, y", "train")
+    ]
+    text = tables.summary(measured)
+    head, _, *shown = [line for line in text.splitlines() if line.startswith("|")]
+    assert head == "| game | dr | sfl minus dr |"
+    assert [row.split("|")[1].strip() for row in shown] == ["a", "b", "**all games**"]
+    assert "| +40 [" in shown[0] and "| 0 [" in shown[1].replace("+0", "0") and "| +20 [" in shown[2]
+    assert "* survives Holm's correction at 5% over the 3 differences" in text and "over 5 runs" in text
+    few = tables.summary([row for row in measured if (row.game, row.agent) != ("b", "sfl")])
+    assert "all games" not in few and "| sfl minus dr |" in few.splitlines()[0]
+
+
+def test_means_over_games_weigh_games_alike_however_many_scenes_they_have():
+    rates = [np.array([[0.2, 0.4], [0.0, 0.0]]), np.array([[0.9]])]
+    both = tables.over_games([estimate.Scores(mine, np.full_like(mine, 0.1)) for mine in rates])
+    assert both.rates.tolist() == [[pytest.approx(0.3), 0.9]]
+    assert both.errors.tolist() == [[pytest.approx(0.1 / 2**0.5), 0.1]]
+
+
+def test_the_best_setting_of_each_method_is_bold_by_scenes_that_no_final_table_has():
+    names = list(COMPARISONS["tuning"].variants)[:2]
+    measured = [
+        *(
+            played("1v1Restricted", names[0], 1000, scene, n)
+            for scene, n in (("easy", 50), ("hard", 70), ("train", 99))
+        ),
+        *(played("1v1Restricted", names[1], 1000, scene, n) for scene, n in (("easy", 70), ("hard", 90), ("train", 1))),
+        *(played("ChoosePassing", name, 1000, "train", n) for name, n in zip(names, (70, 60), strict=True)),
+    ]
+    lines = tables.tables(measured, "tuning").splitlines()
+    assert lines[0] == "| method, setting | 1v1Restricted | ChoosePassing | mean |"
+    assert lines[2:4] == [f"| {names[0]} | 60% | 70% | 65.0% |", f"| **{names[1]}** | 80% | 60% | 70.0% |"]
 
 
 def test_the_games_of_a_study_are_trained_as_its_help_says(capsys):

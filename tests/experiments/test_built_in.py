@@ -55,7 +55,7 @@ def test_its_settings_are_the_selected_ones_that_a_flag_overrides(run):
 def test_a_run_is_resumed_and_evaluated_without_trust(run, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(run, copy)
-    assert main(["train", "--resume", str(copy), "--total-env-steps", "384"]) == 0
+    assert main(["train", "maze", "--resume", str(copy), "--total-env-steps", "384"]) == 0
     assert rows(copy / "metrics.csv")[-1]["env_steps"] == "384"
     capsys.readouterr()
     assert main(["evaluate", str(copy), "--episodes", "2", "--levels", "0", "--held-out", "--no-baselines"]) == 0

@@ -209,12 +209,22 @@ def test_pyarrow_and_numpy_read_the_same_numbers(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("large", [0, 10**9])
-@pytest.mark.parametrize("spoil", ["1,2\n", "1,2,3,4\n", "1,2,x\n", '1,"2,3\n', "\n", b"1,2,\xff\n"])
-def test_damaged_csv_files_are_refused(tmp_path, monkeypatch, large, spoil):
+@pytest.mark.parametrize(
+    ("spoil", "reason"),
+    [
+        ("1,2\n", "line 3 is not a row of 3 cells"),
+        ("1,2,3,4\n", "line 3 is not a row of 3 cells"),
+        ("1,2,x\n", "line 3, column c: 'x' is not a number"),
+        ('1,"2,3\n', ""),
+        ("\n", "it has an empty line"),
+        (b"1,2,\xff\n", ""),
+    ],
+)
+def test_damaged_csv_files_are_refused(tmp_path, monkeypatch, large, spoil, reason):
     pytest.importorskip("pyarrow")
     monkeypatch.setattr(disk, "LARGE", large)
     (tmp_path / "t.csv").write_bytes(b"a,b,c\n1,2,3\n" + (spoil if isinstance(spoil, bytes) else spoil.encode()))
-    with pytest.raises(ValueError, match=r"t\.csv is damaged: [^\n]+$"):
+    with pytest.raises(ValueError, match=rf"t\.csv is damaged: {reason}[^\n]*$"):
         disk.read_csv(tmp_path / "t.csv")
 
 

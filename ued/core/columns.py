@@ -57,12 +57,16 @@ def _by_arrow(data: bytes, begin: int, width: int, columns: dict[str, int], word
     kinds = {str(at): pa.string() if name in words else pa.float64() for name, at in columns.items()}
     if not kinds or begin == len(data):
         return _by_rows(data, begin, width, columns, words)
-    table = arrow_csv.read_csv(
-        pa.BufferReader(memoryview(data)[begin:]),
-        arrow_csv.ReadOptions(use_threads=False, column_names=[str(at) for at in range(width)]),
-        arrow_csv.ParseOptions(ignore_empty_lines=False),
-        arrow_csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", "nan"]),
-    )
+    try:
+        table = arrow_csv.read_csv(
+            pa.BufferReader(memoryview(data)[begin:]),
+            arrow_csv.ReadOptions(use_threads=False, column_names=[str(at) for at in range(width)]),
+            arrow_csv.ParseOptions(ignore_empty_lines=False),
+            arrow_csv.ConvertOptions(column_types=kinds, include_columns=list(kinds), null_values=["", "nan"]),
+        )
+    except pa.ArrowInvalid:  # it names neither line nor column of the file
+        _by_rows(data, begin, width, columns, words)
+        raise
     return {name: _plain(table[str(at)]) for name, at in columns.items()}
 
 
@@ -71,11 +75,19 @@ def _by_rows(data: bytes, begin: int, width: int, columns: dict[str, int], words
     for number, row in enumerate(rows, 2):
         if len(row) != width:
             raise ValueError(f"line {number} is not a row of {width} cells")
-    return {name: _column([row[at] for row in rows], name in words) for name, at in columns.items()}
+    return {name: _column(name, [row[at] for row in rows], name in words) for name, at in columns.items()}
 
 
-def _column(cells: list[str], is_text: bool) -> np.ndarray:
-    return np.array(cells, str) if is_text else np.array([float(cell or nan) for cell in cells], np.float64)
+def _column(name: str, cells: list[str], is_text: bool) -> np.ndarray:
+    if is_text:
+        return np.array(cells, str)
+    values = np.empty(len(cells))
+    for at, cell in enumerate(cells):
+        try:
+            values[at] = float(cell or nan)
+        except ValueError:
+            raise ValueError(f"line {at + 2}, column {name}: {cell!r} is not a number") from None
+    return values
 
 
 def read_parts(folder: Path, wanted: Wanted = every, rows: np.ndarray | None = None) -> Columns:
