@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lab.studies.curricula import LONG, PPO, replay
+from lab.studies.curricula import LONG, PPO, REPLAY
 from lab.studies.runs import LONGEST, ROOT, Deadline, StudyRuns, train_and_measure, training
 from lab.studies.tables import put
 from regista.envs.football.version import SIMULATOR_VERSION, simulator_name
@@ -90,7 +90,7 @@ def order_part() -> Iterator[Cell]:
         for order in ORDERS:
             yield paired(game, order, "paired", **{ENTROPY: 0.1})
         for order in ORDERS:
-            yield Cell(game, order, "plr", "plr", replay("plr", "learnability"))
+            yield Cell(game, order, "plr", "plr", REPLAY)
 
 
 SETTINGS: dict[str, dict[str, Any]] = {  # one change of PAIRED at a time

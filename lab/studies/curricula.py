@@ -121,10 +121,12 @@ TUNING |= {
 
 # ---------------------------------------------------------------- what is compared
 
-METHODS = {
+REPLAY = replay("plr", "max_mc")
+
+METHODS = {  # of each, the best of its six
     "dr": Variant("dr", PPO),
     "paired": Variant("paired", PPO),
-    "robust_plr": Variant("robust_plr", PPO | replay("plr", "learnability")),
+    "robust_plr": Variant("robust_plr", PPO | REPLAY),
     "accel": Variant("accel", PPO | replay("accel", "learnability", edit_size=0.2)),
     "sfl": Variant("sfl", PPO),
 }
