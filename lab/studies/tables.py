@@ -172,27 +172,38 @@ def over_games(scores: Sequence[estimate.Scores]) -> estimate.Scores:
 
 def tuning_text(rows: Sequence[Row]) -> str:
     """Return a table of all settings that were tried, the best of each method in bold."""
-    found, variants = games_of(rows, "tuning"), COMPARISONS["tuning"].variants
-    rates = {}
-    for name in variants:
-        mine = [[row for row in rows if (row.game, row.agent) == (game, name)] for game in found]
-        if all(mine):
-            rates[name] = [100 * validation_rate(played) for played in mine]
-    best: dict[str, str] = {}
+    rates, best = tuned_rates(rows), best_settings(rows).values()
+    table = [["method, setting", *games_of(rows, "tuning"), "mean"]]
     for name, each in rates.items():
-        method = variants[name].method
-        if method not in best or sum(each) > sum(rates[best[method]]):
-            best[method] = name
-    table = [["method, setting", *found, "mean"]]
-    for name, each in rates.items():
-        label = f"**{name}**" if name in best.values() else name
-        table.append([label, *(f"{rate:.0f}%" for rate in each), f"{np.mean(each):.1f}%"])
+        label = f"**{name}**" if name in best else name
+        table.append([label, *(f"{rate:.0%}" for rate in each), f"{np.mean(each):.1%}"])
     about = (
         "Success after one run each, on the scenes by which settings are chosen: test scenes of games that also have "
         "held-out ones, random levels of the others. Bold: chosen. "
         f"Measured on {played_on(rows)}; `python -m lab.studies.tables tuning`."
     )
     return f"{as_markdown(table)}\n\n{about}"
+
+
+def tuned_rates(rows: Sequence[Row]) -> dict[str, list[float]]:
+    """Return the success of each setting that was tried on all games, by game, in the order of the study."""
+    found = games_of(rows, "tuning")
+    by_name = {
+        name: [[row for row in rows if (row.game, row.agent) == (game, name)] for game in found]
+        for name in COMPARISONS["tuning"].variants
+    }
+    return {name: [validation_rate(mine) for mine in played] for name, played in by_name.items() if all(played)}
+
+
+def best_settings(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the name of the best setting of each method, by the mean over games; of equals the first."""
+    best: dict[str, str] = {}
+    rates, variants = tuned_rates(rows), COMPARISONS["tuning"].variants
+    for name, each in rates.items():
+        method = variants[name].method
+        if method not in best or sum(each) > sum(rates[best[method]]):
+            best[method] = name
+    return best
 
 
 def validation_rate(rows: Sequence[Row]) -> float:

@@ -19,6 +19,7 @@ from regista.experiments.run import arguments
 from regista.experiments.run import results as estimate
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.games import find_minigame
 from tests.experiments.test_limits import numbers_of
 from tests.floors import ROOT
 from ued.config import bounds_of
@@ -101,6 +102,16 @@ def test_each_method_has_as_many_tuning_runs_and_its_settings_are_among_them():
     tried = [variant.settings for variant in tuned.variants.values()]
     for name, variant in COMPARISONS["curricula"].variants.items():
         assert variant.settings in tried, name
+
+
+def test_what_is_compared_has_the_best_settings_of_the_stored_tuning():
+    tried = COMPARISONS["tuning"]
+    stored = rows.load(rows.RESULTS / "tuning.csv")
+    assert {row.agent for row in stored} == set(tried.variants) and {row.seed for row in stored} == {1000}
+    for method, name in tables.best_settings(stored).items():
+        assert COMPARISONS["curricula"].variants[method].settings == tried.variants[name].settings, method
+    without = {row.game for row in stored if not find_minigame(row.game).held_out}
+    assert without and {row.scene for row in stored if row.game in without} == {"train"}
 
 
 def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
