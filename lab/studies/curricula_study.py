@@ -152,12 +152,20 @@ class CurriculaStudy:
 
 def games_of_study(name: str) -> dict[str, list[Any]]:
     """Return what all runs of a study have on its own games, for its help; variants have further settings."""
-    base = CurriculaStudyConfig()
     variants = [variant.settings.items() for variant in COMPARISONS[name].variants.values()]
     common = dict(item for item in variants[0] if all(item in other for other in variants))
-    settings = [game | common for game in COMPARISONS[name].games.values()]
-    trained = [arguments.replace_paths(base, {f"train.{path}": v for path, v in game.items()}) for game in settings]
-    return {"for the games of the study": trained}
+    cases: dict[str, list[str]] = {}
+    for game, settings in COMPARISONS[name].games.items():
+        cases.setdefault(repr(settings), []).append(game)
+    first, *others = cases.values()
+    but = f" but {', '.join(game for games in others for game in games)}" if others else ""
+    named = {f"for the games of the study{but}": first} | {f"for {', '.join(games)}": games for games in others}
+    return {case: [_trained(COMPARISONS[name].games[game] | common) for game in games] for case, games in named.items()}
+
+
+def _trained(settings: Settings) -> CurriculaStudyConfig:
+    """Return what a run begins with, and settings by dotted path."""
+    return arguments.replace_paths(CurriculaStudyConfig(), {f"train.{path}": v for path, v in settings.items()})
 
 
 def run_curricula(name: str, config: CurriculaStudyConfig, typed: dict[str, Any]) -> int:
