@@ -22,7 +22,7 @@ from regista.experiments.run.table import read_rows
 
 ROWS = Path("lab/results/demo.csv")
 REPETITIONS, FIRST_SEED = 10, 2000
-ADDED = ("--no-record", "--levels", "0")  # what a repetition does not need
+ADDED = ("--no-record",)  # what a repetition does not need
 
 
 def command() -> list[str]:
