@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Show the minigames: players (left v right), number D of free parameters θ (training, test scenes), the players "
-    "that one agent and a team control, and the published goal differences of PPO. Then show the built-in tasks, and "
-    "the shipped policies."
+    "that one agent and a team control, and the published goal differences of PPO. Then show the named mixtures of "
+    "minigames, the built-in tasks, and the shipped policies."
 )
 AGENTS = {
     "ppo": "PPO, 5M steps",
@@ -59,7 +59,7 @@ AGENTS = {
 class ListConfig(Checked):
     """Arguments of `regista list`."""
 
-    words: tuple[str, ...] = positional("minigames or tasks to show: names, or parts of names", default=())
+    words: tuple[str, ...] = positional("minigames, mixtures or tasks to show: names, or parts", default=())
     solved: bool = setting(False, "train a student on these games and report the share of random levels it solves")
     solving: SolvedConfig = group(
         SolvedConfig, "with --solved", prefix="", topics={"solved": "with --solved: levels, evaluations, training"}
@@ -81,25 +81,42 @@ def main(argv: Sequence[str]) -> int:
     if given := [path for path in typed if path.startswith("solving.")]:
         flag = arguments.flag_name(given[0].rpartition("solving.train.")[2].removeprefix("solving."))
         raise UsageError(f"{flag} needs --solved")
-    from regista.minigames.suites import ALL
+    from regista.minigames.suites import ALL, MIXTURES
 
-    names = [*ALL, *BUILT_IN]
+    names = [*ALL, *MIXTURES, *BUILT_IN]
     by_word = {word: [word] if word in names else _containing(word, names) for word in config.words}
     chosen = [name for name in names if not by_word or any(name in some for some in by_word.values())]
     for word, some in by_word.items():
         if not some:
-            raise UsageError(f"no minigame or task has {word!r} in its name{nearest(word, names, 3)}")
+            raise UsageError(f"no minigame, mixture or task has {word!r} in its name{nearest(word, names, 3)}")
     if len(chosen) == 1:
-        print(card(ALL[chosen[0]]) if chosen[0] in ALL else task_card(chosen[0]))
+        print(one(chosen[0]))
         return 0
-    games, tasks = ([name for name in chosen if name in known] for known in (ALL, BUILT_IN))
+    games, mixtures, tasks = ([name for name in chosen if name in known] for known in (ALL, MIXTURES, BUILT_IN))
+    parts = []
     if games:
-        print(table([HEAD, *(line(ALL[name]) for name in games)], shutil.get_terminal_size().columns))
+        parts.append(table([HEAD, *(line(ALL[name]) for name in games)], shutil.get_terminal_size().columns))
+    if mixtures:
+        counted = [[name, f"{len(MIXTURES[name])} minigames, easy to hard"] for name in mixtures]
+        parts.append(align([["mixture", "what"], *counted]))
     if tasks:
-        print(align([["\ntask" if games else "task", "what"], *([name, BUILT_IN[name].about] for name in tasks)]))
+        parts.append(align([["task", "what"], *([name, BUILT_IN[name].about] for name in tasks)]))
     if policies := [policy for name in chosen if (policy := shipped.of_game(name))]:
-        print(f"\n{policy_table(policies)}")
+        parts.append(policy_table(policies))
+    print("\n\n".join(parts))
     return 0
+
+
+def one(name: str) -> str:
+    """Return the details of a minigame, a mixture of minigames, or a built-in task."""
+    from regista.minigames.suites import ALL, MIXTURES
+
+    if name in ALL:
+        return card(ALL[name])
+    if name in MIXTURES:
+        about = f"{name}: a mixture of minigames, which `train` and `compare` accept; each level has one of them"
+        return "\n    ".join([about, *MIXTURES[name]])
+    return task_card(name)
 
 
 def _containing(word: str, names: Sequence[str]) -> list[str]:

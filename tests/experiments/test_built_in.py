@@ -12,6 +12,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.run.build import find_game
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.folder import RunFolder
+from regista.minigames.suites import MIXTURES
 
 BRIEF = ["--num-envs", "4", "--num-steps", "32", "--total-env-steps", "256"]
 FULL = "regista.envs.maze.task:maze"
@@ -85,6 +86,11 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
     assert main(["list", "ma"]) == 0
     shown = capsys.readouterr().out
     assert all(BUILT_IN[name].about in shown for name in ("maze", "maze60"))
+    assert main(["list", "ladder"]) == 0
+    head, *games = capsys.readouterr().out.splitlines()
+    assert head.startswith("AcademyLadder: a mixture of minigames") and [name.strip() for name in games] == [
+        *MIXTURES["AcademyLadder"]
+    ]
     assert main(["list", "mazee"]) == 2
     assert "did you mean 'maze' or 'maze60'?" in capsys.readouterr().err
 
