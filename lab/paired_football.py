@@ -88,7 +88,9 @@ def order_part() -> Iterator[Cell]:
         yield Cell(game, "first", "dr", "dr", {})
         yield Cell(game, "even", "dr, even branches", "dr", {})
         for order in ORDERS:
-            yield paired(game, order, "paired", **{ENTROPY: 0.1})
+            yield paired(game, order, "paired")
+        for order in ORDERS:
+            yield paired(game, order, "paired, adversary entropy 0.1", **{ENTROPY: 0.1})
         for order in ORDERS:
             yield Cell(game, order, "plr", "plr", REPLAY)
 
