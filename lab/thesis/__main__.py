@@ -6,8 +6,8 @@
     python -m lab.thesis figures            # draw and print again what has rows
 
 Runs, rows and figures lie beneath `--out`; a second call skips what has rows and continues what was stopped.
-`--publish` keeps the rows in lab/results, the figures in experiments/gallery and the tables in BENCHMARK.md. Read
-next: `lab/thesis/plan.py`.
+`--publish` keeps the rows in lab/results, the figures in experiments/gallery and the tables in
+docs/benchmarks/thesis.md. Read next: `lab/thesis/plan.py`.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from regista.experiments.run.report import INTERVALS, Report, as_markdown, write
 from regista.experiments.run.results import unique
 from regista.minigames.published import find_published
 
-PAGE = ROOT / "BENCHMARK.md"
+PAGE = ROOT / "docs" / "benchmarks" / "thesis.md"
 THEIRS = ("light_cnn", "impala_cnn")  # of Table 4.1: the thesis's network, and that of GRF
 
 
