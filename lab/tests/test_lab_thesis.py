@@ -27,9 +27,10 @@ def measured(runs=6):
 
 def test_the_experiment_is_that_of_the_thesis():
     arms = list(plan.paired_arms([*plan.FIGURES], [*plan.METHODS], plan.Budget()))
-    assert len(arms) == 10 * 4 * 4 and set(plan.FIGURES) == set(MINIGAMES)
+    assert len(arms) == 10 * 4 * 5 and set(plan.FIGURES) == set(MINIGAMES)
     assert {arm.seed for arm in arms} == set(range(10))
-    assert {arm.settings["total_env_steps"] for arm in arms} == {5_000_000}
+    steps = {(arm.agent, arm.settings["total_env_steps"]) for arm in arms}
+    assert steps == {(name, 2_500_000 if name == "dr_half" else 5_000_000) for name in plan.METHODS}
     found = {arm.agent: (arm.settings["method"], arm.settings.get("paired.roles")) for arm in arms}
     assert found["paired_dennis2020"] == ("paired", "dennis2020") and found["paired"] == ("paired", "population")
     steps = {arm.game: arm.settings["total_env_steps"] for arm in plan.table_arms(plan.table_games(), plan.Budget())}

@@ -21,6 +21,7 @@ from regista.experiments.run.results import unique
 AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
 STRATEGIES = plots.METHOD_COLOURS["built-in"]
 RUN = "a run"
+VARIANTS = dict(zip(("paired_dennis2020", "dr_half"), plots.VARIANT_COLOURS, strict=False))
 DASHED = {"paired_literal": "--"}  # its color is close to that of PAIRED
 WIDTH = 0.8  # of a group of bars
 
@@ -67,8 +68,8 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
 
 
 def shade(name: str) -> str:
-    """Return the color of a method of the chapter; PAIRED with the paper's regret is a variant of ours."""
-    return plots.colour(name) if name in plots.METHOD_COLOURS else plots.VARIANT_COLOURS[0]
+    """Return the color of a method of the chapter, or of a variant of one."""
+    return VARIANTS.get(name) or plots.colour(name)
 
 
 def legend(figure: Any, axes: Any, *marks: str) -> None:
@@ -139,8 +140,10 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
 
 
 def draw_curve(axes: Any, values: Sequence[Value]) -> None:
-    """Draw a curve of each method in one game."""
+    """Draw a curve of each method in one game; half of the steps would be half of a curve."""
     for name, method in METHODS.items():
+        if method.share < 1:
+            continue
         mine = [value for value in values if value.agent == name]
         steps = sorted({value.env_steps for value in mine})
         at = [[value.value for value in mine if value.env_steps == step] for step in steps]

@@ -40,16 +40,18 @@ FIGURES = {
 
 
 class Method(NamedTuple):
-    """A method of `regista train`, settings by dotted path, and its name in figures."""
+    """A method of `regista train`, settings by dotted path, its name in figures, and its share of the steps."""
 
     method: str
     settings: Settings
     title: str
+    share: float = 1.0
 
 
 OWN_REGRET = {"paired.roles": "population", "paired.dr_fraction": 0.25}  # defaults, also with --preset thesis
 METHODS = {  # the first is what the others are compared with
     "dr": Method("dr", {}, "DR"),
+    "dr_half": Method("dr", {}, "DR, half of the steps", 0.5),  # as many as PAIRED's protagonist has
     "paired_literal": Method("paired_literal", {}, "PAIRED, Algorithm 1"),
     "paired_dennis2020": Method("paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED, regret of the paper"),
     "paired": Method("paired", OWN_REGRET, "PAIRED, population regret (default)"),
@@ -63,9 +65,9 @@ class Budget(NamedTuple):
     preset: str = "fast"
     env_steps: int = STEPS
 
-    def settings(self, more: Settings) -> Settings:
-        """Return the settings of a run, by dotted path."""
-        return {"total_env_steps": self.env_steps} | (LONG | PPO if self.preset == "fast" else {}) | more
+    def settings(self, more: Settings, share: float = 1.0) -> Settings:
+        """Return the settings of a run with this share of the steps, by dotted path."""
+        return {"total_env_steps": int(self.env_steps * share)} | (LONG | PPO if self.preset == "fast" else {}) | more
 
 
 class Arm(NamedTuple):
@@ -95,7 +97,8 @@ def paired_arms(games: Sequence[str], methods: Sequence[str], budget: Budget) ->
         for game in games:
             for agent in methods:
                 chosen = METHODS[agent]
-                yield Arm(game, agent, seed, budget.settings(chosen.settings | {"method": chosen.method}))
+                settings = budget.settings(chosen.settings | {"method": chosen.method}, chosen.share)
+                yield Arm(game, agent, seed, settings)
 
 
 def in_order(rows: Sequence[Row]) -> list[Row]:
