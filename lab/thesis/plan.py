@@ -53,8 +53,8 @@ METHODS = {  # the first is what the others are compared with
     "dr": Method("dr", {}, "DR"),
     "dr_half": Method("dr", {}, "DR, half of the steps", 0.5),  # as many as PAIRED's protagonist has
     "paired_literal": Method("paired_literal", {}, "PAIRED, Algorithm 1"),
-    "paired_dennis2020": Method("paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED, regret of the paper"),
-    "paired": Method("paired", OWN_REGRET, "PAIRED, population regret (default)"),
+    "paired_dennis2020": Method("paired", OWN_REGRET | {"paired.roles": "dennis2020"}, "PAIRED (Dennis et al.)"),
+    "paired": Method("paired", OWN_REGRET, "PAIRED (default)"),
 }
 
 
