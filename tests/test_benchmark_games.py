@@ -17,7 +17,7 @@ from regista.experiments.__main__ import main
 from regista.experiments.run import build, games
 from regista.experiments.run.built_in import BUILT_IN
 from regista.minigames.published import find_published, published
-from regista.minigames.suites import ALL, BENCHMARK, HERE, NAMED
+from regista.minigames.suites import ALL, BENCHMARK, HERE, MIXTURES, NAMED
 from scenic_lite import load
 
 # The default regions of roles: x, y of the left team; the right one's are turned by half a turn.
@@ -300,8 +300,9 @@ def test_the_list_shows_games_with_what_is_published(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "250")
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    shown, tasks, policies, _ = (list(part) for blank, part in groupby(lines, bool) if blank)
+    shown, mixtures, tasks, policies, _ = (list(part) for blank, part in groupby(lines, bool) if blank)
     assert len(shown) == len(ALL) + 2 and len(tasks) == len(BUILT_IN) + 2
+    assert [line.split()[0] for line in mixtures[2:]] == list(MIXTURES)
     assert any("shipped:maze" in line for line in policies)
     (row,) = [line for line in lines if line.startswith("offense/hard_crossing ")]
     assert re.split(r"\s{2,}", row)[1:9] == ["4 v 4", "12", "12", "closest1", "allNonGK", "+0.12", "-0.00", "-0.02"]
