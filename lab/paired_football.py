@@ -116,14 +116,14 @@ def settings_part() -> Iterator[Cell]:
 
 
 PARTS = {
-    "order": Part(list(order_part()), range(20, 25), 4_000_000),
+    "order": Part(list(order_part()), range(40, 45), 4_000_000),
     "restricted": Part(
         [
             Cell("1v1Restricted", "", "dr", "dr", {}),
             paired("1v1Restricted", "", "paired"),
             paired("1v1Restricted", "", "tanh_gaussian", **TANH),
         ],
-        range(20, 25),
+        range(40, 45),
         500_000,
     ),
     "settings": Part(list(settings_part()), range(1000, 1005), 1_000_000),

@@ -6,6 +6,7 @@ from functools import cache
 
 import pytest
 
+from lab.paired_football import PARTS
 from lab.studies.curricula import COMPARISONS
 from lab.thesis import plan
 from regista.envs.football.version import SIMULATOR_VERSION
@@ -77,3 +78,11 @@ def test_studies_begin_where_their_tables_belong():
     first = {name: comparison.first_seed for name, comparison in COMPARISONS.items()}
     assert {name for name, seed in first.items() if seed >= 1000} == {"ablations", "tuning"}
     assert set(plan.SEEDS) == set(range(10))
+
+
+def test_no_study_will_have_a_seed_of_tuning():
+    tuning = {seed for path in MEASURED if kind_of(path)[0] == "tuning" for seed in seeds_of(path)}
+    final = {name: comparison for name, comparison in COMPARISONS.items() if comparison.first_seed < 1000}
+    planned = {name: range(one.first_seed, one.first_seed + one.most_seeds) for name, one in final.items()}
+    planned |= {name: part.seeds for name, part in PARTS.items() if name != "settings"} | {"thesis": plan.SEEDS}
+    assert {name: tuning & set(seeds) for name, seeds in planned.items()} == {name: set() for name in planned}
