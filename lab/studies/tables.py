@@ -58,6 +58,8 @@ def main(argv: Sequence[str]) -> int:
     names = (*COMPARISONS, "fast", "thesis")
     if config.name not in names:
         raise UsageError(f"no stored rows '{config.name}'; there are {', '.join(names)}")
+    if config.summary and config.name != "curricula":
+        raise UsageError(f"--summary is of curricula, not of {config.name}")
     if config.summary:
         publish_summary(config.results, config.page)
     else:
@@ -69,7 +71,7 @@ def publish_summary(results: Path, page: Path | None = None) -> None:
     """Print the summary of the study of methods, or put it into its place on a page; see `publish`."""
     rows = load(results / "curricula.csv")
     check_present(results / "curricula.csv", rows)
-    text = summary(rows)
+    text = summary(rows) if rows else f"{results / 'curricula.csv'} has no rows."
     if page is None:
         return print(text)
     put(page, "study: summary", text, "Football")

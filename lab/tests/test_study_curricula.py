@@ -260,6 +260,13 @@ def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
     assert "all games" not in few and "| sfl minus dr |" in few.splitlines()[0]
 
 
+def test_a_summary_without_rows_or_of_another_study_is_refused(tmp_path, capsys):
+    assert tables.main(["curricula", "--summary", "--results", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"{tmp_path}/curricula.csv has no rows.\n"
+    with pytest.raises(UsageError, match="--summary is of curricula, not of tuning"):
+        tables.main(["tuning", "--summary"])
+
+
 def test_means_over_games_weigh_games_alike_however_many_scenes_they_have():
     rates = [np.array([[0.2, 0.4], [0.0, 0.0]]), np.array([[0.9]])]
     both = tables.over_games([estimate.Scores(mine, np.full_like(mine, 0.1)) for mine in rates])
