@@ -114,12 +114,14 @@ def test_packages_import_only_what_the_design_allows(package):
             assert name.split(".")[0] in STANDARD or within(name, allowed), f"{path} imports {name}"
 
 
+@pytest.mark.slow
 def test_what_is_installed_needs_no_lab_and_no_tests():
     for package in OURS:
         for path in sources(package):
             assert not [name for name in imported(path) if within(name, {"lab", "tests"})], path
 
 
+@pytest.mark.slow
 def test_tests_need_no_lab():
     for path in sources("tests"):
         assert not [name for name in imported(path) if within(name, {"lab"})], path

@@ -283,6 +283,7 @@ def test_names_are_found_and_slips_are_told(capsys):
     assert "D = 8" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_list_fits_the_terminal(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "80")
     for words in ([], ["maze"], ["defense"]):

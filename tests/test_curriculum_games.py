@@ -35,6 +35,7 @@ def corners(program):
     return places.min(0), places.max(0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SPARSE_REWARD)
 def test_all_scenes_of_a_game_are_the_same_match(name):
     game = SPARSE_REWARD[name]

@@ -239,6 +239,7 @@ def faster(x):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "old", "new", "printed"),
     [

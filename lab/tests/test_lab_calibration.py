@@ -106,6 +106,7 @@ def test_blocks_are_recovered():
     assert found.values == pytest.approx(wanted, abs=0.06)
 
 
+@pytest.mark.slow
 def test_parries_and_holds_are_recovered():
     run, came = RNG.normal(0.0, 4.0, (3000, 2)), RNG.normal((25.0, 0.0), 4.0, (3000, 2))
     met = np.column_stack([RNG.uniform(0.3, 2.0, 3000), np.linalg.norm(came, axis=1), run, came, np.zeros((3000, 4))])

@@ -115,6 +115,7 @@ def test_only_the_experiment_itself_is_published(more, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_built_in_ai_meets_the_four_strategies(tmp_path, capsys):
     assert command.main(["strategies", "--episodes", "30", "--out", str(tmp_path)]) == 0
     rows = load(tmp_path / "results" / "thesis_strategies.csv")

@@ -63,6 +63,7 @@ def results(lab, tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["TRANSFER.md", "BENCHMARK.md"])
 def test_the_pages_have_the_tables_that_the_files_make(lab, name):
     text = (ROOT / name).read_text()
@@ -76,6 +77,7 @@ def test_every_table_has_a_place(lab):
     assert sorted(places) == sorted([*tables.TABLES, "summary"])
 
 
+@pytest.mark.slow
 def test_tables_say_what_is_in_the_files(lab, results):
     tables = lab["transfer_tables"]
     text = "\n".join((ROOT / name).read_text() for name in tables.PAGES)

@@ -47,6 +47,7 @@ def read(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_a_small_study_is_trained_stored_and_tabulated(stored):
     tests, levels, curves = (read(stored / f"maze_{kind}.csv") for kind in ("tests", "levels", "curves"))

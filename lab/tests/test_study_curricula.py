@@ -114,6 +114,7 @@ def test_what_is_compared_has_the_best_settings_of_the_stored_tuning():
     assert without and {row.scene for row in stored if row.game in without} == {"train"}
 
 
+@pytest.mark.slow
 def test_every_variant_is_a_run_that_can_be_begun(tmp_path):
     for name in COMPARISONS:
         study = CurriculaStudy(name, CurriculaStudyConfig(out=tmp_path, seeds=1), {})

@@ -368,6 +368,7 @@ def test_unknown_settings_are_refused(config, message):
     assert str(error.value) == message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [lambda text: FootballVectorEnv(text, 2), FootballEnv], ids=["vector", "one"])
 def test_slips_that_loading_finds_are_warned_of_once_each(make):
     text = "param game_durration = 30\nego = LeftCM at 0 @ 0, with behaviour HoldPosition()\nLeftGK\nRightGK\n"

@@ -134,6 +134,7 @@ def test_a_misspelt_setting_is_warned_of(line, expected):
 # ---------------------------------------------------------------- the thesis's striker keeps his ball
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ["figure_4_1", "figure_4_3"])
 @pytest.mark.parametrize(("dialect", "ahead"), [(2, 2.1), (3, 2.6)])
 def test_the_ball_lies_before_the_striker_on_whatever_level_is_played(figure, dialect, ahead):

@@ -94,6 +94,7 @@ def test_heads_behind_a_shared_torso_are_played_step_by_step():
     assert method.update()["env_steps"] == 32
 
 
+@pytest.mark.slow
 def test_the_command_line_trains_resumes_and_its_policy_is_loaded(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     out, steps = str(tmp_path / "run"), ["--num-envs", "4", "--num-steps", "16", "--eval-every", "0", "--no-record"]

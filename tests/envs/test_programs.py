@@ -16,6 +16,7 @@ def program(path):
     return pytest.param(path, id=path.stem, marks=marks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [program(path) for path in PROGRAMS])
 def test_a_program_does_what_it_says(path):
     wanted = expectations(path)

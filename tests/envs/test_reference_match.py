@@ -80,6 +80,7 @@ def test_compiled_behaviors_play_as_the_reference_does(folder: str, part: str) -
         both_play(path, 1, 300)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("folder", "part"), SAMPLES)
 def test_the_single_environment_plays_as_the_batch_does(folder: str, part: str) -> None:
     for path in sample(folder, part):

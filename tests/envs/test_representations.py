@@ -180,6 +180,7 @@ def test_smm_is_made_of_raw_as_in_the_original():
         np.testing.assert_array_equal(seen, planes(raw))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", ["smm", "smm_stacked"])
 @pytest.mark.parametrize(("control", "right_control"), [("closest1", "none"), ("closest3", "closest2")])
 def test_sparse_smm_is_the_same_planes_as_coordinates(representation, control, right_control):
@@ -249,6 +250,7 @@ def test_gymnasium_accepts_every_representation_and_control(representation, cont
         check_env(env)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 @pytest.mark.parametrize("control", ["closest1", "closest3", "all"])
 def test_the_batch_keeps_the_contract_of_vector_environments(representation, control):

@@ -43,6 +43,7 @@ def trained(method, pixels, config=PPO, *own):
     return made, before, metrics
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("settings", [{}, {"memory": "gru"}, {"shared_torso": False}])
 def test_a_run_on_coordinates_is_the_run_on_images_but_for_rounding(settings):
     config = replace(PPO, **settings)
@@ -59,6 +60,7 @@ def test_a_run_on_coordinates_is_the_run_on_images_but_for_rounding(settings):
             assert mine[name] == pytest.approx(other[name], rel=1e-3, abs=1e-6), name
 
 
+@pytest.mark.slow
 def test_paired_on_coordinates_chooses_the_levels_that_it_chooses_on_images():
     """The adversary's context is the image itself, as in the thesis."""
     config = PairedConfig(adversary=AdversaryConfig(context="observation", hidden_size=8))
@@ -79,6 +81,7 @@ def test_a_checkpoint_of_coordinates_plays_on_images(tmp_path):
     np.testing.assert_array_equal(policy.act(images, greedy=True), expected)
 
 
+@pytest.mark.slow
 def test_stable_baselines_and_torchrl_see_images():
     pytest.importorskip("stable_baselines3")
     pytest.importorskip("torchrl")

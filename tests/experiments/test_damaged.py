@@ -91,6 +91,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return make_run(tmp_path_factory.mktemp("begun"), 200, "begun")
 
 
+@pytest.mark.slow
 def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
     for keys, value in (
         (("spaces", "action", "kind"), "Nothing"),

@@ -101,6 +101,7 @@ def test_a_level_that_is_replayed_at_the_same_time_is_told_apart(run, tmp_path):
         assert came_out_alike(replay, stage.play(replay).returns)
 
 
+@pytest.mark.slow
 def test_the_levels_of_the_highest_scores_are_kept(run):
     rows, levels = read_rows(run.replays.path), levels_of(run)
     for update in {row["update"] for row in rows}:

@@ -122,6 +122,7 @@ def every_number(config: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tupl
             yield (*path, item.name), item
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [TrainConfig, TaskTrainConfig])
 def test_a_file_cannot_say_what_cannot_be_typed(kind):
     for path, item in every_number(kind()):

@@ -57,6 +57,7 @@ def test_tables_of_a_run_are_frames(run):
     ]
 
 
+@pytest.mark.slow
 def test_figures_are_drawn(run, comparison):
     assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
     labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
@@ -66,6 +67,7 @@ def test_figures_are_drawn(run, comparison):
         regista.load_run(run).figure()
 
 
+@pytest.mark.slow
 def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
     folders = {"dr-3", "plr-3", "dr-4", "plr-4"}
     assert {path.name for path in (tmp_path / "both").iterdir() if path.is_dir()} == folders
@@ -79,6 +81,7 @@ def test_a_run_trained_from_python_is_finished(run):
     assert RunFolder.open(run).finished()
 
 
+@pytest.mark.slow
 def test_tables_of_a_comparison_are_frames(comparison):
     pytest.importorskip("pandas")
     results = comparison.results()

@@ -58,6 +58,7 @@ def rows(run):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_a_row_is_the_level_to_the_last_bit(run):
     seen: dict[str, set[tuple[str, str]]] = {}
     for row in rows(run):

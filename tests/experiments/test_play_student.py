@@ -35,6 +35,7 @@ def played(words, capsys):
     return capsys.readouterr().out.splitlines()
 
 
+@pytest.mark.slow
 def test_a_student_of_football_is_filmed(football, tmp_path, capsys):
     video = tmp_path / "policy.gif"
     words = ["--player", football, "--steps", "12"]
@@ -56,6 +57,7 @@ def test_a_student_plays_test_scenes_levels_and_other_games(football, tmp_path, 
     assert "replayed exactly" in played(["--replay", record], capsys)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -69,6 +69,7 @@ def has_colour(path, colour):
     return bool((np.abs(image - to_rgb(colour)).max(-1) < 0.02).any())
 
 
+@pytest.mark.slow
 def test_learning_curves(runs, tmp_path):
     path = tmp_path / "curves.png"
     curves.learning_curves(runs, path)
@@ -98,6 +99,7 @@ class Dots:
         return theta[:, :4].reshape(-1, 2, 2) / 4
 
 
+@pytest.mark.slow
 def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(runs, tmp_path):
     import matplotlib.pyplot as plt
 
@@ -237,6 +239,7 @@ def test_titles_lie_within_the_picture_and_beside_each_other(runs):
     assert not any(one.overlaps(other) for one, other in itertools.combinations(extents, 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", plots.FORMATS)
 def test_pictures_of_every_format(runs, tmp_path, kind):
     path = tmp_path / f"curves.{kind}"

@@ -228,6 +228,7 @@ def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):
     assert capsys.readouterr().err == "regista: the recording has reached 1 MB and ends; see --record-limit\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hangs", [False, True])
 def test_a_stream_that_its_disk_has_failed_is_left_to_itself(monkeypatch, hangs):
     class Stream:

@@ -28,6 +28,7 @@ def runs(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_a_folder_stands_for_all_its_runs(runs, capsys):
     assert main(["evaluate", str(runs), *BRIEF, "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["results"]

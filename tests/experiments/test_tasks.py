@@ -260,6 +260,7 @@ def test_one_call_from_python_trains_tests_and_loads_a_policy(task, tmp_path):
     assert policy.act({"at": np.zeros(1, np.float32), "ground": 1}) in (0, 1)
 
 
+@pytest.mark.slow
 def test_a_student_with_a_memory_is_trained_further_tested_recorded_and_loaded(task, tmp_path):
     out = tmp_path / "run"
     more = ["--method", "paired", "--memory", "gru", "--num-minibatches", "2", "--record-rollouts", "1"]
@@ -329,6 +330,7 @@ def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
     assert "grass, sand, ice" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_family_of_levels_is_a_task(tmp_path):
     shutil.copy(ROOT / "examples" / "own_levels.py", tmp_path / "levels_copy.py")
     out = tmp_path / "run"

@@ -29,6 +29,7 @@ def without_time(path):
     return [{name: cell for name, cell in row.items() if not name.startswith("time/")} for row in read_rows(path)]
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 def test_a_run_leaves_what_the_folder_promises(probe, tmp_path, capsys):
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT, "--record"]) == 0
@@ -252,6 +253,7 @@ def test_a_program_of_ones_own_must_stay_the_same(probe, tmp_path, monkeypatch, 
     assert capsys.readouterr().err.startswith(f"regista: {program} has changed since {path} was started")
 
 
+@pytest.mark.slow
 def test_a_recorder_that_fails_stops_no_training(probe, tmp_path, monkeypatch, capsys):
     from ued.recorder.recorder import CurriculumRecorder
 

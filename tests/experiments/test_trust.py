@@ -266,6 +266,7 @@ def test_own_parts_are_stored_and_need_no_word_of_it_again(own_run, tmp_path, mo
     assert regista.evaluate(own_run, episodes=2).text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["score", "network"])
 @pytest.mark.parametrize("command", ["evaluate", "resume", "from", "demonstrate"])
 def test_no_command_imports_a_part_that_only_a_folder_names(own_run, part, command, tmp_path, capsys):

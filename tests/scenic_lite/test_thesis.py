@@ -44,6 +44,7 @@ def test_corresponding_theta_gives_the_same_scene(by_region, by_range):
 EDGES = some.tuples(some.integers(-90, 85), some.integers(1, 10), some.integers(-38, 30), some.integers(1, 8))
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(EDGES, EDGES, some.sampled_from([2, 3]), some.integers(0, 2**32))
 def test_a_region_and_two_ranges_are_the_same_wherever_they_lie(a, b, dialect, seed):

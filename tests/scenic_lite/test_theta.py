@@ -79,6 +79,7 @@ def test_scenes_lead_back_to_their_theta(name):
     assert away < 1e-9 or name in AMBIGUOUS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dialect", [2, 3])
 def test_scenes_of_programs_from_elsewhere_lead_back(dialect):
     tried = 0
@@ -92,6 +93,7 @@ def test_scenes_of_programs_from_elsewhere_lead_back(dialect):
     assert tried > 30
 
 
+@pytest.mark.slow
 def test_many_turned_objects_are_found_without_a_search():
     program = things("\n".join(["new Thing in CircularRegion(0 @ 0, 9), facing Range(0, 360) deg"] * 30), 3)
     assert assert_round_trip(program) < 1e-9

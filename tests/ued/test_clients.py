@@ -101,6 +101,7 @@ def test_the_loop_of_cleanrl_finds_in_a_batch_what_it_finds_in_gymnasiums_own():
         assert len(episodes) > 5 and all(returned == length for returned, length in episodes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [cartpole, pendulum, lambda: Frontier(4, longest=3)])
 def test_a_batch_is_torchrls_environment(make):
     pytest.importorskip("torchrl")
@@ -148,6 +149,7 @@ def test_torchrl_resets_some_environments_and_plays_no_team():
         TorchRLEnv(Roles(4))
 
 
+@pytest.mark.slow
 def test_stable_baselines_trains_on_a_batch():
     pytest.importorskip("stable_baselines3")
     from stable_baselines3 import PPO

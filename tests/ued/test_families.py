@@ -55,6 +55,7 @@ def test_the_table_has_every_method():
     assert promised().keys() == METHODS.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("name", METHODS)
 def test_a_method_trains_on_a_family_or_refuses_it_as_the_page_says(name, family):

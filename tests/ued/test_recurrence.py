@@ -126,6 +126,7 @@ def gradients(student: Student, batch: Batch) -> list[Tensor]:
 SEVERAL = [(3, *each) for each in ARRANGEMENTS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("agents", "team", "critic"), [(1, "independent", "own"), *SEVERAL])
 @pytest.mark.parametrize("shared_torso", [False, True])
 @pytest.mark.parametrize("bptt_steps", [1, 4])

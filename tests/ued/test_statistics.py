@@ -31,6 +31,7 @@ def test_iqm_is_the_mean_of_the_middle_half():
         iqm(np.array([]))
 
 
+@pytest.mark.slow
 def test_whole_runs_are_resampled():
     """Ten runs of a thousand equal levels say no more than ten numbers."""
     rng = np.random.default_rng(0)

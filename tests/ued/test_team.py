@@ -193,6 +193,7 @@ def test_what_a_team_did_is_told_by_agent():
     assert all(type(number) is float for number in metrics.values())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 def test_every_method_trains_teams_and_resumes_to_the_same_numbers(name):
     row = METHODS[name]

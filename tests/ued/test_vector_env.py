@@ -98,6 +98,7 @@ def test_an_async_vector_env_trains_as_its_single_environments(mode, reference):
     assert_alike(trained(VectorUPOMDP(asynchronous(mode), "each", KINDS, 4)), reference)
 
 
+@pytest.mark.slow
 def test_an_async_vector_env_without_shared_memory(reference):
     plain = asynchronous(AutoresetMode.SAME_STEP, shared_memory=False)
     assert_alike(trained(VectorUPOMDP(plain, put_all, KINDS, 4)), reference)

@@ -101,6 +101,7 @@ def test_another_kind_is_refused():
         poles(vectorization="threads")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "make", [DR, lambda env, ppo: PLR(env, ppo, PLRConfig(buffer=BufferConfig(capacity=4))), Paired]
 )

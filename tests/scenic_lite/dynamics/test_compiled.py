@@ -88,6 +88,7 @@ def test_generated_programs_give_the_same_commands(seed):
     assert found == [], text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(40, quick=6))
 def test_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)

@@ -93,6 +93,7 @@ def text_of(body: str) -> str:
     return text + "ball = Ball at 2 @ 0\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(BODIES))
 def test_a_behavior_among_22_players_gives_the_same_commands(name: str) -> None:
     program = load(text_of(BODIES[name]), FOOTBALL)
