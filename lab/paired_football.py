@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lab import rare_levels_figure
 from lab.studies.curricula import LONG, PPO, REPLAY
 from lab.studies.runs import LONGEST, ROOT, Deadline, StudyRuns, train_and_measure, training
 from lab.studies.tables import put
@@ -212,6 +213,9 @@ SHOWN = {  # columns of the table, in percent
 }
 
 
+RARE = {"scene_0": "rare scene", "scene_1": "other scene"}  # where every game has a rare option
+
+
 def table(rows: Sequence[dict[str, str]], part: str) -> str:
     """Return means over the runs of each setting in percent, with 95% bootstrap intervals over runs, in Markdown.
 
@@ -225,10 +229,11 @@ def table(rows: Sequence[dict[str, str]], part: str) -> str:
     gains = {kind: gain(runs[kind], runs[first[kind[0]]]) for kind in others}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     reference = " or ".join(dict.fromkeys(variant for _, _, variant in first.values()))
-    told = [["game", "order", "setting", "runs", *SHOWN.values(), f"minus {reference}"]]
+    shown = SHOWN | (RARE if part == "order" else {})
+    told = [["game", "order", "setting", "runs", *shown.values(), f"minus {reference}"]]
     for kind, mine in runs.items():
         difference = points(gains[kind], marks[kind]) if kind in gains else ""
-        told.append([*kind, str(len(mine)), *(cell(mine, column) for column in SHOWN), difference])
+        told.append([*kind, str(len(mine)), *(cell(mine, column) for column in shown), difference])
     return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part)}"
 
 
@@ -363,6 +368,8 @@ def main(argv: Sequence[str]) -> int:
         return code
     text = table(rows, options.part)
     if options.publish:
+        if options.part == "order":
+            rare_levels_figure.draw(rows, FIFTHS)
         put(ROOT / "RESULTS.md", f"rare: {options.part}", text, TITLES[options.part])
     else:
         print(f"\n{text}")

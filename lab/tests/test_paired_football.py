@@ -33,7 +33,7 @@ def test_differences_are_to_the_first_setting_and_marked():
     text = table(rows, "order")
     head, _, dr, paired, *_ = text.splitlines()
     assert head == (
-        "| game | order | setting | runs | held-out success | first scene | second scene "
+        "| game | order | setting | runs | held-out success | rare scene | other scene "
         "| rare option in proposals | minus dr |"
     )
     assert dr.startswith("| 1v1Rare | first | dr | 5 | 42 [") and dr.endswith("|  |  |")

@@ -1,0 +1,94 @@
+"""Picture of the rare levels: success on them by method, and how often PAIRED's adversary proposes them.
+
+Drawn from the rows of `lab/paired_football.py`, which calls it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lab.thesis.figures import run_handle
+from regista.experiments.pictures import keys, plots
+from regista.experiments.run.results import unique
+from ued.statistics import bootstrap
+
+PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.png"
+EVEN, ENTROPY = "dr, even branches", "paired, adversary entropy 0.1"
+SHADES = {EVEN: plots.VARIANT_COLOURS[0], ENTROPY: plots.VARIANT_COLOURS[1]}
+NAMES = {"dr": "DR", EVEN: "DR,\neven", ENTROPY: "PAIRED,\nentropy 0.1"}
+BARS = "three bars: the rare option of the program stands first, in the middle, last"
+Rows = Sequence[Mapping[str, str]]
+
+
+def draw(rows: Rows, fifths: int, path: Path = PICTURE) -> None:
+    """Draw a column for each game: success on its rare scene, and the rare option's share of PAIRED's proposals.
+
+    Args:
+        rows: of runs, with percents of success in `scene_0` and shares in `rare_share_0` and on.
+        fifths: parts of a run that have such shares.
+        path: of the picture.
+    """
+    games = unique([row["game"] for row in rows])
+    with plots.style():
+        import matplotlib.pyplot as plt
+
+        size = (5.6 * len(games), 5.6)
+        figure, grid = plt.subplots(2, len(games), figsize=size, sharey="row", squeeze=False, layout="constrained")
+        for column, game in enumerate(games):
+            mine = [row for row in rows if row["game"] == game]
+            draw_success(grid[0, column], mine)
+            draw_shares(grid[1, column], mine, fifths)
+            grid[0, column].set_title(game)
+        grid[0, 0].set_ylabel("success on the rare scene")
+        grid[1, 0].set_ylabel("rare option's share\nof the proposals")
+        marks = [keys.mark_handle(keys.WHISKER), run_handle()]
+        figure.legend(handles=marks, loc="outside lower center", ncols=2, title=BARS, title_fontsize=9)
+        plots.save(figure, path)
+
+
+def draw_success(axes: Any, rows: Rows) -> None:
+    """Draw a group of bars for each setting, a bar for each order of the options, a dot for each run."""
+    settings = unique([row["variant"] for row in rows])
+    for place, setting in enumerate(settings):
+        orders = unique([row["order"] for row in rows if row["variant"] == setting])
+        for at, order in zip(places_of(place, len(orders)), orders, strict=True):
+            chosen = [row for row in rows if (row["variant"], row["order"]) == (setting, order)]
+            values = np.array([float(row["scene_0"]) / 100 for row in chosen])
+            found = bootstrap(values, np.random.default_rng(0)).interval()
+            axes.bar(at, found.estimate, WIDTH * 0.92, color=shade(setting))
+            if found.known:
+                axes.plot([at, at], [found.low, found.high], color=plots.INK, linewidth=1.3)
+            spread = at + np.linspace(-0.3, 0.3, len(values)) * WIDTH
+            axes.plot(spread, values, ".", color=plots.INK, markersize=3, alpha=0.55)
+    axes.set_xticks(range(len(settings)), [NAMES.get(name, plots.title(name)) for name in settings])
+    axes.grid(False, axis="x")
+    plots.rate_axis(axes)
+
+
+WIDTH = 0.26  # of a bar
+
+
+def places_of(place: int, bars: int) -> np.ndarray:
+    """Return where the bars of a group stand: side by side around its place."""
+    return place + (np.arange(bars) - (bars - 1) / 2) * WIDTH
+
+
+def shade(setting: str) -> str:
+    """Return the color of a setting: of its method, or its own."""
+    return SHADES.get(setting) or plots.colour(setting)
+
+
+def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
+    """Draw a line for each run of PAIRED: how many of its proposals had the rare option in each part of the run."""
+    centers = (np.arange(fifths) + 0.5) / fifths
+    for row in rows:
+        shares = [float(row[f"rare_share_{k}"] or "nan") for k in range(fifths)]
+        if not np.all(np.isnan(shares)):
+            axes.plot(centers, shares, color=shade(row["variant"]), linewidth=1, alpha=0.7)
+    axes.set_xlim(0, 1)
+    axes.set_xlabel("part of the training")
+    plots.rate_axis(axes)

@@ -1,0 +1,45 @@
+"""The picture of the rare levels shows each setting and order that has rows, and no others."""
+
+import matplotlib.pyplot as plt
+import pytest
+
+from lab import rare_levels_figure as figure
+from regista.experiments.pictures import plots
+
+
+def row(variant, order, seed, rare, shares=()):
+    told = {f"rare_share_{k}": str(shares[k]) if k < len(shares) else "" for k in range(3)}
+    return {"game": "1v1Rare", "variant": variant, "order": order, "seed": str(seed), "scene_0": str(rare)} | told
+
+
+ROWS = [row("dr", "first", seed, 20 + seed) for seed in range(5)] + [
+    row("paired", order, seed, 70, ("0.1", "0.5", "0.9")) for order in ("first", "last") for seed in range(2)
+]
+
+
+@pytest.fixture
+def axes():
+    drawn, axes = plt.subplots()
+    yield axes
+    plt.close(drawn)
+
+
+def test_a_bar_for_each_setting_and_order_with_an_interval_where_there_are_five_runs(axes):
+    figure.draw_success(axes, ROWS)
+    assert [bar.get_height() for bar in axes.patches] == pytest.approx([0.22, 0.7, 0.7])
+    assert len({bar.get_x() for bar in axes.patches}) == 3 and axes.get_ylim() == (0, 1)
+    assert len(axes.lines) == 3 + 1  # the runs of each bar, and one interval
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["DR", plots.title("paired")]
+
+
+def test_a_line_for_each_run_that_proposed_levels(axes):
+    figure.draw_shares(axes, ROWS, 3)
+    assert len(axes.lines) == 4 and list(axes.lines[0].get_ydata()) == [0.1, 0.5, 0.9]
+    assert {line.get_color() for line in axes.lines} == {plots.colour("paired")}
+
+
+@pytest.mark.drawn
+def test_it_is_drawn_for_several_games(tmp_path):
+    others = [one | {"game": "1v1RareLine"} for one in ROWS]
+    figure.draw([*ROWS, *others], 3, tmp_path / "rare.png")
+    assert plt.imread(tmp_path / "rare.png").std() > 0.05
