@@ -1,7 +1,8 @@
 """How does PAIRED choose levels on football, and is it independent of how a program lists its options?
 
 Each part trains runs in a folder, plays each finished one on held-out scenes, and writes its row. `order`:
-PAIRED and PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely.
+PAIRED and PLR with the rare branch first, in the middle and last, DR, and DR with all branches equally likely. Five
+runs of each left both games open, in the sense of `lab/studies/curricula.py`; all settings got five more, once.
 `restricted`: a game without a rare branch. `settings`: of PAIRED, one change at a time, on seeds that no final table
 uses. A part that was stopped goes on with the same command and skips what has rows; `--table` prints means and
 intervals of its CSV file:
@@ -117,7 +118,7 @@ def settings_part() -> Iterator[Cell]:
 
 
 PARTS = {
-    "order": Part(list(order_part()), range(40, 45), 4_000_000),
+    "order": Part(list(order_part()), range(40, 50), 4_000_000),
     "restricted": Part(
         [
             Cell("1v1Restricted", "", "dr", "dr", {}),
