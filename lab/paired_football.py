@@ -8,7 +8,7 @@ uses. A part that was stopped goes on with the same command and skips what has r
 intervals of its CSV file:
 
     python -m lab.paired_football order --csv lab/results/paired_order.csv
-    python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into RESULTS.md
+    python -m lab.paired_football order --csv lab/results/paired_order.csv --table --publish    # into pages
 """
 
 from __future__ import annotations
@@ -23,30 +23,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lab import paired_football_tables as tables
 from lab import rare_levels_figure
+from lab.paired_football_tables import EPISODES, FIFTHS
 from lab.studies.curricula import LONG, PPO, REPLAY
+from lab.studies.curricula_study import PAGE
 from lab.studies.runs import LONGEST, ROOT, Deadline, StudyRuns, train_and_measure, training
 from lab.studies.tables import put
-from regista.envs.football.version import SIMULATOR_VERSION, simulator_name
-from regista.experiments.run import build, significance, versions
+from regista.envs.football.version import SIMULATOR_VERSION
+from regista.experiments.run import build, versions
 from regista.experiments.run.errors import CommandError, UsageError, run_command
 from regista.experiments.run.evaluator import EvalScenes, load_student
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import single_game
 from regista.experiments.run.launch.workers import LaunchConfig
 from regista.experiments.run.level_table import read_levels
-from regista.experiments.run.progress import count
-from regista.experiments.run.report import as_markdown, save_rows
-from regista.experiments.run.results import unique
-from regista.experiments.run.significance import difference_of_means, points
+from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import read_rows
 from regista.minigames.suites import NAMED
 from ued.core.parameters import choice_in
 from ued.core.task import TRAINING_SCENE
-from ued.statistics import Difference, bootstrap, detectable
 
-FIFTHS = 5  # of a run, in each of which the rare branch's share of the proposals is counted
-EPISODES = 300  # on each held-out scene
 SIDES = {"left": "Range(-25, -6)", "right": "Range(6, 25)"}
 OUT = "beside(ego, Range(60, 80), {})"
 BRANCHES = {  # of each game: what its program says, the text that is replaced, and the options
@@ -197,84 +194,8 @@ def measure(run: RunFolder, cell: Cell) -> dict[str, Any]:
     return row | {f"rare_share_{k}": share for k, share in enumerate(told) if not np.isnan(share)}
 
 
-TITLES = {  # of sections of the page
-    "order": "Rare levels",
-    "restricted": "PAIRED on a game without rare levels",
-    "settings": "Settings of PAIRED on football",
-}
 COLUMNS = ["game", "order", "variant", "seed", "simulator", "env_steps", "held_out", "train"]
 COLUMNS += [*(f"scene_{k}" for k in range(3)), "scenes", *(f"rare_share_{k}" for k in range(FIFTHS))]
-
-
-SHOWN = {  # columns of the table, in percent
-    "held_out": "held-out success",
-    "scene_0": "first scene",
-    "scene_1": "second scene",
-    f"rare_share_{FIFTHS - 1}": "rare option in proposals",
-}
-
-
-RARE = {"scene_0": "rare scene", "scene_1": "other scene"}  # where every game has a rare option
-
-
-def table(rows: Sequence[dict[str, str]], part: str) -> str:
-    """Return means over the runs of each setting in percent, with 95% bootstrap intervals over runs, in Markdown.
-
-    The first setting of a game is the reference of its differences; a game without its rows has none.
-    """
-    kinds = list(dict.fromkeys(cell[:3] for cell in PARTS[part].cells))
-    runs = {kind: [row for row in rows if tuple(key_of(row)[:3]) == kind] for kind in kinds}
-    first = {game: next(kind for kind in kinds if kind[0] == game) for game, _, _ in kinds}
-    runs = {kind: mine for kind, mine in runs.items() if mine}
-    others = [kind for kind in runs if kind != first[kind[0]] and first[kind[0]] in runs]
-    gains = {kind: gain(runs[kind], runs[first[kind[0]]]) for kind in others}
-    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
-    reference = " or ".join(dict.fromkeys(variant for _, _, variant in first.values()))
-    shown = SHOWN | (RARE if part == "order" else {})
-    told = [["game", "order", "setting", "runs", *shown.values(), f"minus {reference}"]]
-    for kind, mine in runs.items():
-        difference = points(gains[kind], marks[kind]) if kind in gains else ""
-        told.append([*kind, str(len(mine)), *(cell(mine, column) for column in shown), difference])
-    return f"{as_markdown(told)}\n\n{below(list(runs.values()), list(gains.values()), part)}"
-
-
-def below(runs: Sequence[list[dict[str, str]]], gains: Sequence[Difference], part: str) -> str:
-    """Return what stands below the table: budget, marks, the smallest visible difference, simulator and command.
-
-    The deviations of runs are pooled over all settings.
-    """
-    rows = [row for mine in runs for row in mine]
-    steps = " to ".join(unique([count(int(row["env_steps"])) for row in rows]))
-    size = 100 * detectable([shares(mine) for mine in runs])
-    said = significance.sentences(
-        f"success rates in percent on {EPISODES} episodes of each scene, {steps} env steps; 95% intervals: bootstrap "
-        "over runs, none below 5",
-        significance.legend([found.p for found in gains]),
-        significance.visible([size], [len(mine) for mine in runs], "{:.0f} points"),
-    )
-    names = " and ".join(unique([simulator_name(int(row["simulator"])) for row in rows]))
-    return f"{said} Measured on {names}; `python -m lab.paired_football {part}`."
-
-
-def gain(mine: list[dict[str, str]], base: list[dict[str, str]]) -> Difference:
-    """Return the difference in held-out success, as a share."""
-    return difference_of_means(shares(mine), shares(base))
-
-
-def shares(rows: Sequence[dict[str, str]]) -> np.ndarray:
-    """Return the held-out success `[R]` of some runs, as shares."""
-    return np.array([float(row["held_out"]) / 100 for row in rows])
-
-
-def cell(rows: list[dict[str, str]], column: str) -> str:
-    """Return the mean of a column in percent with its interval, nothing where no run has the column."""
-    scale = 100 if column.startswith("rare") else 1
-    values = np.array([scale * float(row[column]) for row in rows if row[column]])
-    if not len(values):
-        return ""
-    found = bootstrap(values, np.random.default_rng(0)).interval()
-    low, high = np.clip((found.low, found.high), 0, 100)
-    return f"{found.estimate:.0f}" + (f" [{low:.0f}, {high:.0f}]" if found.known else "")
 
 
 # ---------------------------------------------------------------- its rows
@@ -353,7 +274,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--processes", type=int, default=0, help="runs at a time; 0: one for each core")
     made.add_argument("--hours", type=float, default=LONGEST, help="stop after so long; called again, it goes on")
     made.add_argument("--table", action="store_true", help="train nothing, print what the CSV file has")
-    made.add_argument("--publish", action="store_true", help="write the table into RESULTS.md")
+    made.add_argument("--publish", action="store_true", help=f"write the tables into {PAGE} and RESULTS.md")
     return made
 
 
@@ -367,13 +288,15 @@ def main(argv: Sequence[str]) -> int:
     if not rows:
         print(f"{options.csv} has no rows")
         return code
-    text = table(rows, options.part)
-    if options.publish:
-        if options.part == "order":
-            rare_levels_figure.draw(rows, FIFTHS)
-        put(ROOT / "RESULTS.md", f"rare: {options.part}", text, TITLES[options.part])
-    else:
+    kinds = [cell[:3] for cell in PARTS[options.part].cells]
+    text = tables.table(rows, options.part, kinds)
+    if not options.publish:
         print(f"\n{text}")
+        return code
+    put(ROOT / PAGE, f"rare: {options.part}", text, tables.TITLES[options.part])
+    if options.part == "order":
+        rare_levels_figure.draw(rows, FIFTHS)
+        put(ROOT / "RESULTS.md", "rare: summary", tables.summary(rows, kinds), "Rare levels")
     return code
 
 

@@ -3,11 +3,21 @@
 import pytest
 
 from lab import paired_football
-from lab.paired_football import ORDERS, Cell, Part, main, order_part, table
+from lab.paired_football import ORDERS, PARTS, Cell, Part, main, order_part
+from lab.paired_football_tables import summary
+from lab.paired_football_tables import table as table_of
 from lab.studies import runs
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.report import save_rows
 from regista.experiments.run.table import read_rows
+
+
+def kinds(part):
+    return [cell[:3] for cell in PARTS[part].cells]
+
+
+def table(rows, part):
+    return table_of(rows, part, kinds(part))
 
 
 def row(order, variant, seed, held_out):
@@ -33,11 +43,11 @@ def test_differences_are_to_the_first_setting_and_marked():
     text = table(rows, "order")
     head, _, dr, paired, *_ = text.splitlines()
     assert head == (
-        "| game | order | setting | runs | held-out success | rare scene | other scene "
-        "| rare option in proposals | minus dr |"
+        "| game | order | setting | runs | rare scene | other scene | both scenes "
+        "| rare option in proposals | minus dr, both scenes |"
     )
-    assert dr.startswith("| 1v1Rare | first | dr | 5 | 42 [") and dr.endswith("|  |  |")
-    assert paired.startswith("| 1v1Rare | last | paired | 5 | 72 [") and "| 25 [25, 25] | +30 [" in paired
+    assert dr.startswith("| 1v1Rare | first | dr | 5 | 47 [") and dr.endswith("|  |  |")
+    assert paired.startswith("| 1v1Rare | last | paired | 5 | 77 [") and "| 25 [25, 25] | +30 [" in paired
     assert paired.endswith("] * |") and ", 4M env steps; 95% intervals: bootstrap over runs" in text
     assert " Marks: * survives Holm's correction at 5% over the one difference of this table" in text
     assert " 5 runs each: differences under 4 points cannot be seen reliably" in text
@@ -46,9 +56,20 @@ def test_differences_are_to_the_first_setting_and_marked():
 
 def test_a_table_whose_reference_has_no_run_yet_has_no_differences():
     head, _, plr, *_ = table([row("last", "plr", 20, 70)], "order").splitlines()
-    assert head.endswith("| minus dr |") and plr == "| 1v1Rare | last | plr | 1 | 70 | 75 | 65 |  |  |"
+    assert head.endswith("| minus dr, both scenes |") and plr == "| 1v1Rare | last | plr | 1 | 75 | 65 | 70 |  |  |"
     other = row("middle", "1 episode", 1000, 70)
-    assert table([other], "settings").splitlines()[0].endswith("| minus population, 2 episodes |")
+    assert table([other], "settings").splitlines()[0].endswith("| minus population, 2 episodes, both scenes |")
+
+
+def test_orders_of_a_seed_count_as_one_run():
+    rows = [row("first", "dr", seed, 40 + seed) for seed in range(5)]
+    rows += [
+        row(order, "paired", seed, held_out) for seed in range(5) for order, held_out in (("first", 50), ("last", 70))
+    ]
+    head, _, dr, paired, *_ = summary(rows, kinds("order")).splitlines()
+    assert head.startswith("| game | setting | runs | rare scene |") and dr.startswith("| 1v1Rare | dr | 5 | 47 [")
+    assert paired.startswith("| 1v1Rare | paired | 5 | 65 [65, 65] | 55 [55, 55] | 60 [60, 60] | 25 [25, 25] | +18 [")
+    assert "the one difference of this table" in summary(rows, kinds("order"))
 
 
 def test_rows_of_another_version_or_with_other_columns_are_refused(tmp_path):
