@@ -239,7 +239,7 @@ def train(part: Part, options: argparse.Namespace) -> int:
 
     Each finished run is played, and its row is kept, while others still train.
     """
-    base = StudyRuns(options.out / options.part, training(), {"total_env_steps": part.env_steps, **LONG, **PPO})
+    base = runs_of(part, options.out / options.part)
     done = {key_of(row) for row in load(options.csv) if int(row["env_steps"]) >= part.env_steps}
     print(f"{len(part.cells) * len(part.seeds)} runs, {len(done)} measured", flush=True)
     with Deadline(options.hours) as stop:
@@ -252,6 +252,11 @@ def train(part: Part, options: argparse.Namespace) -> int:
                 break
     print(f"{options.csv}{', continue with the same command' if stop else ''}", flush=True)
     return stop.exit_code
+
+
+def runs_of(part: Part, folder: Path) -> StudyRuns:
+    """Return where the runs of a part are kept, and what their settings are."""
+    return StudyRuns(folder, training(), {"total_env_steps": part.env_steps, **LONG, **PPO})
 
 
 def begin(base: StudyRuns, cell: Cell, seed: int) -> RunFolder:
