@@ -8,6 +8,7 @@ docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, wh
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 from regista.experiments.pictures import curves, plots
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.results import unique
 from regista.experiments.run.run_folders import open_runs
 from regista.experiments.run.table import read_columns, read_rows
 
@@ -39,6 +41,10 @@ class RunData:
     path: Path
     config: Any
     name: str
+
+    def __repr__(self) -> str:
+        """Return folder, name and seed; the settings are long."""
+        return f"RunData({str(self.path)!r}, {self.name}, seed {self.config.seed})"
 
     def columns(self, table: str = "metrics") -> dict[str, np.ndarray]:
         """Return a table by column, without pandas.
@@ -109,11 +115,16 @@ class ComparisonData:
 
     Attributes:
         path: the folder.
-        runs: all runs that have a checkpoint, by method and seed.
+        runs: all runs that have a checkpoint, by method and seed; methods in the order in which they were compared.
     """
 
     path: Path
     runs: tuple[RunData, ...]
+
+    def __repr__(self) -> str:
+        """Return the folder, and the number of runs of each method."""
+        names = Counter(run.name for run in self.runs)
+        return f"ComparisonData({str(self.path)!r}, {', '.join(f'{name}: {n} runs' for name, n in names.items())})"
 
     def metrics(self) -> DataFrame:
         """Return the metrics of all runs in one table, after the columns `method` and `run_seed`."""
@@ -185,6 +196,9 @@ def load_comparison(path: str | Path) -> ComparisonData:
         CommandError: a folder without runs, or whose runs have no checkpoint yet.
     """
     runs = open_runs([Path(path)])
+    table = Path(path) / "results.csv"
+    order = unique([row["method"] for row in read_rows(table)]) if table.is_file() else []
+    runs.sort(key=lambda run: order.index(run.name) if run.name in order else len(order))  # keeps the order of seeds
     return ComparisonData(Path(path), tuple(RunData(run.path, run.config, run.name) for run in runs))
 
 

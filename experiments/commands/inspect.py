@@ -141,12 +141,15 @@ def inspect_task(game: PythonTask, config: InspectConfig) -> int:
     if config.rrd is not None or config.show != "theta":
         raise UsageError("--rrd and --show are for Scenic programs; --png draws levels of a Python task")
     from regista.experiments.pictures.task_view import describe_task, draw_task
+    from regista.experiments.run.evaluator import theta_of_test
     from ued.core.level_space import check_theta
 
     task = game.task(None)
     upomdp = build.make_upomdp(task.make, 1 if config.theta else config.n, config.seed)
     theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
     print(describe_task(config.program, upomdp, theta))
+    for label, scene in (task.scenes() | task.scenes(held_out=True)).items():
+        theta_of_test(label, scene, upomdp, game.short)
     if config.png is not None:
         draw_task(upomdp, theta, config.png, markers=task.painter(upomdp).markers if task.painter else ())
         print(f"\n{len(theta)} level{'s' * (len(theta) > 1)} drawn to {config.png}")

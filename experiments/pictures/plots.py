@@ -101,6 +101,13 @@ def colour(method: str) -> str:
     return METHOD_COLOURS.get(method) or _variant_colours.get(method, OTHER_COLOUR)
 
 
+def sequence(count: int) -> list[Any]:
+    """Return so many colors that follow each other, from light to dark; color-blind readers can order them."""
+    from matplotlib import colormaps
+
+    return list(colormaps["viridis_r"](np.linspace(0.15, 1, count)))
+
+
 def line_style(method: str) -> Literal["-", "--"]:
     """Return the line style of a method's curves; those of variants are dashed."""
     return "--" if method in _variant_colours else "-"

@@ -34,7 +34,9 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
         return
     with plots.style():
         size = (2.6 * len(names) + 0.6, 1.9 * len(runs) + 0.5)
-        figure, grid = plt.subplots(len(runs), len(names), figsize=size, squeeze=False, layout="constrained")
+        figure, grid = plt.subplots(
+            len(runs), len(names), figsize=size, sharey="col", squeeze=False, layout="constrained"
+        )
         for line, (method, paths) in zip(grid, runs.items(), strict=True):
             thetas = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
             found = dict(zip(PERIODS, thetas, strict=True))
@@ -42,8 +44,13 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
                 _draw(axes, column, found)
                 plots.heading(axes, f"{plots.title(method)}: {name}")
             line[0].set_ylabel("share of levels")
+        for axes in grid[-1]:
+            axes.set_xlabel("θ (lowest to highest value)")
+            axes.set_ylim(bottom=0)  # of the whole column, after all of it is drawn
         handles, labels = grid[0][0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=4, fontsize=8, title="levels of", title_fontsize=8
+        )
         plots.save(figure, path)
 
 
@@ -53,12 +60,10 @@ def _names(table: Mapping[str, np.ndarray]) -> list[str]:
 
 def _draw(axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]]) -> None:
     """Draw the histogram of a column in each period; `found` has θ `[L, D]` of each run and period."""
-    for shade, (period, thetas) in zip(np.linspace(0.75, 0.1, len(found)), found.items(), strict=True):
+    for shade, (period, thetas) in zip(plots.sequence(len(found)), found.items(), strict=True):
         known = [theta[:, column] for theta in thetas if len(theta)]
         if known:
             share, edges = np.histogram(np.concatenate(known), BINS, (-1, 1))
-            axes.stairs(share / share.sum(), edges, color=str(shade), label=period)
-    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8, label="uniform")
+            axes.stairs(share / share.sum(), edges, color=shade, linewidth=1.3, label=f"the {period} of training")
+    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8, label="a uniform distribution")
     axes.set_xlim(-1, 1)
-    axes.set_ylim(bottom=0)
-    axes.set_xlabel("θ")

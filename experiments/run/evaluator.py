@@ -57,14 +57,8 @@ class EvalScenes:
         self.scenes = {
             name: build.make_upomdp(self.task.make_scene(scene), most, SEED) for name, scene in found.items()
         }
-        self.theta = {name: self._theta(name, scene) for name, scene in found.items()}  # None: random levels
+        self.theta = {name: theta_of_test(name, scene, self.scenes[name], game.short) for name, scene in found.items()}
         self._check_sizes(config)
-
-    def _theta(self, name: str, scene: Any) -> np.ndarray | None:
-        try:
-            return theta_of_scene(scene, self.scenes[name])
-        except ValueError as error:
-            raise CommandError(f"the levels of the test '{name}' do not match {self.game.short}: {error}") from error
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
         """Play `episodes` whole episodes on each scene, or on each of these; `policy.play` chooses the actions.
@@ -127,6 +121,14 @@ class EvalScenes:
                     f"the test scene '{label}' of {config.minigame} has observations {other}, the training program "
                     f"{shape}: both need the same players and number of agents"
                 )
+
+
+def theta_of_test(label: str, scene: Any, upomdp: Any, game: str) -> np.ndarray | None:
+    """Return θ `[L, D]` of a test of a game; None: random levels. Raises `CommandError` for levels of another game."""
+    try:
+        return theta_of_scene(scene, upomdp)
+    except ValueError as error:
+        raise CommandError(f"the levels of the test '{label}' do not match {game}: {error}") from error
 
 
 def joined(rounds: Sequence[Evaluation]) -> Evaluation:

@@ -111,7 +111,9 @@ class RunFolder:
                 f"the policy as a run"
             )
         if not (path / "config.json").exists():
-            raise CommandError(f"{path} is not a run folder: it has no config.json")
+            inside = sorted(entry.parent.name for entry in path.glob("*/config.json"))
+            holds = f"; it holds runs, such as {path / inside[0]}" if inside else ""
+            raise CommandError(f"{path} is not a run folder: it has no config.json{holds}")
         check_files(path)
         return cls(path, configs.load(None, path / "config.json"), configs.about(path / "config.json"))
 

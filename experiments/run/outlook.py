@@ -27,7 +27,7 @@ from ued.methods import METHODS
 FEW = 2  # minimum levels per environment in a run
 UNKNOWN = (
     "the environment declares no step limit, so the number of levels in this run is unknown; "
-    "wrap it in gymnasium.wrappers.TimeLimit, or set self.max_episode_steps"
+    "wrap it in gymnasium.wrappers.TimeLimit, or, in a UPOMDP class of your own, set self.max_episode_steps"
 )
 
 

@@ -222,3 +222,14 @@ def test_a_match_that_cannot_be_played_to_its_end_is_warned_of(tmp_path, capsys,
     program.write_text(MATCH.format(line=line))
     assert main(["inspect", str(program)]) == 0
     assert f"warning: {warning}".format(program.name) in capsys.readouterr().err
+
+
+def test_the_tests_of_a_task_are_checked(tmp_path, capsys):
+    path = tmp_path / "odd.py"
+    path.write_text(
+        "import gymnasium, ued\n"
+        "make = lambda n: ued.GymUPOMDP(lambda: gymnasium.make('CartPole-v1'), print, {'force': (1, 2)}, n)\n"
+        "odd = ued.Task(make, tests={'strong': {'farce': 2.0}})\n"
+    )
+    assert main(["inspect", f"{path}:odd"]) == 1
+    assert "the levels of the test 'strong' do not match" in capsys.readouterr().err

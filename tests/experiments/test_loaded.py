@@ -72,8 +72,15 @@ def test_methods_are_compared_from_python(comparison, tmp_path, capsys):
     folders = {"dr-3", "plr-3", "dr-4", "plr-4"}
     assert {path.name for path in (tmp_path / "both").iterdir() if path.is_dir()} == folders
     assert [(run.name, run.config.seed) for run in comparison.runs] == [("dr", 3), ("dr", 4), ("plr", 3), ("plr", 4)]
+    assert repr(comparison) == f"ComparisonData({str(tmp_path / 'both')!r}, dr: 2 runs, plr: 2 runs)"
+    assert repr(comparison.runs[0]) == f"RunData({str(tmp_path / 'both' / 'dr-3')!r}, dr, seed 3)"
+    with pytest.raises(CommandError, match=r"it has no config\.json; it holds runs, such as .*dr-3"):
+        regista.load_run(tmp_path / "both")
     assert (tmp_path / "both" / "table.csv").exists()
     assert regista.load_comparison(tmp_path / "both").runs == comparison.runs
+    table = tmp_path / "both" / "results.csv"
+    table.write_text(table.read_text().replace("dr,", "zz,").replace("plr,", "dr,").replace("zz,", "plr,"))
+    assert [run.name for run in regista.load_comparison(tmp_path / "both").runs] == ["plr", "plr", "dr", "dr"]
 
 
 def test_a_run_trained_from_python_is_finished(run):

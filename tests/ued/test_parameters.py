@@ -74,7 +74,7 @@ def test_values_have_a_theta_and_come_back_from_it():
         bandit().theta_of({"gravity": 9.81})
 
 
-@pytest.mark.parametrize("about", [(0.0, np.inf), "ice", (1, 2, 3), None])
+@pytest.mark.parametrize("about", [(0.0, np.inf), (2.0, 1.0), "ice", (1, 2, 3), None])
 def test_what_is_no_kind_is_refused(about):
     with pytest.raises(ValueError, match=r"'push' must be a Range, LogRange, Integer, Choice or a pair"):
         ThetaMap({"push": about})
