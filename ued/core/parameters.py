@@ -342,7 +342,7 @@ def _kind(name: str, about: Any) -> Kind:
         return Range(low, high)
     except (TypeError, ValueError) as error:
         raise ValueError(
-            f"{name!r} must be a Range, LogRange, Integer, Choice or a pair of finite numbers low <= high, got {about!r}"
+            f"{name!r} must be a Range, LogRange, Integer, Choice or a pair of finite numbers, low first, got {about!r}"
         ) from error
 
 
