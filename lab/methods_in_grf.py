@@ -144,7 +144,8 @@ def rates(rows: Sequence[Played]) -> np.ndarray:
 
 def table(rows: Sequence[Played]) -> str:
     """Return success in both engines by game and method, with differences to the first method, in Markdown."""
-    kinds = [(game, name) for game, names in METHODS.items() for name in names]
+    played = {(row.game, row.agent) for row in rows}
+    kinds = [(game, name) for game, names in METHODS.items() for name in names if (game, name) in played]
     groups = {
         (game, name, engine): mine
         for game, name in kinds
@@ -160,8 +161,8 @@ def table(rows: Sequence[Played]) -> str:
             key = (game, name, engine)
             cells.append(interval(rates(groups[key])) if key in groups else "")
             cells.append(points(gains[key], marks[key]) if key in gains else "")
-        some = groups.get((game, name, "GRF"), [])
-        told.append([game, name, str(len({row.seed for row in some})), *cells])
+        seeds = {row.seed for row in rows if (row.game, row.agent) == (game, name)}
+        told.append([game, name, str(len(seeds)), *cells])
     return f"{as_markdown(told)}\n\n{below(groups, list(gains.values()))}"
 
 
