@@ -197,7 +197,7 @@ def below(groups: Groups, gains: Sequence[Difference]) -> str:
     said = significance.sentences(
         f"episodes with a goal, mean of the scenes; {played}; 95% bootstrap intervals over runs",
         significance.legend([gain.p for gain in gains]),
-        significance.visible(sizes, runs, "{:.0f} points"),
+        significance.visible(sizes, runs, "{:.0f} points", "game"),
     )
     orders = f"Of `{RARE_GAME}`, each seed's mean over the orders of the options counts as one run."
     everything = [row for mine in groups.values() for row in mine]

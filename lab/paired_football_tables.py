@@ -81,16 +81,17 @@ def compared(runs: Mapping[Kind, Rows], firsts: Mapping[str, Kind], part: str, c
 def below(runs: Sequence[Rows], gains: Sequence[Difference], part: str) -> str:
     """Return what stands below the table: budget, marks, the smallest visible difference, simulator and command.
 
-    The deviations of runs are pooled over all settings.
+    The deviations of runs are pooled over all settings of a game.
     """
     rows = [row for mine in runs for row in mine]
     steps = " to ".join(unique([count(int(row["env_steps"])) for row in rows]))
-    size = 100 * detectable([shares(mine) for mine in runs])
+    games = unique([row["game"] for row in rows])
+    sizes = [100 * detectable([shares(mine) for mine in runs if mine[0]["game"] == game]) for game in games]
     said = significance.sentences(
         f"success rates in percent on {EPISODES} episodes of each scene, {steps} env steps; 95% intervals: bootstrap "
         "over runs, none below 5",
         significance.legend([found.p for found in gains]),
-        significance.visible([size], [len(mine) for mine in runs], "{:.0f} points"),
+        significance.visible(sizes, [len(mine) for mine in runs], "{:.0f} points", "game"),
     )
     names = " and ".join(unique([simulator_name(int(row["simulator"])) for row in rows]))
     return f"{said} Measured on {names}; `python -m lab.paired_football {part}`."

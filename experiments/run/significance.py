@@ -68,19 +68,20 @@ def sentences(*lines: str) -> str:
     return " ".join(f"{line[0].upper()}{line[1:]}." for line in lines if line)
 
 
-def visible(sizes: Sequence[float], counts: Sequence[int], unit: str) -> str:
+def visible(sizes: Sequence[float], counts: Sequence[int], unit: str, by: str = "scene") -> str:
     """Return the line about differences that are too small to be detected; "" without such a size.
 
     Args:
         sizes: the smallest detectable difference in each column of a table, see `ued.statistics.detectable`.
         counts: runs of each method.
         unit: format of a size, such as "{:.0f} points".
+        by: what the columns are.
     """
     known = [size for size in sizes if size == size]
     if not known:
         return ""
     low, high = (unit.format(size) for size in (min(known), max(known)))
-    ends = low if low == high else f"{low} to {high}, depending on the scene,"
+    ends = low if low == high else f"{low} to {high}, depending on the {by},"
     return f"{spread(counts)} runs each: differences under {ends} cannot be seen reliably ({HOW})"
 
 

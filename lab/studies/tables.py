@@ -159,7 +159,7 @@ def summary(rows: Sequence[Row]) -> str:
         f"simulated steps; 95% bootstrap intervals over {significance.spread(runs)} runs."
     )
     legend = significance.legend([gain.p for gain in gains.values()])
-    said = significance.sentences(legend, significance.visible(sizes, runs, "{:.0f} points"))
+    said = significance.sentences(legend, significance.visible(sizes, runs, "{:.0f} points", "game"))
     below = [about, said, f"Measured on {played_on(rows)}; `python -m lab.studies.tables curricula --summary`."]
     return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
 
