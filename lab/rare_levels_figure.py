@@ -19,8 +19,8 @@ from ued.statistics import bootstrap
 PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.png"
 EVEN, ENTROPY = "dr, even branches", "paired, adversary entropy 0.1"
 SHADES = {EVEN: plots.VARIANT_COLOURS[0], ENTROPY: plots.VARIANT_COLOURS[1]}
-NAMES = {"dr": "DR", EVEN: "DR,\neven", ENTROPY: "PAIRED,\nentropy 0.1"}
-BARS = "three bars: the rare option of the program stands first, in the middle, last"
+NAMES = {"dr": "DR", EVEN: "DR, equally\nlikely options", ENTROPY: "PAIRED,\nentropy 0.1"}
+BARS = "three bars: the program lists the rare option first, in the middle, last; lines: runs of PAIRED"
 Rows = Sequence[Mapping[str, str]]
 
 
@@ -45,8 +45,9 @@ def draw(rows: Rows, fifths: int, path: Path = PICTURE) -> None:
             grid[0, column].set_title(game)
         grid[0, 0].set_ylabel("success on the rare scene")
         grid[1, 0].set_ylabel("rare option's share\nof the proposals")
-        marks = [keys.mark_handle(keys.WHISKER), run_handle()]
-        figure.legend(handles=marks, loc="outside lower center", ncols=2, title=BARS, title_fontsize=9)
+        lines = [line_handle(name) for name in ("paired", ENTROPY) if any(row["variant"] == name for row in rows)]
+        marks = [keys.mark_handle(keys.WHISKER), run_handle(), *lines]
+        figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), title=BARS, title_fontsize=9)
         plots.save(figure, path)
 
 
@@ -82,13 +83,20 @@ def shade(setting: str) -> str:
     return SHADES.get(setting) or plots.colour(setting)
 
 
+def line_handle(setting: str) -> Any:
+    """Return what the legend shows of the runs of a setting of PAIRED."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], color=shade(setting), label=NAMES.get(setting, plots.title(setting)).replace("\n", " "))
+
+
 def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
     """Draw a line for each run of PAIRED: how many of its proposals had the rare option in each part of the run."""
     centers = (np.arange(fifths) + 0.5) / fifths
     for row in rows:
         shares = [float(row[f"rare_share_{k}"] or "nan") for k in range(fifths)]
         if not np.all(np.isnan(shares)):
-            axes.plot(centers, shares, color=shade(row["variant"]), linewidth=1, alpha=0.7)
+            axes.plot(centers, shares, color=shade(row["variant"]), linewidth=0.9, alpha=0.5)
     axes.set_xlim(0, 1)
-    axes.set_xlabel("part of the training")
+    axes.set_xlabel("fraction of training")
     plots.rate_axis(axes)
