@@ -91,7 +91,7 @@ def test_a_limit_that_nobody_knows_is_said(capsys):
     tell(SimpleNamespace(), method, said.append)
     (line,) = said
     assert line.startswith("the environment declares no step limit, so the number of levels in this run is unknown")
-    assert line.endswith("gymnasium.wrappers.TimeLimit, or set self.max_episode_steps")
+    assert line.endswith("TimeLimit, or, in a UPOMDP class of your own, set self.max_episode_steps")
 
 
 def trained(tmp_path, limit, *words):
