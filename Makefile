@@ -29,7 +29,7 @@ $(READY): pyproject.toml constraints.txt
 # Mazes: random ones, beside those that PAIRED's adversary proposes. Which students solve the test mazes?
 demo: $(READY)
 	$(BIN)/regista compare maze --methods dr --seeds 5 --total-env-steps 1_600_000 --out demo \
-		--episodes 40 --levels 0 --eval-every 320_000 --eval-episodes 16 \
+		--episodes 40 --levels 0 --eval-every 400_000 --eval-episodes 8 \
 		--variants "paired: --method paired --ent-coef 0 --paired.adversary.builder direct --paired.dr-fraction 0.25 --paired.adversary.ent-coef 0.1"
 
 # The studies of RESULTS.md, about nine hours on 2 cores; what has a row in lab/studies/results is not done again. In
