@@ -3,27 +3,31 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
+KERNELS := $(VENV)/.kernels
 
 # The versions to install; CONSTRAINTS=/dev/null takes the newest that pyproject.toml allows.
 CONSTRAINTS ?= constraints.txt
 
 # Of the thousands of files that pip would compile to bytecode in half a minute, a tenth is ever imported: what every
 # command imports is compiled here, the rest where it is first used. Tests start hundreds of programs: also where
-# PYTHONDONTWRITEBYTECODE is set, they keep bytecode. Kernels are compiled here, too, once per machine: less than a minute.
+# PYTHONDONTWRITEBYTECODE is set, they keep bytecode. Football's kernels are compiled once per machine, in less than a minute.
 USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch
 CACHED := PYTHONDONTWRITEBYTECODE=
-KERNELS := from regista.experiments.run.games import compile_football; compile_football()
+COMPILE := from regista.experiments.run.games import compile_football; compile_football()
 
 .PHONY: setup demo policies results transfer publish grf docs test test-quick torture lint format benchmark clean
 
-setup: $(READY)
+setup: $(KERNELS)
 
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Regista needs Python 3.11 or newer; set PYTHON=/path/to/python3.11")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --no-compile --disable-pip-version-check --constraint $(CONSTRAINTS) --editable '.[dev]'
 	@$(CACHED) $(BIN)/python -c '$(USED)'
-	@$(CACHED) $(BIN)/python -c '$(KERNELS)'
+	@touch $@
+
+$(KERNELS): $(READY)
+	@$(CACHED) $(BIN)/python -c '$(COMPILE)'
 	@touch $@
 
 # Mazes: random ones, beside those that PAIRED's adversary proposes. Which students solve the test mazes?
@@ -66,10 +70,10 @@ docs: $(READY)
 # of the files each, so that what a file compiles, loads or trains for all of its tests is not done in both.
 WORKERS := --numprocesses auto --dist worksteal
 
-test: lint
+test: lint $(KERNELS)
 	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS)
 
-test-quick: lint
+test-quick: lint $(KERNELS)
 	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS) -m 'not slow'
 
 # Hostile states, code, files, programs, signals and matches, for MINUTES, with a report in runs/torture.json. It goes on
