@@ -39,6 +39,7 @@ from ued.core.task import TRAINING_SCENE
 from ued.statistics import Difference, bootstrap, detectable
 
 ENGINES = {"ours": "regista", "GRF": "grf"}
+HEADS = {"ours": "our simulator", "GRF": "GRF"}  # of tables
 EPISODES = {"ours": 300, "GRF": 50}  # on each scene
 ROWS = ROOT / "lab" / "results" / "methods_in_grf.csv"
 RARE_GAME, DUEL = "1v1RareLine", "3v2FourBehaviors"
@@ -154,7 +155,7 @@ def table(rows: Sequence[Played]) -> str:
     }
     gains = differences(groups)
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
-    told = [["game", "method", "runs", *(f"{name}{text}" for name in ENGINES for text in ("", ": minus dr"))]]
+    told = [["game", "method", "runs", *(f"{HEADS[name]}{text}" for name in ENGINES for text in ("", ": minus dr"))]]
     for game, name in kinds:
         cells = []
         for engine in ENGINES:
@@ -193,7 +194,7 @@ def below(groups: Groups, gains: Sequence[Difference]) -> str:
         if any((at, engine) == (game, word) for at, _, engine in groups)
     ]
     runs = [len(rates(mine)) for mine in groups.values()]
-    played = " and ".join(f"{EPISODES[name]} episodes of each scene in {name}" for name in ENGINES)
+    played = " and ".join(f"{EPISODES[name]} episodes of each scene in {HEADS[name]}" for name in ENGINES)
     said = significance.sentences(
         f"episodes with a goal, mean of the scenes; {played}; 95% bootstrap intervals over runs",
         significance.legend([gain.p for gain in gains]),

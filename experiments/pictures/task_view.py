@@ -46,7 +46,7 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
             rows.append([str(index), draw.name, told, *ends])
         parts.append(align(rows))
         drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
-        parts.append(f"{upomdp.valid(drawn).mean():.0%} of random θ are levels by the check of the task, `valid`")
+        parts.append(f"{upomdp.valid(drawn).mean():.0%} of random θ pass the check of the task, `valid`")
     parts.append(f"observations: {upomdp.single_observation_space}\nactions: {upomdp.single_action_space}")
     for index, values in enumerate(upomdp.describe(theta)):
         text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())

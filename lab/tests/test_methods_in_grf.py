@@ -39,7 +39,7 @@ def test_differences_are_within_an_engine_and_marked():
     rows += [row("ours", "plr", seed, 80 + seed % 10) for seed in range(40, 45)]
     rows += [row("GRF", "plr", seed, 22 + seed % 10) for seed in range(40, 45)]
     lines = table(rows).splitlines()
-    assert lines[0] == "| game | method | runs | ours | ours: minus dr | GRF | GRF: minus dr |"
+    assert lines[0] == "| game | method | runs | our simulator | our simulator: minus dr | GRF | GRF: minus dr |"
     dr, plr = (next(line for line in lines if f"| {name} |" in line) for name in ("dr", "plr"))
     assert dr.startswith(f"| {RARE_GAME} | dr | 5 | 22% [") and dr.endswith("|  |")
     assert "| +60 [+57, +63] * |" in plr and plr.endswith("| +2 [-1, +5] |")
