@@ -27,7 +27,6 @@ from regista.envs.football.constants import (
     THROW_IN,
 )
 from regista.envs.football.rules.fouls import report_foul
-from regista.envs.football.simulator import step_match, step_players
 from regista.envs.football.skills.contacts import FEET
 from regista.envs.football.skills.hands import PARRY
 from regista.kernels.jit import kernel
@@ -319,38 +318,36 @@ def choose_actions(match, style, actions):
 
 
 @kernel
-def torment(matches, starts, befores, styles, actions, steps, played):
-    """Play `steps` steps of every match; return the first that is not sane and why: (index, complaint), or (-1, 0)."""
+def prepare(matches, starts, befores, styles, actions, energies):
+    """Begin ended matches anew, choose all actions, and copy each match and the energy of its ball."""
     for e in range(len(matches)):
         match = matches[e]
-        for _ in range(steps):
-            if match.ended != RUNNING:
-                stream = match.random
-                matches[e] = starts[e]
-                match.random = stream
-            if uniform(match) < 0.01:
-                styles[e] = int(STYLES * uniform(match))
-            choose_actions(match, styles[e], actions[e])
-            if match.num_agents[0] + match.num_agents[1] > 0:
-                for i in range(actions.shape[1]):
-                    actions[e, i] %= 19  # agents have no built-in AI's action, and cannot stand
-            if uniform(match) < 0.001:
-                foul_at_random(match)
-            befores[e] = match
-            before = befores[e]
-            energy = energy_of(match.ball) + spin_energy(match.ball) if free(match) else -1.0
-            if match.kicker != NOBODY:
-                energy = -1.0
-            if match.num_agents[0] + match.num_agents[1] > 0:
-                step_match(match, actions[e], None, None, None, None)
-            else:
-                step_players(match, actions[e])
-            if match.last_touch != before.last_touch or touched(match, before):
-                energy = -1.0
-            wrong = complaint(match, before, energy)
-            played[0] += match.num_players
-            if wrong != 0:
-                return e, wrong
+        if match.ended != RUNNING:
+            stream = match.random
+            matches[e] = starts[e]
+            match.random = stream
+        if uniform(match) < 0.01:
+            styles[e] = int(STYLES * uniform(match))
+        choose_actions(match, styles[e], actions[e])
+        if match.num_agents[0] + match.num_agents[1] > 0:
+            for i in range(actions.shape[1]):
+                actions[e, i] %= 19  # agents have no built-in AI's action, and cannot stand
+        if uniform(match) < 0.001:
+            foul_at_random(match)
+        befores[e] = match
+        rolls = free(match) and match.kicker == NOBODY
+        energies[e] = energy_of(match.ball) + spin_energy(match.ball) if rolls else -1.0
+
+
+@kernel
+def first_complaint(matches, befores, energies):
+    """Return the first match that is not sane after a step and why: (index, complaint), or (-1, 0)."""
+    for e in range(len(matches)):
+        match, before = matches[e], befores[e]
+        untouched = match.last_touch == before.last_touch and not touched(match, before)
+        wrong = complaint(match, before, energies[e] if untouched else -1.0)
+        if wrong != 0:
+            return e, wrong
     return -1, 0
 
 

@@ -17,10 +17,12 @@ import numpy as np
 from regista.envs.football.constants import GK, LEFT, MAX_PLAYERS, RIGHT
 from regista.envs.football.kick_off import MatchConfig, Roster, kick_off
 from regista.envs.football.limits import Limits, fields_of
+from regista.envs.football.simulator import step_everybody, step_matches
 from regista.envs.football.state import ENGINE, MATCH, TABLES
-from tests.envs.torment import COMPLAINTS, STYLES, torment
+from tests.envs.torment import COMPLAINTS, STYLES, first_complaint, prepare
 
 LIMITED_EVERY = 50  # steps, after which every number is to be within its limits
+LISTS = ("players", "agents")  # of the record
 
 
 def scene(rng: np.random.Generator, seed: int) -> np.ndarray:
@@ -92,21 +94,41 @@ def strange_places(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np
 def torture(count: int, steps: int, seed: int) -> int:
     """Play and return the number of player-steps; raises AssertionError at the first match that is not sane."""
     rng = np.random.default_rng(seed)
-    matches = np.concatenate([scene(rng, 1000 * seed + k) for k in range(count)]).view(np.recarray)
-    starts, befores, styles = matches.copy(), matches.copy(), rng.integers(0, STYLES, count)
-    actions, played = np.zeros((count, matches["players"].shape[1]), np.int64), np.zeros(1, np.int64)
-    limits = Limits(list(fields_of(MATCH, TABLES)), dict.fromkeys(("players", "agents"), MAX_PLAYERS))
-    for begin in range(0, steps, LIMITED_EVERY):
-        where, wrong = torment(matches, starts, befores, styles, actions, min(LIMITED_EVERY, steps - begin), played)
-        limits.check(matches, "matches")
-        if not wrong:
-            continue
-        match = matches[where]
-        raise AssertionError(
-            f"{COMPLAINTS[wrong]}: match {where} of torture({count}, {steps}, {seed}) at step {match['step']}, "
-            f"mode {match['game_mode']}, style {styles[where]}, {match['num_players']} players, ball {match['ball']}"
-        )
-    return int(played[0])
+    matches = np.concatenate([scene(rng, 1000 * seed + k) for k in range(count)])
+    without_agents = matches["num_agents"].sum(axis=1) == 0
+    matches = matches[np.argsort(without_agents, kind="stable")].view(np.recarray)
+    torment, limits = Torment(matches, rng), Limits(list(fields_of(MATCH, TABLES)), dict.fromkeys(LISTS, MAX_PLAYERS))
+    for step in range(steps):
+        where, wrong = torment.step()
+        if step % LIMITED_EVERY == 0 or step == steps - 1:
+            limits.check(matches, "matches")
+        if wrong:
+            match = matches[where]
+            state = f"mode {match['game_mode']}, style {torment.styles[where]}, {match['num_players']} players"
+            raise AssertionError(
+                f"{COMPLAINTS[wrong]}: match {where} of torture({count}, {steps}, {seed}) at step {match['step']}, "
+                f"{state}, ball {match['ball']}"
+            )
+    return steps * int(matches["num_players"].sum())
+
+
+class Torment:
+    """Matches MATCH [N], those with agents first, and what is needed to watch them."""
+
+    def __init__(self, matches: np.ndarray, rng: np.random.Generator) -> None:
+        count = len(matches)
+        self.matches, self.starts, self.befores = matches, matches.copy(), matches.copy()
+        self.with_agents = int(np.count_nonzero(matches["num_agents"].sum(axis=1)))
+        self.styles, self.energies = rng.integers(0, STYLES, count), np.zeros(count)
+        self.actions = np.zeros((count, matches["players"].shape[1]), np.int64)
+
+    def step(self) -> tuple[int, int]:
+        """Play a step of every match; return the first that is not sane and why, or (-1, 0)."""
+        prepare(self.matches, self.starts, self.befores, self.styles, self.actions, self.energies)
+        agents = self.with_agents
+        step_matches(self.matches[:agents], self.actions[:agents])
+        step_everybody(self.matches[agents:], self.actions[agents:])
+        return first_complaint(self.matches, self.befores, self.energies)
 
 
 def main(count: int, steps: int, seed: int) -> None:
