@@ -47,7 +47,7 @@ results: $(READY)
 		--methods dr minimax paired_literal paired self_regret repaired plr robust_plr accel
 	$(BIN)/python -m lab.frontier runs/frontier --publish
 
-# What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, about two hours on 2 cores.
+# What transfers to Google Research Football (`make grf` first): the tables of TRANSFER.md, an hour and a half on 2 cores.
 # It goes on where it was stopped. One part, or other flags of lab.transfer: make transfer PART="policies --hours 2".
 PART ?= all --hours 9
 transfer: $(READY)

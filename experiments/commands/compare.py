@@ -52,7 +52,7 @@ class CompareConfig(Checked):
     seeds: int = setting(5, "runs of each method", ">=1", most=10_000)
     first_seed: int = setting(
         0,
-        "first seed (use >= 1000 for tuning; 0-9 are reserved for reported results)",
+        "first seed (use >= 1000 for tuning; lower seeds are for reported results)",
         ">=0",
         most=LARGEST_SEED - 10_000,
     )

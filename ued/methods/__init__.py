@@ -73,7 +73,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     ),
     MethodRow(
         "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#9687ff", "–",
-        "an adversary maximizes gain by practice", "1",
+        "an adversary maximizes the student's improvement on a level", "1",
     ),
     MethodRow(
         "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#4b004b",
@@ -105,7 +105,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     ),
     MethodRow(
         "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#c3b45a", "Portelas et al. 2019",
-        "levels with changing returns, by mixtures", "1",
+        "levels with learning progress, by Gaussian mixtures", "1",
     ),
     MethodRow(
         "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#0000ff", "Bengio et al. 2009",
