@@ -114,17 +114,20 @@ def ratios(rows: Rows) -> dict[str, dict[str, Interval]]:
     return of
 
 
-def verdicts(rows: Rows) -> list[str]:
-    """Return how many games transfer, a phrase for each representation and for both."""
+def verdicts(rows: Rows) -> list[list[str]]:
+    """Return on how many games policies transfer: a line for each representation and one for both."""
     found = ratios(rows)
-    said = []
+    table = []
     for kind in (*REPRESENTATIONS, "both"):
         values = [intervals[kind].estimate for intervals in found.values() if kind in intervals]
         if not values:
             continue
         good, bad = sum(value >= WANTED for value in values), sum(value < LEAST for value in values)
-        said.append(f"{kind}: {good} of {len(values)} games at {WANTED:g} or more, {bad} below {LEAST:g}")
-    return said
+        lowest = f"; lowest ratio {np.nanmin(values):.2f}" if np.isfinite(values).any() else ""
+        about = "both together" if kind == "both" else f"`{kind}`"
+        question = f"Games on which policies keep {WANTED:.0%} of their goals in GRF, {about}"
+        table.append([question, f"{good} of {len(values)}; {bad} below {LEAST:.0%}{lowest}"])
+    return table
 
 
 def policies(rows: Rows) -> str:
@@ -333,16 +336,9 @@ def academy(rows: Rows) -> str:
 
 def of_policies(rows: Rows) -> list[list[str]]:
     """Return the lines of the policies: how many games transfer, and how many have exploits."""
-    values = [found["both"].estimate for found in ratios(rows).values()]
-    lowest = f"; lowest ratio, both: {np.nanmin(values):.2f}" if np.isfinite(values).any() else ""
     games = [game for game in unique(rows, "game") if any("**" in x for x in exploited(chosen(rows, game=game)))]
-    return [
-        [f"Games on which a policy keeps {WANTED:.0%} of its goals in GRF", "; ".join(verdicts(rows)) + lowest],
-        [
-            "Games with a way of scoring that works only in our simulator",
-            f"{len(games)}: {', '.join(games)}" if games else "0",
-        ],
-    ]
+    named = f"{len(games)}: {', '.join(games)}" if games else "0"
+    return [*verdicts(rows), ["Games with a way of scoring that works only in our simulator", named]]
 
 
 def summary(files: dict[str, Rows]) -> str:

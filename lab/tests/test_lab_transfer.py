@@ -83,8 +83,8 @@ def test_tables_say_what_is_in_the_files(lab, results):
     text = "\n".join((ROOT / name).read_text() for name in tables.PAGES)
     made = tables.filled(text, results)
     assert tables.NOTHING not in made and made.count("Simulator 7; `python -m lab.") == len(tables.TABLES)
-    assert "simple115: 0 of 2 games at 0.8 or more, 0 below 0.5; features: 2 of 2" in made
-    assert "both: 0 of 2 games at 0.8 or more, 0 below 0.5; lowest ratio, both: 0.73" in made  # 0.2 and 0.38 of 0.4
+    assert "`simple115` | 0 of 2; 0 below 50%" in made and "`features` | 2 of 2; 0 below 50%" in made
+    assert "both together | 0 of 2; 0 below 50%; lowest ratio 0.73 |" in made  # 0.2 and 0.38 of 0.4
     assert f"seeds {SEED} to {SEED + 4}" in made and "200 episodes of each run in our simulator, 50 in GRF" in made
     assert "**from >30 m**" in made and "| 2: academy/run_to_score, 1v1Free |" in made
     assert "| endings that agree | 50% [50, 50] | 75% [75, 75] |" in made
