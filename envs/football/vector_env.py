@@ -134,6 +134,11 @@ class FootballVectorEnv(UPOMDP):
         return all(self.lineup.num_agents)
 
     @property
+    def first_side(self) -> int:  # type: ignore[override]
+        """The number of agents of the left team."""
+        return int(self.lineup.num_agents[0])
+
+    @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
         """The program's `game_duration`; its maximum if it is random, None if it has no bound."""
         if "game_duration" in self.lineup.random_settings:

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from ued import BufferConfig, PPOConfig, Repaired, RepairedConfig
 from ued.core.level_space import level_dtype
 from ued.levels.queue import LevelQueue
-from ued.levels.record import level_record_dtype, make_records
+from ued.levels.record import Origin, level_record_dtype, make_records
+from ued.probes import Frontier
 
 
 class Counting:
@@ -161,3 +163,17 @@ def test_without_a_lead_a_compiled_rollout_takes_no_level_either(students):
         changing, _ = queue.on_episode_end(student, np.arange(2), np.zeros(2), np.zeros(2))
         assert len(changing) == 0
     assert [queue.of(student).most() for student in range(students)] == [0] * students
+
+
+@pytest.mark.parametrize("blocks", [False, True])
+def test_repaired_counts_the_replays_that_are_played(blocks):
+    settings = RepairedConfig(min_fill=0.004, buffer=BufferConfig(capacity=5000))  # forgets none
+    method = Repaired(Frontier(16), PPOConfig(num_steps=16, hidden_size=8), settings, seed=0)
+    if blocks:
+        method.queue.propose_in_blocks()
+    played = 0
+    for _ in range(40):
+        method.update()
+        played += np.count_nonzero(method.last.records["origin"] == Origin.REPLAYED)
+    played += np.count_nonzero(method.queue.records["origin"] == Origin.REPLAYED)  # these are open
+    assert 0 < played == method.buffer.slots["num_replays"].sum()

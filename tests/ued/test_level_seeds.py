@@ -10,6 +10,7 @@ from ued.adapters.gym import GymUPOMDP, UPOMDPWrapper
 from ued.adapters.mixture import Mixture
 from ued.core.curriculum import ThetaSpace
 from ued.core.level_space import SEEDS, luck_seed
+from ued.methods.paired import PairedCurriculum
 from ued.methods.plr import PLRCurriculum
 
 # ---------------------------------------------------------------- what an environment is given
@@ -217,6 +218,34 @@ def test_a_feed_goes_on_with_its_visits():
         )
 
     one, other = feed(), feed()
-    visits = [int(one.next()["visit"][0]) for _ in range(3)]
+    given = [one.next() for _ in range(3)]
+    given[1]["returns"], given[1]["num_played"] = 1.0, 2
+    one.finish(given[1])
+    given[0]["num_played"] = 1  # its first episode is lost with its environment
     other.load_state_dict(one.state_dict())
-    assert visits == [0, 1, 2] and other.next()["visit"][0] == 3
+    assert len(other.finished) == 1 and other.finished["visit"][0] == 1
+    again = [other.next() for _ in range(3)]
+    assert [int(record["visit"][0]) for record in again] == [0, 2, 3]  # those that were being played, then a new one
+    assert again[0]["level"] == given[0]["level"] and again[0]["num_played"] == 0
+
+
+def test_a_level_that_was_left_is_given_out_again():
+    feed = CurriculumFeed(PLRCurriculum(ThetaSpace({"rooms": (1, 6)}), ued.PLRConfig(score="max_mc")))
+    env = CurriculumWrapper(UPOMDPWrapper(Rooms(), put, {"rooms": (1, 6)}), feed)
+    env.reset(seed=0)
+    left = env.record["level"].copy()
+    env.reset(options={"theta": [0.0]})
+    env.reset()
+    assert env.record["level"] == left
+
+
+def test_a_feed_has_one_student():
+    with pytest.raises(ValueError, match="the trainer has one student, PairedCurriculum needs 2"):
+        CurriculumFeed(PairedCurriculum(ThetaSpace(1), ued.PairedConfig()))
+
+
+def test_seeds_are_levels_without_environments_too():
+    space = ThetaSpace(ued.Seeds(5))
+    levels = space.sample_levels(40)
+    assert set(levels["seed"].tolist()) == set(range(5))
+    assert [row["seed"] for row in space.describe(levels["theta"])] == levels["seed"].tolist()

@@ -2,12 +2,14 @@
 
 from functools import partial
 
+import gymnasium
 import numpy as np
 import pytest
 import torch
 from probes import Choice, Endless, HalfValid, Landscape
 
 from ued import ACCEL, DR, ACCELConfig, BufferConfig, Paired, PLRConfig, PPOConfig, RobustPLR
+from ued.adapters.gym import GymUPOMDP
 from ued.adapters.mixture import Mixture
 from ued.config import AdversaryConfig
 from ued.core import parameters as kinds
@@ -195,3 +197,47 @@ def test_programs_without_columns_are_replayed_although_they_never_fill_a_buffer
     replayed = [method.update()["levels/replayed"] for _ in range(4)]
     assert len(method.buffer) == 2 and replayed[-1] > 0
     assert 0.2 < method.learner.rollout.train.float().mean() < 0.8
+
+
+class Pair:
+    """A family of a single level."""
+
+    size = 2
+
+    def sample(self, rng):
+        return (0.5, 0.5)
+
+    mutate = staticmethod(lambda level, rng: level)
+    encode, decode = staticmethod(np.array), staticmethod(tuple)
+
+
+def test_families_are_refused():
+    member = GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), lambda env, level: None, Pair(), 2)
+    with pytest.raises(ValueError, match="cart has levels of Pair; a mixture needs vectors"):
+        Mixture([member], ["cart"])
+
+
+def test_columns_that_a_program_ignores_make_no_other_level():
+    env = Mixture([Choice(4), Landscape(4)], ["none", "two"])
+    levels = env.make_levels([[-0.5, 0.3, 0.1], [-0.5, -0.2, 0.7], [0.5, 0.3, 0.1]])
+    assert env.key_of(levels[0])[:4] == env.key_of(levels[1])[:4] and (levels["theta"][0] == levels["theta"][1]).all()
+    assert levels["theta"][2].tolist() == [0.5, 0.3, 0.1]
+
+
+def test_an_edit_to_another_program_draws_its_columns():
+    env = Mixture([Choice(4), Landscape(4)], ["none", "two"])
+    before = env.make_levels([[-0.5, 0.0, 0.0]] * 200)["theta"]
+    after = env.edit_theta(before, 1, 0.1, np.random.default_rng(0))
+    assert (env.program_of(after) == 1).all() and after[:, 1:].std() > 0.4
+
+
+def test_an_adversary_chooses_among_many_values_and_few_in_one_column():
+    many, few = Column("k", kinds.Choice(*range(70))), Column("k", kinds.Choice("x", "y", "z"))
+    draws = [Column("program", kinds.Choice("many", "few")), Column("1", kinds.Range(-1, 1))]
+    adversary = Adversary(
+        draws, AdversaryConfig(), torch.Generator().manual_seed(0), program_parameters=((many,), (few,))
+    )
+    proposals = adversary.propose(400)
+    assert proposals.raw[:, 1].max() > 60
+    losses = adversary.learn(proposals, (proposals.raw[:, 0] == 1).astype(float))
+    assert all(map(np.isfinite, losses.values())) and losses["grad_norm"] > 0

@@ -7,9 +7,10 @@ import pytest
 from probes import Choice, Free, HalfValid, Landscape
 
 from ued.config import AdversaryConfig, PairedConfig, PairedLiteralConfig, PPOConfig
+from ued.core.curriculum import ThetaSpace
 from ued.levels.record import Origin
 from ued.levels.scores import regret
-from ued.methods.paired import NAMES, Paired
+from ued.methods.paired import NAMES, Paired, PairedCurriculum
 from ued.methods.paired_literal import PairedLiteral
 
 PPO = PPOConfig(num_steps=16, num_minibatches=1, update_epochs=1, hidden_size=8)
@@ -191,3 +192,15 @@ def test_students_paid_by_regret_are_trained():
     for _ in range(3):
         metrics = method.update()
     assert np.isfinite(metrics["protagonist/policy_loss"]) and method.env_steps == 3 * 2 * 16 * 32
+
+
+def test_an_adversary_does_not_learn_from_a_level_without_a_finite_score():
+    curriculum = PairedCurriculum(ThetaSpace(2), PairedConfig(adversary=AdversaryConfig(min_batch=4)))
+    records = curriculum.propose(32)
+    records["returns"] = np.random.default_rng(0).random(records["returns"].shape)
+    records["returns"][3, 1] = np.nan
+    assert np.isfinite(curriculum.update(records)["adversary/policy_loss"])
+    assert np.isfinite(curriculum.propose(3)["level"]["theta"]).all()
+    records["returns"][:, 1] = np.nan
+    with pytest.raises(ValueError, match="no level has a finite score"):
+        curriculum.update(records)

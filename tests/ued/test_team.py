@@ -15,7 +15,7 @@ from ued.learning.networks import Categorical, Linears
 from ued.learning.ppo import PPO
 from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
-from ued.learning.value_stats import EpisodeValues
+from ued.learning.value_stats import EpisodeValues, scored_agents
 from ued.methods import METHODS
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
@@ -341,3 +341,11 @@ def test_opponents_learn_each_from_what_it_is_paid(team):
     assert rollout.reward.shape == rollout.value.shape and (rollout.reward.sum(-1) == 0).all()
     with pytest.raises(ValueError, match="critic = own"):
         DR(Opponents(), dataclasses.replace(QUICK, team=team, critic="central"))
+
+
+def test_opponents_score_levels_by_the_critic_of_the_first_side():
+    rollout = Rollout.empty(2, 1, Box(-1, 1, (1,)), Discrete(2), agents=3, apart=True)
+    rollout.value[..., :] = torch.tensor([0.9, 0.7, -0.9])  # two against one
+    rollout.terminated[1] = True
+    assert EpisodeValues(1, agents=2).track(rollout, torch.zeros(2, 1, 3))["mean_value"] == pytest.approx([0.8])
+    assert scored_agents(Opponents(4)) == 1 and scored_agents(Roles(4)) is None

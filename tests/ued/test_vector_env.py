@@ -1,5 +1,7 @@
 """Vector environments of others play the levels they are given, in every way in which they reset by themselves."""
 
+from functools import partial
+
 import gymnasium
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from ued.adapters.vector import VectorUPOMDP
 from ued.core import checkpoint
 from ued.core.level_space import LevelError
 from ued.core.processes import START_METHOD
+from ued.evaluation import evaluate
 
 KINDS = {"length": Integer(1, 5), "pay": Range(0, 1), "ground": Choice("ice", "gravel")}
 MODES = list(AutoresetMode)
@@ -225,3 +228,54 @@ class Nested(Walk):
 def test_what_cannot_play_levels_is_refused(make, apply, message):
     with pytest.raises(ValueError, match=message):
         VectorUPOMDP(make, apply, KINDS, 2)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_an_evaluation_plays_all_its_episodes_in_every_mode(mode):
+    def make(count):
+        return gymnasium.make_vec("CartPole-v1", count, "sync", vector_kwargs={"autoreset_mode": mode})
+
+    def put(vector, where, values):
+        for env, own in zip(where, values, strict=True):
+            vector.envs[env].unwrapped.length = own["length"]
+
+    env = VectorUPOMDP(make, put, {"length": (0.2, 2.0)}, num_envs=4)
+    student = DR(env, PPO, seed=0).student
+    found = evaluate(student, env.copy(), 5, 0)
+    assert np.isfinite(found.returns).all() and len(set(found.returns.ravel().tolist())) > 1
+
+
+class Needy(Walk):
+    """Cannot be reset without its options."""
+
+    def reset(self, *, seed=None, options=None):
+        options["length"]
+        return super().reset(seed=seed, options=options)
+
+
+def test_each_environment_has_its_options_in_the_first_reset():
+    vector = partial(SyncVectorEnv, autoreset_mode=AutoresetMode.DISABLED)
+    env = VectorUPOMDP(lambda count: vector([Needy] * count), "each", {"length": (0, 5)}, 2)
+    env.reset(seed=0)
+
+
+class Eaten:
+    """Levels that the environment changes while it plays."""
+
+    size = 2
+
+    def sample(self, rng):
+        return rng.choice([-1.0, 1.0], 2)
+
+    mutate = staticmethod(lambda level, rng: -level)
+    encode = decode = staticmethod(lambda level: level)
+
+
+def test_an_environment_that_changes_its_level_changes_no_record():
+    def eat(vector, where, levels):
+        for level in levels:
+            level[:] = 0.0
+
+    env = VectorUPOMDP(lambda count: SyncVectorEnv([Walk] * count), eat, Eaten(), 2)
+    env.reset(seed=0)
+    assert (np.abs(env.levels["theta"]) == 1).all()

@@ -14,6 +14,7 @@ import numpy as np
 
 from ued.adapters.gym import UPOMDPWrapper, success_from_info
 from ued.core.curriculum import Curriculum
+from ued.core.level_space import as_void_view
 from ued.core.resumable import Resumable
 
 
@@ -24,33 +25,64 @@ class CurriculumFeed(Resumable):
     every episode, so robust methods and candidates that are only evaluated differ from their papers.
 
     Args:
-        curriculum: chooses the levels.
+        curriculum: chooses the levels; of one student.
         batch: level records that are collected before the curriculum learns from them.
+
+    Raises:
+        ValueError: a batch below 1, or a curriculum of several students, such as PAIRED's.
     """
 
-    state_fields = ("curriculum", "visits")
+    state_fields = ("curriculum", "visits", "finished", "again")
 
     def __init__(self, curriculum: Curriculum, batch: int = 16) -> None:
         if batch < 1:
             raise ValueError(f"batch must be at least 1, got {batch}")
+        if (students := curriculum.dtype["returns"].shape[0]) > 1:
+            raise ValueError(f"the trainer has one student, {type(curriculum).__name__} needs {students}")
         self.curriculum, self.batch = curriculum, batch
-        self.finished: list[np.ndarray] = []
+        self.finished = np.zeros(0, curriculum.dtype)
+        self.again = np.zeros(0, curriculum.dtype)  # records that were given out, but not played to their end
         self.visits = 0  # of levels so far
         self.metrics: dict[str, float] = {}
+        self._open: dict[int, np.ndarray] = {}  # records that are being played, by visit, as they were given out
 
     def next(self) -> np.ndarray:
         """Return the next level record, `[1]`: a visit of a level, new or not."""
-        record = self.curriculum.propose(1)
-        record["visit"] = self.visits
-        self.visits += 1
+        if len(self.again):
+            record, self.again = self.again[:1].copy(), self.again[1:]
+        else:
+            record = self.curriculum.propose(1)
+            record["visit"] = self.visits
+            self.visits += 1
+        self._open[int(record["visit"][0])] = record.copy()
         return record
 
     def finish(self, record: np.ndarray) -> None:
         """Store a record `[1]` with its returns; update the curriculum when there are `batch` of them."""
-        self.finished.append(record)
+        self._open.pop(int(record["visit"][0]), None)
+        self.finished = _joined(self.finished, record)
         if len(self.finished) >= self.batch:
-            self.metrics = self.curriculum.update(np.concatenate(self.finished))
-            self.finished = []
+            finished, self.finished = self.finished, self.finished[:0]
+            self.metrics = self.curriculum.update(finished)
+
+    def give_back(self, record: np.ndarray) -> None:
+        """Return a record `[1]` that is not played to its end; `next` gives it out again."""
+        self.again = _joined(self.again, self._open.pop(int(record["visit"][0])))
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return a copy of the whole state; a resumed feed gives out records again that are being played."""
+        return super().state_dict() | {"again": _joined(self.again, *self._open.values())}
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        """Restore what `state_dict` returned; older states lack the records that were not yet learned from."""
+        none = np.zeros(0, self.curriculum.dtype)
+        super().load_state_dict({"finished": none, "again": none} | state)
+        self._open = {}
+
+
+def _joined(*records: np.ndarray) -> np.ndarray:
+    """Return level records `[k]` one after the other."""
+    return np.concatenate([as_void_view(part) for part in records]).view(records[0].dtype)
 
 
 class CurriculumWrapper(gymnasium.Wrapper):
@@ -76,6 +108,8 @@ class CurriculumWrapper(gymnasium.Wrapper):
         self.total = 0.0
         options = options or {}
         if options.keys() & {"theta", "level"}:
+            if self.record is not None:
+                self.feed.give_back(self.record)
             self.record = None
             return self.env.reset(seed=seed, options=options)
         if self.record is not None:

@@ -19,7 +19,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
-from ued.adapters.observations import as_array
+from ued.adapters.observations import as_array, in_form
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
@@ -75,7 +75,7 @@ class _Levelled(gymnasium.Wrapper):
             observation, info = self.env.reset(seed=given, options=options or None)
             if callable(self.luck):
                 seen = self.luck(self.env, start.luck)
-                observation = observation if seen is None else seen
+                observation = observation if seen is None else in_form(self.env, seen)
             return self._checked(observation), info
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
@@ -253,9 +253,10 @@ class _Slot(_Levelled):
         if self._last is not None:
             return self._last, 0.0, False, False, {}
         observation, reward, terminated, truncated, info = super().step(action)
+        info = {name: info[name] for name in SUCCESS if name in info}  # a batch cannot join arrays of varying length
         if terminated or truncated:
             self._last = observation
-            info = {**info, **dict(zip(ENDS, (bool(terminated), bool(truncated)), strict=True))}
+            info |= zip(ENDS, (bool(terminated), bool(truncated)), strict=True)
         return observation, reward, False, False, info
 
 
@@ -414,6 +415,8 @@ class GymUPOMDP(UPOMDP):
     def copy(self) -> GymUPOMDP:
         """Return a copy; environments without a state restart their levels."""
         twin = self.resized(self.num_envs)
+        if self._observations is None:  # never reset
+            return twin
         try:
             twin.set_state(self.get_state())
         except NotImplementedError:

@@ -101,15 +101,19 @@ class Mixture(UPOMDP):
         for k, member in enumerate(self.members):  # the other columns are those of the member
             mine, own = levels["program"] == k, slice(1, 1 + member.theta_dim)
             levels["theta"][mine, own] = quantize(levels["theta"][mine, own], member.parameters)
+            levels["theta"][mine, own.stop :] = 0.0  # ignored: equal levels have equal θ
             if member.seeds is not None:
                 levels["seed"][mine] = member.seeds.of(levels["theta"][mine, own])
         return levels
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         edited, program = theta.copy(), self.program_of(theta)
-        for k, own in enumerate(self.program_parameters):  # the other columns are those of the member
-            mine, columns = program == k, (self.parameters[0], *own, *self.parameters[1 + len(own) :])
-            edited[mine] = parameters.edit(theta[mine], columns, num_edits, edit_size, rng)
+        for k, own in enumerate(self.program_parameters):
+            mine, columns = np.flatnonzero(program == k), (self.parameters[0], *own)
+            used = slice(len(columns))
+            edited[mine, used] = parameters.edit(theta[mine, used], columns, num_edits, edit_size, rng)
+            unset = edited[:, len(columns) :]  # of another program, which an edit may choose
+            unset[mine] = rng.uniform(-1.0, 1.0, (len(mine), unset.shape[1]))
         return edited
 
     def keep_seeds(self, levels: np.ndarray, seeds: np.ndarray) -> None:
@@ -227,5 +231,7 @@ def _check(members: Sequence[UPOMDP], names: Sequence[str]) -> None:
             raise ValueError(f"{name} has actions {member.single_action_space}, {names[0]} {first.single_action_space}")
         if member.individual_rewards:
             raise ValueError(f"{name} has opponents; a mixture needs agents with one reward")
+        if member.level_family is not None:
+            raise ValueError(f"{name} has levels of {type(member.level_family).__name__}; a mixture needs vectors θ")
         if len(member.agent_observation_space.shape or ()) != 1:
             raise ValueError(f"{name} has observations {member.agent_observation_space}; a mixture needs flat ones")

@@ -42,6 +42,16 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
     return gymnasium.wrappers.FlattenObservation(env)
 
 
+def in_form(env: gymnasium.Env, observation: Any) -> Any:
+    """Return an observation of an environment before `as_array` in the form of the one after it, if it is not yet."""
+    flattens = isinstance(env, gymnasium.ObservationWrapper)
+    return (
+        env.observation(observation)
+        if flattens and np.shape(observation) != env.observation_space.shape
+        else observation
+    )
+
+
 class _PartsObservation(gymnasium.ObservationWrapper):
     """Flatten a `Dict` or `Tuple` with images into vectors of the space `Parts`."""
 

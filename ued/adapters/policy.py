@@ -35,7 +35,7 @@ class LoadedPolicy:
         student: the trained student.
         shape: shape of one observation of the student: `(size,)` or that of an image; for a team `(A, ...)`.
         observation_space: space of one environment; observations that are not arrays are flattened to `(size,)`;
-            None: observations have the student's shape. `Parts` flatten batches, too.
+            None: observations have the student's shape.
         seed: seed for sampling actions.
     """
 
@@ -61,13 +61,23 @@ class LoadedPolicy:
         return actions[0] if single else actions
 
     def _flat(self, observation: Any) -> Any:
-        """Return an observation, or a batch of them, as arrays."""
+        """Return an observation, or a batch of them, as arrays of the student's shape."""
         space = self.observation_space
-        if space is None or isinstance(observation, np.ndarray):
+        if space is None:
             return observation
         if isinstance(space, Parts):
+            if isinstance(observation, np.ndarray):
+                return observation
             return space.flatten_batch(observation) if space.is_batch(observation) else space.flatten(observation)
-        return flatten(space, observation)
+        if space.shape is None:  # a Dict or Tuple
+            return observation if isinstance(observation, np.ndarray) else flatten(space, observation)
+        array = np.asarray(observation)
+        if space.shape == self.shape or array.ndim not in (len(space.shape), len(space.shape) + 1):
+            return observation
+        if len(self.shape) == 3:  # gray images have one channel
+            return array[..., None]
+        single = array.ndim == len(space.shape)
+        return flatten(space, array) if single else np.stack([flatten(space, row) for row in array])
 
     def begin(self, where: np.ndarray | None = None) -> None:
         """Reset the memory at the start of an episode; for a batch, in the environments `where`, bool `[N]`."""

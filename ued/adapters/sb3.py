@@ -36,6 +36,8 @@ class SB3VecEnv(VecEnv):
     def reset(self) -> Any:
         """Start an episode in all environments."""
         observations, _ = self.upomdp.reset(seed=self._seed)
+        if self.upomdp.level_sampler != self.upomdp.sample_levels:  # a sampler of the user's
+            observations = self.upomdp.start_next(np.ones(self.num_envs, bool))
         self._seed, self.returns, self.lengths = None, np.zeros(self.num_envs), np.zeros(self.num_envs, int)
         return as_dense(self.upomdp.single_observation_space, observations)
 

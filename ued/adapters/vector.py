@@ -80,6 +80,7 @@ class VectorUPOMDP(UPOMDP):
         self.max_episode_steps = getattr(spec, "max_episode_steps", None)
         self._observations: Any = None  # until the first reset; the last ones of episodes that ended
         self._its_own: Any = None  # those of the batch, which may have started other episodes
+        self._over = np.zeros(num_envs, bool)  # episodes that ended, and were not restarted
 
     def theta_of(self, values: Any) -> np.ndarray:
         """Return the θ `[D]` of values by name, or of a family's level.
@@ -94,22 +95,27 @@ class VectorUPOMDP(UPOMDP):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
         begins = where if self._observations is not None else np.arange(self.num_envs)  # the first reset resets all
         if len(begins):
-            luck = np.zeros(self.num_envs, np.uint64)
-            luck[begins] = self.luck_seeds(begins)
-            seeds = luck if self.luck else self.levels["seed"]
-            values = [self.theta_map.values(self.levels["theta"][env]) for env in begins]
-            try:
-                self._reset(begins, values, seeds)
-            except Exception as error:  # whatever the user's code raises
-                raise self._failed("a reset", begins, error) from error
+            self._begin(begins)
             self._check_finite("an observation", self._observations)
         return self._observations.copy()
+
+    def _begin(self, where: np.ndarray) -> None:
+        """Start episodes in the environments `where` `[k]` on their levels."""
+        luck = np.zeros(self.num_envs, np.uint64)
+        luck[where] = self.luck_seeds(where)
+        seeds = luck if self.luck else self.levels["seed"]
+        values = [self.theta_map.values(theta.copy()) for theta in self.levels["theta"][where]]
+        try:
+            self._reset(where, values, seeds)
+        except Exception as error:  # whatever the user's code raises
+            raise self._failed("a reset", where, error) from error
+        self._over[where] = False
 
     def _reset(self, where: np.ndarray, values: Sequence[Any], seeds: np.ndarray) -> None:
         """Reset the environments `where` `[k]` to levels with these values `[k]` and seeds `[N]`."""
         if self.apply == EACH:
             if self._its_own is None:  # a batch needs all observations before a partial reset
-                self._its_own = np.array(self.vector.reset()[0])
+                self._its_own = np.array(self.vector.reset(options=dict(values[0]))[0])
                 self._observations = self._its_own.copy()
             for env, own in zip(where.tolist(), values, strict=True):
                 self._reset_masked(np.array([env]), dict(own), seeds)
@@ -150,12 +156,15 @@ class VectorUPOMDP(UPOMDP):
         self._its_own = seen
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        if self.mode == AutoresetMode.DISABLED and self._over.any():  # idle ones, which it must not step
+            self._begin(np.flatnonzero(self._over))
         try:
             seen, rewards, terminated, truncated, infos = self.vector.step(actions)
         except Exception as error:  # whatever the user's code raises
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
         ended, observations = terminated | truncated, np.array(seen)
+        self._over = ended
         self._its_own = observations.copy()
         if self.mode == AutoresetMode.SAME_STEP and ended.any():
             observations[ended] = self._final_observations(infos, ended)

@@ -78,10 +78,10 @@ class UniformPolicy(Untrained):
     """Take each of `count` discrete actions with the same probability, for each of the agents `agents`: () or (A,)."""
 
     def __init__(self, action_space: Discrete, agents: tuple[int, ...] = ()) -> None:
-        self.count, self.agents = int(action_space.n), agents
+        self.count, self.start, self.agents = int(action_space.n), int(action_space.start), agents
 
     def play(self, observation: np.ndarray, generator: Any, greedy: bool = False, memory: Any = None) -> np.ndarray:
         """Return one action for each row of `observation` `[N, size]`; of a team `[N, A]`."""
         import torch
 
-        return torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()
+        return self.start + torch.randint(self.count, (len(observation), *self.agents), generator=generator).numpy()

@@ -72,7 +72,8 @@ class ThetaSpace(LevelSpace, Resumable):
     def __init__(self, dim: Theta, valid: Callable[[np.ndarray], np.ndarray] | None = None, seed: int = 0) -> None:
         self.theta_map = ThetaMap(dim)
         self.parameters, self.level_family = self.theta_map.draws, self.theta_map.level_family
-        self.stream = np.random.default_rng(seed)
+        self.seeds = self.theta_map.seeds
+        self.stream = np.random.default_rng([1, seed])  # not that of a curriculum with the same seed
         self._valid = valid
 
     @property

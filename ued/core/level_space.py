@@ -119,11 +119,8 @@ class LevelSpace:
         rows = check_theta(theta, self.theta_dim)
         if self.theta_map is not None:
             return [self.theta_map.describe(row) for row in rows]
-        low = np.array([parameter.low for parameter in self.parameters])  # [D]
-        high = np.array([parameter.high for parameter in self.parameters])  # [D]
-        values = low + (rows + 1) / 2 * (high - low)  # [N, D]
         names = [parameter.name for parameter in self.parameters]
-        return [dict(zip(names, map(float, row), strict=True)) for row in values]
+        return [dict(zip(names, map(_value, self.parameters, row.tolist()), strict=True)) for row in rows]
 
     def make_levels(self, theta: Any) -> np.ndarray:
         """Return levels with these θ `[n, D]` and new seeds below `SEEDS`: `[n]` of `level_dtype(D)`.
@@ -183,9 +180,9 @@ class LevelSpace:
         raise ThetaError(f"no valid theta found in {MAX_TRIES} draws for {len(wrong)} of {count} rows")
 
     def _draw(self, count: int) -> np.ndarray:
-        """Sample θ `[count, D]` without a check of validity."""
+        """Sample θ `[count, D]` without a check of validity, which is that of the quantized θ."""
         if self.level_family is None:
-            return self._stream.uniform(-1.0, 1.0, (count, self.theta_dim))
+            return parameters.quantize(self._stream.uniform(-1.0, 1.0, (count, self.theta_dim)), self.parameters)
         levels = (self.level_family.sample(self._stream) for _ in range(count))
         return check_theta([self.level_family.encode(level) for level in levels], self.theta_dim)
 
@@ -203,3 +200,10 @@ class LevelSpace:
                 level = self.level_family.mutate(level, rng)
             edited[row] = self.level_family.encode(level)
         return check_theta(edited, theta.shape[1])
+
+
+def _value(parameter: Parameter, x: float) -> Any:
+    """Return the value of x in [-1, 1] in a column of θ: by its kind, else linearly between its ends."""
+    if isinstance(parameter, parameters.Column):
+        return parameter.kind.from_unit(x)
+    return float(parameter.low + (x + 1) / 2 * (parameter.high - parameter.low))

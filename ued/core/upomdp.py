@@ -110,12 +110,14 @@ class UPOMDP(LevelSpace, VectorEnv):
         max_episode_steps: maximum length of an episode in steps; None: unknown.
         individual_rewards: whether agents are opponents, each with its own reward in `info["agent_rewards"]` `[N, A]`.
             The rewards `[N]`, from which curricula score levels, are then those of the first side.
+        first_side: opponents: how many agents are on the first side; they come first, and their critics score levels.
     """
 
     num_agents = 1
     max_episode_steps: int | None = None
     autoreset_mode = AutoresetMode.SAME_STEP
     individual_rewards = False
+    first_side = 1
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.SAME_STEP, "render_modes": []}  # noqa: RUF012
 
     def __init__(
@@ -414,7 +416,8 @@ class UPOMDP(LevelSpace, VectorEnv):
         Returns:
             as `step`.
         """
-        return self._advance(actions)
+        seen, rewards, terminated, truncated, info = self._advance(actions)
+        return seen, rewards, np.asarray(terminated, bool), np.asarray(truncated, bool), info
 
     def start_next(self, where: np.ndarray) -> Any:
         """Start the next episodes in the environments `where` (bool `[N]`).

@@ -24,7 +24,7 @@ from ued.learning.reward_scale import RewardScale
 from ued.learning.rollout import Rollout, gae, negative_advantages
 from ued.learning.student import Student
 from ued.learning.upload import Upload
-from ued.learning.value_stats import EpisodeValues
+from ued.learning.value_stats import EpisodeValues, scored_agents
 from ued.learning.worker import Episodes, OnEpisodeEnd
 
 RECENT = 100  # episodes of a rolling return
@@ -64,7 +64,7 @@ class Learner:
         self.student = None if scripted else Student(*spaces, config, weights, upomdp.observation_scale, agents)
         self.worker = CompiledWorker(self.student, upomdp, config.num_steps, actions, on_episode_end)
         self.ppo = None if self.student is None else PPO(self.student, config, minibatches)
-        self.values = EpisodeValues(upomdp.num_envs)
+        self.values = EpisodeValues(upomdp.num_envs, agents=scored_agents(upomdp))
         shape = tuple(self.rollout.reward.shape[1:])
         self.rewards = RewardScale(shape, config.gamma) if config.norm_reward and not scripted else None
         self.recent = np.zeros(0)  # returns of its latest episodes, at most RECENT
@@ -109,7 +109,7 @@ class Learner:
 
     def follow_negative_advantages(self) -> None:
         """Add the maximized negative advantages, which a score needs, to the statistics of episodes from now on."""
-        self.values = EpisodeValues(self.upomdp.num_envs, negative=True)
+        self.values = EpisodeValues(self.upomdp.num_envs, True, scored_agents(self.upomdp))
 
     def compute_advantages(self) -> dict[str, np.ndarray]:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""

@@ -326,10 +326,12 @@ class Student(nn.Module):
         if not isinstance(space, Box):
             return (array + (space.start if isinstance(space, MultiDiscrete) else 0)).astype(space.dtype)
         low, high = space.low, space.high
-        bounded = np.isfinite(low) & np.isfinite(high)
+        with np.errstate(over="ignore"):  # a box as wide as its type has no bounds
+            bounded = np.isfinite(high - low)
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
         centre, reach = (bottom + top) / 2, (top - bottom) / 2
-        return np.clip(centre + reach * array, low, high).astype(space.dtype)
+        scaled = np.clip(centre + reach * array, low, high)
+        return (np.rint(scaled) if np.issubdtype(space.dtype, np.integer) else scaled).astype(space.dtype)
 
 
 def widened(space: Space, times: int, more: int) -> Space:

@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from ued.core.resumable import Resumable
+from ued.core.upomdp import UPOMDP
 from ued.learning.rollout import Rollout
 
 NEGATIVE = "negative_advantage"  # the name of an optional sum
@@ -24,13 +25,14 @@ class EpisodeValues(Resumable):
     Args:
         num_envs: N.
         negative: also follow maximized negative advantages.
+        agents: of each environment, the first so many count; None: all.
     """
 
     state_fields = ("sums", "steps")
     names: tuple[str, ...] = NAMES  # V of them
 
-    def __init__(self, num_envs: int, negative: bool = False) -> None:
-        self.negative = negative
+    def __init__(self, num_envs: int, negative: bool = False, agents: int | None = None) -> None:
+        self.negative, self.agents = negative, agents
         self.sums = np.zeros((len(self.names) + negative, num_envs))  # over the steps of open episodes
         self.steps = np.zeros(num_envs, np.int64)
 
@@ -48,7 +50,7 @@ class EpisodeValues(Resumable):
         per_step = self.per_step(rollout, advantages)
         if negative is not None:
             per_step = torch.cat([per_step, -negative[None]])
-        per_step = per_step.view(*per_step.shape[:3], -1).mean(-1)  # over agents
+        per_step = per_step.view(*per_step.shape[:3], -1)[..., : self.agents].mean(-1)  # over agents
         running = per_step.double().cumsum(1).numpy()  # [V, T, N], one more with `negative`
         ended = (rollout.terminated | rollout.truncated).numpy()  # [T, N]
         num_steps = len(ended)
@@ -71,3 +73,8 @@ class EpisodeValues(Resumable):
     def per_step(self, rollout: Rollout, advantages: Tensor) -> Tensor:
         """Return the statistics of each step and agent: `[V, T, N]` or `[V, T, N, A]`."""
         return torch.stack([rollout.value, advantages.clamp(min=0.0), advantages.abs()])
+
+
+def scored_agents(upomdp: UPOMDP) -> int | None:
+    """Return how many of the first agents score levels: those of the first side, None for all of one team."""
+    return upomdp.first_side if upomdp.individual_rewards else None

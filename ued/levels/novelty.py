@@ -101,13 +101,20 @@ class EpisodeNovelty(EpisodeValues):
         num_envs: N.
         coverage: of past pairs.
         action_space: of one agent.
-        negative: see `EpisodeValues`.
+        negative, agents: see `EpisodeValues`.
     """
 
     names = (*NAMES, "novelty")
 
-    def __init__(self, num_envs: int, coverage: Coverage, action_space: Space, negative: bool = False) -> None:
-        super().__init__(num_envs, negative)
+    def __init__(
+        self,
+        num_envs: int,
+        coverage: Coverage,
+        action_space: Space,
+        negative: bool = False,
+        agents: int | None = None,
+    ) -> None:
+        super().__init__(num_envs, negative, agents)
         self.coverage, self.choices = coverage, choices_of(action_space)
 
     def per_step(self, rollout: Rollout, advantages: Tensor) -> Tensor:

@@ -132,6 +132,8 @@ def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.
     `best` `[L]` are the highest returns on these levels so far; those of the records are included.
     Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
     """
+    if not len(records):
+        return np.zeros(0)
     returns = records["returns"][:, 0]
     empty = np.isnan(returns).all(1)
     if empty.any():

@@ -12,6 +12,7 @@ import numpy as np
 
 from ued.config import TeacherConfig
 from ued.core.level_space import LevelSpace, as_void_view, level_dtype
+from ued.core.parameters import quantize
 from ued.core.resumable import Resumable
 from ued.core.seeding import SeedStream, torch_generator
 from ued.core.sparse_image import as_dense, dense_space
@@ -62,7 +63,7 @@ class Teacher(Resumable):
         if not count:  # a buffer may replay all levels
             return np.zeros(0, self.dtype)
         proposals = self.adversary.propose(count, self._context(count))
-        theta = self.adversary.theta(proposals)  # [count, D]
+        theta = quantize(self.adversary.theta(proposals), self.space.parameters)  # [count, D]
         records = make_records(self.dtype, self.space.make_levels(theta), Origin.PROPOSED)
         for name, column in proposals._asdict().items():
             records[name] = column
@@ -95,12 +96,15 @@ class Teacher(Resumable):
     def learn(self, levels: np.ndarray, score: np.ndarray) -> dict[str, float]:
         """Set the score `[L]` of these levels `[L]`; update the adversary on its own proposals among them.
 
-        The adversary waits until it has enough proposals. Returns `choice_metrics`, the number of gradient steps, and
-        the means of the losses, which are missing while it waits.
+        The adversary waits until it has enough proposals, and does not learn from levels without a finite score, such
+        as those of which only a part was played. Returns `choice_metrics`, the number of gradient steps, and the means
+        of the losses, which are missing while it waits. Raises `ValueError` if no level has a finite score.
         """
+        if len(levels) and not np.isfinite(score).any():
+            raise ValueError("no level has a finite score: every student must finish an episode on it")
         levels["score"] = score
         metrics = choice_metrics(levels, self.space.parameters)
-        proposals = as_void_view(levels)[levels["origin"] == Origin.PROPOSED].view(levels.dtype)
+        proposals = as_void_view(levels)[(levels["origin"] == Origin.PROPOSED) & np.isfinite(score)].view(levels.dtype)
         if self.config.invalid_penalty:
             refused = levels[levels["origin"] == Origin.REPLACED]  # their θ is that of the replacement
             refused["score"] = -self.config.invalid_penalty

@@ -64,6 +64,11 @@ class Group(NamedTuple):
     seen: Tensor
 
 
+def _within(raw: Tensor, group: Group) -> Tensor:
+    """Return the indices of values; those of rows whose program has another column here are clamped, and not used."""
+    return raw.long().clamp(0, group.seen.shape[1] - 1)
+
+
 def layout(draws: Sequence[Parameter], program_parameters: Sequence[Sequence[Parameter]] = ()) -> list[Drawn]:
     """Return the sampled columns of θ; for a mixture, column 0 and then the columns of each program."""
     if not program_parameters:
@@ -135,9 +140,10 @@ class ThetaDistribution(nn.Module):
         h = self._read(z)
         seen = self._all_seen(h, raw)  # [B, C + 1, H]
         density = z.new_zeros(len(z))
-        for at, log_weights, weights, _ in self._groups():
+        for group in self._groups():
+            at, log_weights, weights, _ = group
             logits = log_weights + torch.einsum("bch,ckh->bck", seen[:, at], weights)
-            index = raw[:, self.choice_at[at]].long()[..., None]  # [B, n, 1]
+            index = _within(raw[:, self.choice_at[at]], group)[..., None]  # [B, n, 1]
             chosen = logits.log_softmax(-1).gather(2, index)[..., 0]
             prior = log_weights[torch.arange(len(at)), index[..., 0]]
             density = density + self._where_drawn(chosen - prior, raw, self.choice_of[at]).sum(1)
@@ -173,15 +179,16 @@ class ThetaDistribution(nn.Module):
         for j, (column, program, _) in enumerate(self.choices):
             g, i = self.place[j]
             yield groups[g].log_weights[i] + torch.tanh(h) @ groups[g].logits[i].T
-            added = groups[g].seen[i][raw[:, column].long()]
+            added = groups[g].seen[i][_within(raw[:, column], groups[g])]
             h = h + (added * self._of(raw, program)[:, None] if self.mixed else added)
 
     def _all_seen(self, h: Tensor, raw: Tensor) -> Tensor:
         """Return the inputs of each choice, and last the input of all real numbers: `[B, C + 1, H]`."""
         if not self.choices:
             return torch.tanh(h)[:, None]
-        index = raw[:, self.choice_at].long()
-        parts = [group.seen[torch.arange(len(group.at)), index[:, group.at]] for group in self._groups()]
+        drawn = raw[:, self.choice_at]
+        groups = self._groups()
+        parts = [group.seen[torch.arange(len(group.at)), _within(drawn[:, group.at], group)] for group in groups]
         added = parts[0] if len(parts) == 1 else torch.cat(parts, 1)[:, self.in_order]  # [B, C, H]
         added = self._where_drawn(added, raw, self.choice_of)
         return torch.tanh(torch.cat([h[:, None], h[:, None] + added.cumsum(1)], 1))

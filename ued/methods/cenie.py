@@ -24,6 +24,7 @@ from ued.core.level_space import level_dtype
 from ued.core.sparse_image import dense_space
 from ued.core.upomdp import UPOMDP
 from ued.learning.networks import choices_of
+from ued.learning.value_stats import scored_agents
 from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.novelty import Coverage, EpisodeNovelty
@@ -56,7 +57,9 @@ class CENIE(Method):
         self.learner = self.add_learner("student", self.upomdp)
         coverage, actions = self.curriculum.coverage, self.upomdp.agent_action_space
         negative = self.learner.values.negative  # of the score mna
-        self.learner.values = EpisodeNovelty(self.upomdp.num_envs, coverage, actions, negative)
+        self.learner.values = EpisodeNovelty(
+            self.upomdp.num_envs, coverage, actions, negative, scored_agents(self.upomdp)
+        )
 
     def update(self) -> dict[str, float]:
         """Play new, replayed and edited levels; score them by regret and novelty; learn from the replayed ones."""

@@ -34,7 +34,7 @@ class Repaired(Method):
     def setup(self, config: RepairedConfig | None, seed: int) -> None:
         self.config = config or RepairedConfig()
         self.curriculum = RepairedCurriculum(self.upomdp, self.config, seed, self.budget)
-        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs)
+        self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)
         add_students(self, self.config)
 
     def update(self) -> dict[str, float]:
