@@ -44,12 +44,9 @@ def as_array(env: gymnasium.Env) -> gymnasium.Env:
 
 def in_form(env: gymnasium.Env, observation: Any) -> Any:
     """Return an observation of an environment before `as_array` in the form of the one after it, if it is not yet."""
-    flattens = isinstance(env, gymnasium.ObservationWrapper)
-    return (
-        env.observation(observation)
-        if flattens and np.shape(observation) != env.observation_space.shape
-        else observation
-    )
+    if isinstance(env, gymnasium.ObservationWrapper) and np.shape(observation) != env.observation_space.shape:
+        return env.observation(observation)
+    return observation
 
 
 class _PartsObservation(gymnasium.ObservationWrapper):

@@ -76,8 +76,9 @@ class LoadedPolicy:
             return observation
         if len(self.shape) == 3:  # gray images have one channel
             return array[..., None]
-        single = array.ndim == len(space.shape)
-        return flatten(space, array) if single else np.stack([flatten(space, row) for row in array])
+        if array.ndim == len(space.shape):
+            return flatten(space, array)
+        return np.stack([np.asarray(flatten(space, row)) for row in array])
 
     def begin(self, where: np.ndarray | None = None) -> None:
         """Reset the memory at the start of an episode; for a batch, in the environments `where`, bool `[N]`."""
