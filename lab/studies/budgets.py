@@ -41,8 +41,9 @@ def section(points: Sequence[Point]) -> str:
     for name in others:
         table.append([name, *(significance.points(gains[name, part], marks[name, part]) for part in PARTS)])
     games, runs = len({point.game for point in points}), [len(rates(points, name, 1.0)) for name in names]
+    mean = f"mean over {games} games, " if games > 1 else ""
     about = (
-        f"Success on test scenes, mean over {games} games, minus {first}, in percentage points; 95% bootstrap "
+        f"Success on test scenes, {mean}minus {first}, in percentage points; 95% bootstrap "
         f"intervals over {significance.spread(runs)} runs."
     )
     size = 100 * detectable([rates(points, name, 1.0).mean(1) for name in names])
