@@ -161,7 +161,7 @@ class ComparisonData:
         paths: dict[str, list[Path]] = {}
         for run in self.runs:
             paths.setdefault(run.name, []).append(run.path)
-        plots.distinguish([name for name in paths if name not in METHODS])
+        plots.distinguish({run.name: run.config.method for run in self.runs if run.name not in METHODS})
         return _figure(paths)
 
     def _joined(self, table: str) -> DataFrame:

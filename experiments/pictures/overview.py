@@ -205,7 +205,7 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
         for index, scene in enumerate(shown):
             interval = _rate(comparison, method, scene)
             if interval is not None:  # else no bar, which would read as 0
-                _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.colour(method))
+                _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.bar_look(method))
     rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(shown) > MOST_HORIZONTAL else {}
     names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in shown]
     axes.set_xticks(range(len(shown)), names, **rotated)
@@ -223,9 +223,9 @@ def _rate(comparison: Comparison, method: str, scene: str) -> Interval | None:
     return _interval(comparison, method, scene) if select(comparison.results, method, scene) else None
 
 
-def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, color: str) -> None:
+def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, look: Mapping[str, Any]) -> None:
     """Draw a bar with its whisker."""
-    axes.bar(at, interval.estimate, width, color=color)
+    axes.bar(at, interval.estimate, width, **look)
     if interval.known:
         low, high = interval.estimate - interval.low, interval.high - interval.estimate
         span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
