@@ -2,6 +2,7 @@
 
 import itertools
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib.image
 import numpy as np
@@ -115,6 +116,16 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
         assert np.round(255 * colors[-1, :3]).tolist() == list(shade) and colors[0, 3] == 0
         assert (np.diff(colors[:, 3]) > 0).all() and colors[-1, 3] == pytest.approx(keys.OPACITY)
     plt.close(figure)
+
+
+def test_the_density_of_keepers_alone_has_their_color(painter):
+    from regista.envs.football.view.render import LEFT_KEEPER, PAPER_COLOURS, RIGHT_KEEPER, RIGHT_PLAYER
+
+    for opponents, first in (((RIGHT_KEEPER,), RIGHT_KEEPER), ((RIGHT_KEEPER, RIGHT_PLAYER), RIGHT_PLAYER)):
+        shown = SimpleNamespace(markers=painter.markers, classes=np.array([0, LEFT_KEEPER, *opponents]))
+        (_, mine, blue), (_, theirs, shade) = level_plots.kinds_of(shown)
+        assert blue == PAPER_COLOURS[0] and mine.tolist()[:2] == [True, False] and not mine[2:].any()
+        assert shade == PAPER_COLOURS[first] and theirs.tolist() == [False, False, *[True] * len(opponents)]
 
 
 class Squares(Dots):
