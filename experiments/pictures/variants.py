@@ -51,7 +51,8 @@ def shades_of(colour: str) -> list[str]:
     from matplotlib.colors import to_hex
 
     lightness, *ab = to_lab(colour)
-    return [to_hex(from_lab(other, np.array(ab))) for other in LIGHTNESS if abs(other - lightness) >= APART]
+    found = [from_lab(other, np.array(ab)) for other in LIGHTNESS if abs(other - lightness) >= APART]
+    return [to_hex((red, green, blue)) for red, green, blue in found]
 
 
 def to_lab(colour: Any) -> np.ndarray:

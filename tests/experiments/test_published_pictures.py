@@ -16,6 +16,7 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
         (("steps", "paired"), ("direct", "paired")),
     ),
     "experiments/gallery/rare_levels.png": (("dr", "paired", "plr"), (("even", "dr"), ("entropy", "paired"))),
+    "experiments/gallery/overview.png": (("dr", "paired"), ()),
     "experiments/gallery/figure_4_4.png": (("built-in",), ()),
     "experiments/gallery/figure_4_9.png": (("dr", "paired", "paired_literal"), (DENNIS,)),
 } | {f"experiments/gallery/figure_4_{k}.png": (("dr", "paired", "paired_literal"), (HALF, DENNIS)) for k in range(5, 9)}
