@@ -103,18 +103,35 @@ def _uri(path: str) -> str:
 
 
 def _cells(notebook: str) -> str:
-    """Return the text and the code of a notebook, without its outputs."""
-    said = [(cell["cell_type"] == "code", "".join(cell["source"])) for cell in json.loads(notebook)["cells"]]
-    return "\n\n".join(text if code else "# " + text.replace("\n", "\n# ") for code, text in said)
+    """Return a notebook as Markdown: its text without links, its code, and its stored outputs."""
+    parts = []
+    for cell in json.loads(notebook)["cells"]:
+        text = "".join(cell["source"])
+        if cell["cell_type"] == "code":
+            parts += [_fenced("python", text), *map(_output, cell["outputs"])]
+        else:
+            parts.append(re.sub(r"^#", "##", re.sub(r"\[([^]]+)\]\([^)]*\)", r"\1", text), flags=re.M))
+    return "\n\n".join(parts)
+
+
+def _output(output: dict) -> str:
+    """Return an output of a cell: an image, or text."""
+    data = output.get("data", {"text/plain": output.get("text", "")})
+    for kind in ("image/png", "image/gif"):
+        if kind in data:
+            return f"![output](data:{kind};base64,{''.join(data[kind]).replace(chr(10), '')})"
+    return _fenced("text", "".join(data.get("text/plain", "")))
+
+
+def _fenced(kind: str, text: str) -> str:
+    return f"`````{kind}\n{text}\n`````"
 
 
 def _shown(config: MkDocsConfig, uri: str, path: str) -> File:
     """Return a picture as it is, or a page with the text of a file, which a search does not find."""
     if not uri.startswith("source/"):
         return File.generated(config, uri, abs_src_path=str(ROOT / path))
-    kind = {".py": "python", ".ipynb": "python", ".sh": "sh", ".csv": "text"}.get(Path(path).suffix, "text")
+    kind = {".py": "python", ".sh": "sh", ".csv": "text"}.get(Path(path).suffix, "text")
     text = (ROOT / path).read_text()
-    text = _cells(text) if path.endswith(".ipynb") else text
-    return File.generated(
-        config, uri, content=f"---\nsearch:\n  exclude: true\n---\n# `{path}`\n\n`````{kind}\n{text}\n`````\n"
-    )
+    shown = _cells(text) if path.endswith(".ipynb") else _fenced(kind, text)
+    return File.generated(config, uri, content=f"---\nsearch:\n  exclude: true\n---\n# `{path}`\n\n{shown}\n")

@@ -156,13 +156,21 @@ class ComparisonData:
         Raises:
             CommandError: without a finished update.
         """
-        from ued.methods import METHODS
-
         paths: dict[str, list[Path]] = {}
         for run in self.runs:
             paths.setdefault(run.name, []).append(run.path)
-        plots.distinguish([name for name in paths if name not in METHODS])
+        self._distinguish()
         return _figure(paths)
+
+    def colors(self) -> dict[str, str]:
+        """Return the color of each method, variant and baseline in all figures, by its name in the tables."""
+        self._distinguish()
+        return {name: plots.colour(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
+
+    def _distinguish(self) -> None:
+        from ued.methods import METHODS
+
+        plots.distinguish({run.name: run.config.method for run in self.runs if run.name not in METHODS})
 
     def _joined(self, table: str) -> DataFrame:
         pandas = _pandas()

@@ -19,8 +19,8 @@ from PIL import Image
 from regista.envs.football.replay import load_record, replay
 from regista.envs.football.view.picture import BAR, SCALE, SHARPER, draw_match
 from regista.experiments.__main__ import main as regista
-from regista.experiments.pictures import plots
-from regista.experiments.pictures.level_plots import draw_levels, read_periods
+from regista.experiments.pictures import keys, plots
+from regista.experiments.pictures.level_plots import draw_levels, kinds_of, read_periods
 from regista.experiments.run import build
 from regista.experiments.run.folder import RunFolder
 from ued.core.task import TRAINING_SCENE
@@ -30,7 +30,8 @@ GAME, STEPS = "1v1Rare", 1_200_000
 SETTINGS = "--num-envs 16 --num-steps 512 --ent-coef 0.003 --paired.adversary.ent-coef 0.1 --no-record"
 Bounds = tuple[float, float, float, float]  # x_low, x_high, y_low, y_high
 STAGES = 12  # of the training
-WIDTH, MARGIN = 400, 26  # pixels: of each half, and above and below the pitch
+WIDTH, MARGIN, SCALES = 400, 26, 64  # pixels: of each half, and above and below the pitch
+SHOWN = ("start of the attacker", "start of the keeper")
 MILLISECONDS = 80  # per frame
 COLORS, SAMPLED = 256, 24  # of the palette, and frames that it is made from
 
@@ -64,7 +65,7 @@ def cut(frame: np.ndarray, bounds: Bounds) -> np.ndarray:
     box = (middle[0] + x_low, middle[1] - y_high, middle[0] + x_high, middle[1] - y_low)
     part = Image.fromarray(frame).crop(tuple(map(round, box)))
     part = part.resize((WIDTH, round(part.height * WIDTH / part.width)), Image.Resampling.LANCZOS)
-    paper = Image.new("RGB", (WIDTH, part.height + 2 * MARGIN), "white")
+    paper = Image.new("RGB", (WIDTH, part.height + MARGIN + SCALES), "white")
     paper.paste(part, (0, MARGIN))
     return np.asarray(paper)
 
@@ -79,12 +80,13 @@ def densities(run: RunFolder, painter: Any, height: int) -> list[np.ndarray]:
     for span, theta in zip(spans, read_periods(run.path, spans), strict=True):
         with plots.style():
             figure = Figure(figsize=(WIDTH / 100, height / 100), dpi=100)
-            axes = figure.add_axes((0, MARGIN / height, 1, 1 - 2 * MARGIN / height))
+            axes = figure.add_axes((0, SCALES / height, 1, 1 - (MARGIN + SCALES) / height))
             draw_levels(axes, painter, [theta])
             figure.text(
                 0.02, 1 - 0.25 * MARGIN / height, f"PAIRED's levels, {span[1] * STEPS / 1e6:.1f}M steps", va="top"
             )
-            figure.text(0.02, 0.25 * MARGIN / height, "starting positions: attacker blue, keeper red", va="bottom")
+            shades = [shade for _, _, shade in kinds_of(painter)]
+            keys.density_scales(figure, list(zip(SHOWN, shades, strict=True)))
             canvas = FigureCanvasAgg(figure)
             canvas.draw()
             pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())

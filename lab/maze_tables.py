@@ -286,9 +286,15 @@ def percent(found: Interval) -> str:
 # ---------------------------------------------------------------- picture
 
 
+def method_of(part: str, row: str) -> str:
+    """Return the method of a row of a part."""
+    words = PARTS[part].rows[row].split()
+    return words[words.index("--method") + 1]
+
+
 def draw(study: Study, path: Path) -> None:
     """Draw the solved test mazes over the simulated steps and over the student's: means, and final intervals."""
-    plots.distinguish([name for name in study.methods if name not in plots.METHOD_COLOURS])
+    plots.distinguish({name: method_of(study.part, name) for name in study.methods if name not in plots.METHOD_COLOURS})
     with plots.style():
         import matplotlib.pyplot as plt
 

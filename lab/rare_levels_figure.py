@@ -18,7 +18,7 @@ from ued.statistics import bootstrap
 
 PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.png"
 EVEN, ENTROPY = "dr, even branches", "paired, adversary entropy 0.1"
-SHADES = {EVEN: plots.VARIANT_COLOURS[0], ENTROPY: plots.VARIANT_COLOURS[1]}
+VARIANTS = {EVEN: "dr", ENTROPY: "paired"}  # of which method
 NAMES = {"dr": "DR", EVEN: "DR, equally\nlikely options", ENTROPY: "PAIRED,\nentropy 0.1"}
 BARS = "three bars: the program lists the rare option first, in the middle, last; lines: runs of PAIRED"
 Rows = Sequence[Mapping[str, str]]
@@ -33,6 +33,7 @@ def draw(rows: Rows, fifths: int, path: Path = PICTURE) -> None:
         path: of the picture.
     """
     games = unique([row["game"] for row in rows])
+    plots.distinguish(VARIANTS)
     with plots.style():
         import matplotlib.pyplot as plt
 
@@ -60,7 +61,7 @@ def draw_success(axes: Any, rows: Rows) -> None:
             chosen = [row for row in rows if (row["variant"], row["order"]) == (setting, order)]
             values = np.array([float(row["scene_0"]) / 100 for row in chosen])
             found = bootstrap(values, np.random.default_rng(0)).interval()
-            axes.bar(at, found.estimate, WIDTH * 0.92, color=shade(setting))
+            axes.bar(at, found.estimate, WIDTH * 0.92, **plots.bar_look(setting))
             if found.known:
                 axes.plot([at, at], [found.low, found.high], color=plots.INK, linewidth=1.3)
             spread = at + np.linspace(-0.3, 0.3, len(values)) * WIDTH
@@ -78,16 +79,12 @@ def places_of(place: int, bars: int) -> np.ndarray:
     return place + (np.arange(bars) - (bars - 1) / 2) * WIDTH
 
 
-def shade(setting: str) -> str:
-    """Return the color of a setting: of its method, or its own."""
-    return SHADES.get(setting) or plots.colour(setting)
-
-
 def line_handle(setting: str) -> Any:
     """Return what the legend shows of the runs of a setting of PAIRED."""
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], color=shade(setting), label=NAMES.get(setting, plots.title(setting)).replace("\n", " "))
+    label = NAMES.get(setting, plots.title(setting)).replace("\n", " ")
+    return Line2D([], [], color=plots.colour(setting), linestyle=plots.line_style(setting), label=label)
 
 
 def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
@@ -96,7 +93,10 @@ def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
     for row in rows:
         shares = [float(row[f"rare_share_{k}"] or "nan") for k in range(fifths)]
         if not np.all(np.isnan(shares)):
-            axes.plot(centers, shares, color=shade(row["variant"]), linewidth=0.9, alpha=0.5)
+            name = row["variant"]
+            axes.plot(
+                centers, shares, linestyle=plots.line_style(name), color=plots.colour(name), linewidth=0.9, alpha=0.6
+            )
     axes.set_xlim(0, 1)
     axes.set_xlabel("fraction of training")
     plots.rate_axis(axes)

@@ -188,6 +188,9 @@ def test_the_site_is_built_without_a_complaint(tmp_path):
         r"Returns: Type Description Path the run folder\. Raises: Type Description UsageError unknown names", api
     )
     assert re.search(r"-&gt; int .{,600}Returns: Type Description int the seed of an episode", api)
+    notebook = (tmp_path / "site" / "source" / "examples" / "football_curriculum.ipynb.html").read_text()
+    assert notebook.count('src="data:image/png;base64,') == 2 and notebook.count('src="data:image/gif;base64,') == 1
+    assert "free parameters" in notebook and "[the minigames](" not in notebook.lower()  # a printed output; links
 
 
 def test_summaries_that_return_become_sections():

@@ -127,7 +127,7 @@ def show(
     by_method: dict[str, list[Path]] = {}
     for run in runs:
         by_method.setdefault(run.name, []).append(run.path)
-    plots.distinguish([name for name in by_method if name not in METHODS])
+    plots.distinguish({run.name: run.config.method for run in runs if run.name not in METHODS})
     with read_from(f"the tables of a run in {folder} are"):
         comparison = Comparison(scenes.game.short, by_method, report.results, painter, report.word, upomdp.parameters)
         draw(comparison, folder, kind)

@@ -30,7 +30,7 @@ def method_handles(methods: Iterable[str], marks: Sequence[str] = (), filled: bo
         shade, label = plots.colour(name), plots.title(name)
         dashes = plots.line_style(name)
         line = Line2D([], [], color=shade, linewidth=2.0, linestyle=dashes, label=label)
-        handles.append(Patch(color=shade, label=label) if filled else line)
+        handles.append(Patch(**plots.bar_look(name), label=label) if filled else line)
     return handles + [mark_handle(mark) for mark in marks]
 
 

@@ -121,7 +121,7 @@ def draw_proposals(columns: Sequence[ColumnOfProposals], path: Path) -> None:
 
 
 def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
-    """Draw the ground with the density of the painter's points in these levels, a color for each of `_kinds`."""
+    """Draw the ground with the density of the painter's points in these levels, a color for each of `kinds_of`."""
     _draw_ground(axes, painter)
     known = [theta for theta in thetas if len(theta)]
     if not known:
@@ -133,27 +133,28 @@ def draw_levels(axes: Axes, painter: Any, thetas: Sequence[np.ndarray]) -> None:
         return _draw_cells(axes, painter, places)
     x_low, x_high, y_low, y_high = painter.bounds
     cell = CELL if _is_football(painter) else max(x_high - x_low, y_high - y_low) / CELLS
-    for _, points, shade in _kinds(painter):
+    for _, points, shade in kinds_of(painter):
         _draw_density(axes, painter.bounds, places[:, points].reshape(-1, 2), shade, cell)
 
 
 def draw_scales(figure: Any, painter: Any) -> None:
     """Draw the scales of the densities below a figure, one for each kind of points."""
-    keys.density_scales(figure, [(label, shade) for label, _, shade in _kinds(painter)])
+    keys.density_scales(figure, [(label, shade) for label, _, shade in kinds_of(painter)])
 
 
 def _is_football(painter: Any) -> bool:
     return tuple(painter.markers) == MARKERS
 
 
-def _kinds(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
+def kinds_of(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
     """Return the kinds of points: name, mask `[K]` and color. Teams without the own keeper, or markers."""
     classes = np.asarray(painter.classes)
     if _is_football(painter):
         opponents = (classes >= RIGHT_PLAYER) & (classes < BALL)
+        first = min(classes[opponents], default=RIGHT_PLAYER)  # a keeper's color where there is no other opponent
         return [
             ("starting positions of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
-            ("starting positions of opponents", opponents, PAPER_COLOURS[RIGHT_PLAYER]),
+            ("starting positions of opponents", opponents, PAPER_COLOURS[first]),
         ]
     kept = np.unique(classes[~details_of(painter)]).tolist()
     named = [(painter.markers[kind], classes == kind) for kind in kept]
@@ -176,7 +177,7 @@ def _draw_cells(axes: Axes, painter: Any, places: np.ndarray) -> None:
     """
     tiles = tiles_of(painter)
     cell = 2 * painter.markers[painter.classes[tiles.argmax()]][2]
-    found = sorted(_kinds(painter), key=lambda kind: not tiles[kind[1]].any())  # bars cover tiles
+    found = sorted(kinds_of(painter), key=lambda kind: not tiles[kind[1]].any())  # bars cover tiles
     kinds = [
         (shade, _count(painter.bounds, places[:, points], cell), tiles[points].any()) for _, points, shade in found
     ]

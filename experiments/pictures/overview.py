@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 WIDTH = 11.5  # inches
 CURVES_HEIGHT = 2.4  # inches
 TITLE_HEIGHT = 0.35  # inches, title of a pitch
+LEVELS_TITLE, TITLE_GAP = 9.0, 0.45  # points, size of these titles; inches between neighbors
 COLUMNS = 4  # pitches per row
 MOST_HORIZONTAL = 7  # scenes with horizontal labels; those of more scenes are rotated
 ROTATED_HEIGHT = 0.5  # inches, additional height of rotated labels
@@ -59,7 +60,8 @@ def overview(comparison: Comparison, path: Path) -> None:
     """Draw the picture: curves and goals at the top, a row of pitches for each method below."""
     import matplotlib.pyplot as plt
 
-    heading, gains, handles = _heading(comparison), _gains(comparison), _handles(comparison)
+    learning = _learning(comparison)
+    heading, gains, handles = _heading(comparison), _gains(comparison), _handles(comparison, learning)
     title = 0.3 + 0.2 * heading.count("\n")  # inches, like all sizes below
     head = title + GAINS_LINE * len(gains) + 0.25
     many = len(unique([row.scene for row in comparison.results])) >= MOST_HORIZONTAL  # with the mean of all
@@ -70,9 +72,7 @@ def overview(comparison: Comparison, path: Path) -> None:
         figure = plt.figure(figsize=(WIDTH, above_height + below_height))
         halves: Any = figure.subfigures(2, 1, height_ratios=[above_height, below_height])
         above, below = halves
-        left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
-        _draw_learning(left, comparison)
-        _draw_goals(right, comparison)
+        _draw_results(above, comparison, learning)
         above.suptitle(heading, x=0.01, y=1 - 0.05 / above_height, ha="left", fontsize=13, fontweight="bold")
         below_title = 1 - (title + 0.02) / above_height
         above.text(0.01, below_title, "\n".join(gains), va="top", fontsize=9, color=plots.INK)
@@ -96,11 +96,14 @@ def _pitch_height(width: float, height: float) -> float:
 
 def _draw_levels(below: Any, comparison: Comparison) -> None:
     rows, height = _level_rows(comparison.runs), _levels_height(comparison)
+    shrunk = LEVELS_TITLE / plots.STYLE["axes.titlesize"]
+    fitting = plots.fitting((WIDTH / COLUMNS - TITLE_GAP) / shrunk)
     grid = below.subplots(len(rows), COLUMNS, squeeze=False)
     for line, panels in zip(grid, rows, strict=True):
         for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
             draw_levels(axes, comparison.painter, thetas)
-            axes.set_title(textwrap.shorten(title, plots.fitting(WIDTH / COLUMNS), placeholder=" …"))
+            lines = textwrap.wrap(title, fitting, max_lines=2, placeholder=" …")
+            axes.set_title("\n".join(lines), fontsize=LEVELS_TITLE)
     below.subplots_adjust(
         left=0.01,
         right=0.99,
@@ -112,10 +115,10 @@ def _draw_levels(below: Any, comparison: Comparison) -> None:
     draw_scales(below, comparison.painter)
 
 
-def _handles(comparison: Comparison) -> list[Any]:
+def _handles(comparison: Comparison, learning: Mapping[str, curves.Curve]) -> list[Any]:
     """Return the handles of the legend: methods and baselines, the curves' lines and bands, and whiskers."""
     methods = unique([row.method for row in comparison.results])
-    several = any(len(paths) > 1 for paths in comparison.runs.values())
+    several = any(len(curve.values) > 1 for curve in learning.values())
     known = any(_interval(comparison, method, row.scene).known for method in methods for row in comparison.results[:1])
     marks = (*(keys.RUNS if several else ()), *([keys.WHISKER] if known else []))
     return keys.method_handles(methods, marks, filled=True)
@@ -184,11 +187,25 @@ def _scores(comparison: Comparison, method: str) -> estimate.Scores | None:
     return estimate.scores(comparison.results, method)
 
 
-def _draw_learning(axes: Axes, comparison: Comparison) -> None:
-    for method, paths in comparison.runs.items():
-        curve = curves.read_curve(paths, f"eval/{TRAINING_SCENE}")
-        if curve is not None:
-            curves.draw_curve(axes, curve, method)
+def _learning(comparison: Comparison) -> dict[str, curves.Curve]:
+    """Return the learning curve of each method that was evaluated in training."""
+    found = {name: curves.read_curve(paths, f"eval/{TRAINING_SCENE}") for name, paths in comparison.runs.items()}
+    return {name: curve for name, curve in found.items() if curve is not None}
+
+
+def _draw_results(above: Any, comparison: Comparison, learning: Mapping[str, curves.Curve]) -> None:
+    """Draw the goals, beside the learning curves if there are any."""
+    if learning:
+        left, right = above.subplots(1, 2, width_ratios=[1, 1.15])
+        _draw_learning(left, learning)
+    else:
+        right = above.subplots()
+    _draw_goals(right, comparison)
+
+
+def _draw_learning(axes: Axes, learning: Mapping[str, curves.Curve]) -> None:
+    for method, curve in learning.items():
+        curves.draw_curve(axes, curve, method)
     axes.set_title("Return on the training distribution")
     plots.label_steps(axes)
     plots.begin_at_zero(axes)
@@ -205,7 +222,7 @@ def _draw_goals(axes: Axes, comparison: Comparison) -> None:
         for index, scene in enumerate(shown):
             interval = _rate(comparison, method, scene)
             if interval is not None:  # else no bar, which would read as 0
-                _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.colour(method))
+                _draw_rate(axes, index + offset, interval, 0.9 * reach / len(methods), plots.bar_look(method))
     rotated: dict[str, Any] = {"rotation": 25, "ha": "right", "fontsize": 8} if len(shown) > MOST_HORIZONTAL else {}
     names = [scene if rotated else scene.replace(" distribution", "\ndistribution") for scene in shown]
     axes.set_xticks(range(len(shown)), names, **rotated)
@@ -223,9 +240,9 @@ def _rate(comparison: Comparison, method: str, scene: str) -> Interval | None:
     return _interval(comparison, method, scene) if select(comparison.results, method, scene) else None
 
 
-def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, color: str) -> None:
+def _draw_rate(axes: Axes, at: float, interval: Interval, width: float, look: Mapping[str, Any]) -> None:
     """Draw a bar with its whisker."""
-    axes.bar(at, interval.estimate, width, color=color)
+    axes.bar(at, interval.estimate, width, **look)
     if interval.known:
         low, high = interval.estimate - interval.low, interval.high - interval.estimate
         span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative

@@ -1,15 +1,15 @@
 """The style of all pictures. Matplotlib is imported when a picture is drawn.
 
 Each method has the same color in all pictures, which no team has and which readers with a color vision deficiency can
-tell from the others. Read next: `pictures.keys`, legends; `pictures.curves`, `pictures.level_plots`; then
-`pictures.overview`.
+tell from the others. A variant of a method has its hue, see `pictures.variants`.
+
+Read next: `pictures.keys`, legends; `pictures.curves`, `pictures.level_plots`; then `pictures.overview`.
 """
 
 from __future__ import annotations
 
-import itertools
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from io import BytesIO
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
+from regista.experiments.pictures.variants import Look, looks
 from regista.experiments.run.progress import count
 from regista.experiments.run.table import cannot_write
 from ued.core.files import write_whole
@@ -39,7 +40,7 @@ METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
 }
 OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
-VARIANT_COLOURS = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of dashed curves
+CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of what is no method
 ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
@@ -66,7 +67,7 @@ STYLE: dict[Any, Any] = {
     "ytick.labelsize": 8.5,
     "legend.frameon": False,
     "figure.facecolor": "white",
-    "axes.prop_cycle": f"cycler('color', {list(VARIANT_COLOURS)})",  # of what is no method
+    "axes.prop_cycle": f"cycler('color', {list(CYCLE)})",
     "savefig.dpi": 160,
     "pdf.fonttype": 42,  # TrueType: publishers reject Type 3
     "svg.fonttype": "none",  # text stays text
@@ -87,18 +88,26 @@ def style() -> AbstractContextManager:
     return matplotlib.rc_context(STYLE)
 
 
-_variant_colours: dict[str, str] = {}  # of the comparison that is drawn
+_variants: dict[str, Look] = {}  # of the comparison that is drawn
 
 
-def distinguish(variants: Sequence[str]) -> None:
-    """Give the variants of a comparison colors of their own; those of more than six repeat."""
-    _variant_colours.clear()
-    _variant_colours.update(zip(variants, itertools.cycle(VARIANT_COLOURS), strict=False))
+def distinguish(variants: Mapping[str, str]) -> None:
+    """Give the variants of a comparison looks of their own, in the hue of their methods: `variants` says of which."""
+    _variants.clear()
+    _variants.update(looks(variants, METHOD_COLOURS))
 
 
 def colour(method: str) -> str:
     """Return the color of a method or a variant."""
-    return METHOD_COLOURS.get(method) or _variant_colours.get(method, OTHER_COLOUR)
+    if method in _variants:
+        return _variants[method].colour
+    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+
+
+def bar_look(method: str) -> dict[str, Any]:
+    """Return what bars and patches of a method or a variant are drawn with; those of variants are hatched."""
+    hatch = {"hatch": _variants[method].hatch, "edgecolor": "white"} if method in _variants else {}
+    return {"facecolor": colour(method), "linewidth": 0} | hatch
 
 
 def sequence(count: int) -> list[Any]:
@@ -108,9 +117,9 @@ def sequence(count: int) -> list[Any]:
     return list(colormaps["viridis_r"](np.linspace(0.15, 1, count)))
 
 
-def line_style(method: str) -> Literal["-", "--"]:
+def line_style(method: str) -> Any:
     """Return the line style of a method's curves; those of variants are dashed."""
-    return "--" if method in _variant_colours else "-"
+    return _variants[method].dashes if method in _variants else "-"
 
 
 def title(method: str) -> str:

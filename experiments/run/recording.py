@@ -19,6 +19,7 @@ from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage
 from regista.experiments.run.reporting import Update
 from regista.experiments.run.table import read_columns
+from ued.config import PairedConfig, PairedLiteralConfig
 from ued.core.task import Task
 from ued.methods import METHODS
 from ued.recorder.layout import TOP_LEVELS
@@ -41,8 +42,8 @@ class RunRecorder:
         name = f"{config.minigame} {config.method} seed {config.seed}"
         flat = {key: str(value) for key, value in configs.to_dict(config).items() if not isinstance(value, dict)}
         flat |= {key: str(version) for key, version in versions.stamp(config).items()}
-        rule = getattr(getattr(config, METHODS[config.method].group, None), "score", "")
-        recording = Recording(run.next_recording(), run.recording_id, name, config.total_env_steps, flat, connect, rule)
+        rule, steps = score_rule(getattr(config, METHODS[config.method].group, None)), config.total_env_steps
+        recording = Recording(run.next_recording(), run.recording_id, name, steps, flat, connect, rule)
         self.recorder: CurriculumRecorder | None = CurriculumRecorder(recording, self.stage.painter, upomdp.parameters)
         if config.record_rollouts:
             method.keep_tapes()
@@ -108,6 +109,16 @@ class RunRecorder:
                 [f"return {value:+.2f}" for value in replay.returns],
             )
             self.recorder.episodes(replay.student, update.number, update.env_steps, episodes)
+
+
+def score_rule(settings: Any) -> str:
+    """Return how a method with these settings scores levels, as `ued.recorder.cards.formula` takes it."""
+    if isinstance(settings, PairedLiteralConfig):
+        return f"dennis2020 {settings.regret}"
+    if isinstance(settings, PairedConfig):
+        roles = "dennis2020" if settings.antagonist == "scripted" else settings.roles
+        return f"{roles} {settings.regret}"
+    return getattr(settings, "score", "")
 
 
 def viewer_answers(address: str) -> bool:

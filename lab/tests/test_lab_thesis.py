@@ -5,6 +5,8 @@ import pytest
 from lab.studies.rows import Row, add, load
 from lab.thesis import __main__ as command
 from lab.thesis import curves, figures, plan, study, tables
+from regista.experiments.pictures import plots
+from regista.experiments.pictures.variants import shades_of
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.minigames import MINIGAMES
@@ -74,14 +76,19 @@ def test_figures_explain_their_marks_and_close_colors_have_other_lines(monkeypat
     monkeypatch.setattr(figures.plots, "save", lambda figure, path: drawn.append(figure))
     values = [
         curves.Value("1v1Free", agent, 0, steps, curve, 0.5, "1")
-        for agent in ("paired", "paired_literal")
+        for agent in ("dr", "paired", "paired_literal", "paired_dennis2020")
         for steps in (250_000, 500_000)
         for curve in curves.CURVES
     ]
     figures.draw_curves(values, tmp_path / "curves.png")
     figures.draw_strategies([row("built-in", scene="A: chases the ball", game="3v2FourBehaviors")], tmp_path / "a.png")
     shown, bars = drawn
-    assert {line.get_linestyle() for line in shown.axes[0].lines} == {"-", "--"}
+    looks = {line.get_label(): line for line in shown.axes[0].lines}
+    assert (
+        len({str(line._dash_pattern) for line in looks.values()}) == 3
+    )  # the methods' own, and one each of the others
+    shade = looks["PAIRED (Dennis et al.)"].get_color()
+    assert shade in shades_of(plots.colour("paired")) and looks["DR"].get_color() == plots.colour("dr")
     assert shown.axes[0].get_xlim()[0] == 0
     (legend,) = bars.legends
     assert [text.get_text() for text in legend.get_texts()] == ["95% CI"]

@@ -2,9 +2,11 @@
 
 import matplotlib.pyplot as plt
 import pytest
+from matplotlib.colors import to_hex
 
 from lab import rare_levels_figure as figure
 from regista.experiments.pictures import plots
+from regista.experiments.pictures.variants import shades_of
 
 
 def row(variant, order, seed, rare, shares=()):
@@ -43,3 +45,14 @@ def test_it_is_drawn_for_several_games(tmp_path):
     others = [one | {"game": "1v1RareLine"} for one in ROWS]
     figure.draw([*ROWS, *others], 3, tmp_path / "rare.png")
     assert plt.imread(tmp_path / "rare.png").std() > 0.05
+
+
+def test_settings_of_a_method_have_its_hue_and_hatches_of_their_own(axes):
+    plots.distinguish(figure.VARIANTS)
+    try:
+        figure.draw_success(axes, [*ROWS[:5], *(row(figure.EVEN, "first", seed, 50) for seed in range(5))])
+    finally:
+        plots.distinguish({})
+    own, even = axes.patches
+    assert to_hex(own.get_facecolor()) == plots.colour("dr") and own.get_hatch() is None
+    assert to_hex(even.get_facecolor()) in shades_of(plots.colour("dr")) and even.get_hatch()

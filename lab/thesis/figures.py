@@ -19,10 +19,9 @@ from regista.experiments.run import results as estimate
 from regista.experiments.run.results import unique
 
 AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
-STRATEGIES = plots.METHOD_COLOURS["built-in"]
 RUN = "a run"
-VARIANTS = dict(zip(("paired_dennis2020", "dr_half"), plots.VARIANT_COLOURS, strict=False))
-DASHED = {"paired_literal": "--"}  # its color is close to that of PAIRED
+VARIANTS = {name: method.method for name, method in METHODS.items() if name not in plots.METHOD_COLOURS}
+DASHED = {"paired_literal": (0, (9, 2, 1.5, 2))}  # a relative of PAIRED
 WIDTH = 0.8  # of a group of bars
 
 
@@ -41,12 +40,13 @@ def draw_bars(game: str, rows: Sequence[Row], path: Path) -> None:
     results = [row.result() for row in rows]
     methods = [name for name in METHODS if any(row.method == name for row in results)]
     scenes = scene_names(rows)
+    plots.distinguish(VARIANTS)
     with plots.style():
         figure, axes = plt.subplots(figsize=(1.6 + 1.45 * len(scenes), 3.4), layout="constrained")
         for k, name in enumerate(methods):
             places = np.arange(len(scenes)) + (k - (len(methods) - 1) / 2) * WIDTH / len(methods)
             parts = [estimate.select(results, name, scene) for scene in scenes]
-            bar(axes, places, parts, WIDTH / len(methods), shade(name), METHODS[name].title)
+            bar(axes, places, parts, WIDTH / len(methods), plots.bar_look(name), METHODS[name].title)
         finish(axes, list(scenes.values()), f"Figure {FIGURES[game].number}: {FIGURES[game].title}")
         legend(figure, axes, keys.WHISKER, RUN)
         plots.save(figure, path)
@@ -60,23 +60,19 @@ def draw_strategies(rows: Sequence[Row], path: Path) -> None:
     scenes = unique([row.scene for row in rows])
     with plots.style():
         figure, axes = plt.subplots(figsize=(5.2, 3.2), layout="constrained")
-        bar(axes, np.arange(len(scenes)), [estimate.select(results, "built-in", s) for s in scenes], 0.6, STRATEGIES)
+        parts = [estimate.select(results, "built-in", scene) for scene in scenes]
+        bar(axes, np.arange(len(scenes)), parts, 0.6, plots.bar_look("built-in"))
         finish(axes, [scene.replace(": ", "\n") for scene in scenes], "Figure 4.4: built-in AI against the strategies")
         axes.set_ylabel("goal difference of the built-in AI")
         legend(figure, axes, keys.WHISKER)
         plots.save(figure, path)
 
 
-def shade(name: str) -> str:
-    """Return the color of a method of the chapter, or of a variant of one."""
-    return VARIANTS.get(name) or plots.colour(name)
-
-
 def legend(figure: Any, axes: Any, *marks: str) -> None:
     """Add a legend below a figure: the labeled methods, and what marks mean."""
     handles = list(axes.get_legend_handles_labels()[0])
     handles += [run_handle() if mark == RUN else keys.mark_handle(mark) for mark in marks]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8, handlelength=3)
 
 
 def run_handle() -> Any:
@@ -85,7 +81,7 @@ def run_handle() -> Any:
     return Line2D([], [], linestyle="", marker=".", markersize=4, color=plots.INK, alpha=0.55, label=RUN)
 
 
-def bar(axes: Any, places: np.ndarray, parts: Sequence[Any], width: float, colour: str, label: str = "") -> None:
+def bar(axes: Any, places: np.ndarray, parts: Sequence[Any], width: float, look: dict, label: str = "") -> None:
     """Draw a bar for each of these lists of results, with its interval, and a dot for each of several runs.
 
     A list without results has no bar, which would read as 0.
@@ -93,7 +89,7 @@ def bar(axes: Any, places: np.ndarray, parts: Sequence[Any], width: float, colou
     known = [index for index, part in enumerate(parts) if part]
     places, parts = places[known], [parts[index] for index in known]
     found = [estimate.mean_return(part) for part in parts]
-    axes.bar(places, [one.estimate for one in found], width * 0.92, color=colour, label=label or None)
+    axes.bar(places, [one.estimate for one in found], width * 0.92, label=label or None, **look)
     for place, one, part in zip(places, found, parts, strict=True):
         if one.known:
             axes.plot([place, place], [one.low, one.high], color=plots.INK, linewidth=1.3)
@@ -118,6 +114,7 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     games = [game for game in FIGURES if any(value.game == game for value in values)]
+    plots.distinguish(VARIANTS)
     with plots.style():
         size = (1.2 + 2.6 * len(games), 6.6)
         figure, grid = plt.subplots(
@@ -148,6 +145,6 @@ def draw_curve(axes: Any, values: Sequence[Value]) -> None:
         steps = sorted({value.env_steps for value in mine})
         at = [[value.value for value in mine if value.env_steps == step] for step in steps]
         if steps:
-            dashes = DASHED.get(name, "-")
-            axes.plot(steps, [np.mean(runs) for runs in at], dashes, color=shade(name), label=method.title)
-            axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=shade(name), alpha=0.12, lw=0)
+            dashes, shade = DASHED.get(name) or plots.line_style(name), plots.colour(name)
+            axes.plot(steps, [np.mean(runs) for runs in at], linestyle=dashes, color=shade, label=method.title)
+            axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=shade, alpha=0.12, lw=0)

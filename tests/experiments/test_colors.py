@@ -10,6 +10,7 @@ from regista.envs.football.view import render
 from regista.envs.maze import painter as maze
 from regista.envs.maze import picture as mazes
 from regista.experiments.pictures import plots
+from regista.experiments.pictures.variants import shades_of
 
 # Machado, Oliveira and Fernandes 2009, severity 1: linear RGB as it is seen, rows by channel.
 DEFICIENCIES = {
@@ -21,6 +22,10 @@ TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 
 WHITE = np.array([0.9505, 1.0, 1.089])
 
 
+METHODS_COLORS = {name: shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES}
+SHADES = {name: shades_of(shade)[:3] for name, shade in METHODS_COLORS.items()}  # of variants, by method
+
+
 def lab(colors, deficiency="none"):
     """Return colors `[n, 3]` in CIELAB, as they are seen: 2.3 is the least difference that is noticed."""
     rgb = np.array([to_rgb(color) for color in colors])
@@ -30,6 +35,13 @@ def lab(colors, deficiency="none"):
     return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], 1)
 
 
+def contrast(color):
+    """Return the contrast with white as WCAG defines it: from 1 to 21."""
+    rgb = np.array(to_rgb(color))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return 1.05 / (linear @ TO_XYZ[1] + 0.05)
+
+
 def closest(colors, deficiency):
     """Return the smallest distance between two of the colors."""
     return min(np.linalg.norm(one - other) for one, other in itertools.combinations(lab(colors, deficiency), 2))
@@ -37,23 +49,42 @@ def closest(colors, deficiency):
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_methods_and_baselines_differ_for_every_reader(deficiency):
-    baselines = [plots.METHOD_COLOURS[name] for name in plots.BASELINES]
-    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
+    baselines, methods = [plots.METHOD_COLOURS[name] for name in plots.BASELINES], list(METHODS_COLORS.values())
     assert closest(methods, deficiency) > 20 and closest(baselines, deficiency) > 10
     apart = lab(methods, deficiency)[:, None] - lab(baselines, deficiency)[None]
     assert np.linalg.norm(apart, axis=2).min() > 20
 
 
+def test_methods_are_dark_enough_on_white():
+    assert min(map(contrast, METHODS_COLORS.values())) > 2.99
+    assert min(contrast(shade) for shades in SHADES.values() for shade in shades) > 2.99
+
+
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_variants_differ_for_every_reader(deficiency):
-    assert closest(plots.VARIANT_COLOURS, deficiency) > 10
+    assert min(closest([METHODS_COLORS[name], *shades], deficiency) for name, shades in SHADES.items()) > 10
+    assert closest(plots.CYCLE, deficiency) > 10  # of what is no method
+
+
+def test_variants_have_the_hue_of_their_method():
+    """Their chroma is bounded, too: a gray has no hue."""
+    for name, shades in SHADES.items():
+        _, *own = lab([METHODS_COLORS[name]])[0]
+        for _, *ab in lab(shades):
+            cosine = np.dot(own, ab) / np.linalg.norm(own) / np.linalg.norm(ab)
+            assert cosine > np.cos(np.radians(2)) and np.linalg.norm(ab) > 15, name
 
 
 def test_no_method_has_the_color_of_a_team():
     teams = [*render.PAPER_COLOURS[: render.BALL], *(np.array(shade) / 255 for _, shade, _ in render.MARKERS[:4])]
-    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
-    shown = lab([*methods, *plots.VARIANT_COLOURS])
+    shown = lab([*METHODS_COLORS.values(), *plots.CYCLE])
     assert np.linalg.norm(shown[:, None] - lab(teams)[None], axis=2).min() > 15
+
+
+@pytest.mark.parametrize("deficiency", DEFICIENCIES)
+def test_methods_differ_from_teams_on_paper_for_every_reader(deficiency):
+    teams = lab(render.PAPER_COLOURS[: render.BALL], deficiency)
+    assert np.linalg.norm(lab(METHODS_COLORS.values(), deficiency)[:, None] - teams[None], axis=2).min() > 10
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
@@ -71,9 +102,8 @@ def test_mazes_have_the_same_colors_everywhere_and_no_method_has_them():
     markers = {name: shade for name, shade, _ in maze.MARKERS}
     assert (markers["goal"], markers["agent"]) == (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)
     assert markers["seen cells"] == mazes.SEEN_FLOOR
-    methods = [shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES]
     shown = lab([np.array(shade) / 255 for shade in (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)])
-    assert np.linalg.norm(lab([*methods, *plots.VARIANT_COLOURS])[:, None] - shown[None], axis=2).min() > 15
+    assert np.linalg.norm(lab([*METHODS_COLORS.values(), *plots.CYCLE])[:, None] - shown[None], axis=2).min() > 15
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
@@ -81,11 +111,18 @@ def test_what_is_compared_with_differs_from_ink_for_every_reader(deficiency):
     assert closest([plots.REFERENCE, plots.INK], deficiency) > 20
 
 
-def test_a_methods_color_does_not_depend_on_the_other_methods():
+def test_a_methods_color_does_not_depend_on_what_is_compared():
     before = {name: plots.colour(name) for name in plots.METHOD_COLOURS}
-    plots.distinguish(["a variant", "another"])
+    variants = {f"{method} {k}": method for k in range(3) for method in ("dr", "paired")}
+    plots.distinguish(variants)
     try:
         assert {name: plots.colour(name) for name in plots.METHOD_COLOURS} == before
-        assert plots.line_style("a variant") == "--" and {plots.line_style(name) for name in before} == {"-"}
+        assert {plots.line_style(name) for name in before} == {"-"}
+        assert not any("hatch" in plots.bar_look(name) for name in before)
+        for method in ("dr", "paired"):
+            mine = [name for name, known in variants.items() if known == method]
+            assert [plots.colour(name) for name in mine] == SHADES[method]
+            assert len({plots.line_style(name) for name in mine} | {"-"}) == 4
+            assert len({plots.bar_look(name)["hatch"] for name in mine}) == 3
     finally:
-        plots.distinguish([])
+        plots.distinguish({})

@@ -9,7 +9,7 @@ import pytest
 import regista
 import ued
 from regista.experiments.commands.compare import CompareConfig
-from regista.experiments.pictures import keys
+from regista.experiments.pictures import keys, plots
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
@@ -62,6 +62,8 @@ def test_figures_are_drawn(run, comparison):
     assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
     labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
     assert labels == {METHODS["dr"].title, METHODS["plr"].title, *keys.RUNS}
+    colors = comparison.colors()
+    assert set(colors) == {"dr", "plr", *plots.BASELINES} and colors["plr"] == METHODS["plr"].colour
     (run / "metrics.csv").unlink()
     with pytest.raises(CommandError, match="no update has finished yet"):
         regista.load_run(run).figure()

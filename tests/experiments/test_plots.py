@@ -2,6 +2,7 @@
 
 import itertools
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib.image
 import numpy as np
@@ -117,6 +118,16 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
     plt.close(figure)
 
 
+def test_the_density_of_keepers_alone_has_their_color(painter):
+    from regista.envs.football.view.render import LEFT_KEEPER, PAPER_COLOURS, RIGHT_KEEPER, RIGHT_PLAYER
+
+    for opponents, first in (((RIGHT_KEEPER,), RIGHT_KEEPER), ((RIGHT_KEEPER, RIGHT_PLAYER), RIGHT_PLAYER)):
+        shown = SimpleNamespace(markers=painter.markers, classes=np.array([0, LEFT_KEEPER, *opponents]))
+        (_, mine, blue), (_, theirs, shade) = level_plots.kinds_of(shown)
+        assert blue == PAPER_COLOURS[0] and mine.tolist()[:2] == [True, False] and not mine[2:].any()
+        assert shade == PAPER_COLOURS[first] and theirs.tolist() == [False, False, *[True] * len(opponents)]
+
+
 class Squares(Dots):
     """Draws two walls as squares of 0.25 m, and `Dots` between them."""
 
@@ -164,6 +175,32 @@ def test_overview(runs, painter, tmp_path):
     overview(Comparison("1v1Restricted", runs, results, painter), path)
     assert ink(path) > 0.2
     assert all(has_colour(path, plots.METHOD_COLOURS[method]) for method in ("dr", "paired", "shoot"))
+
+
+@pytest.mark.drawn
+@pytest.mark.parametrize("evaluated", [True, False])
+def test_without_evaluations_in_training_there_is_no_panel_of_them(runs, painter, monkeypatch, tmp_path, evaluated):
+    from regista.experiments.pictures import overview as pictures
+
+    drawn, long = [], "PAIRED-with-a-name-that-is-long"
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    if not evaluated:
+        monkeypatch.setattr(pictures.curves, "read_curve", lambda paths, column: None)
+    results = [
+        Result(name, seed, "easy", 100, 0.5, 0.5, 50, 30.0, 1000, 10) for name in ("dr", long) for seed in (0, 1)
+    ]
+    renamed = {"dr": runs["dr"], long: runs["paired"]}
+    pictures.overview(Comparison("a game", renamed, results, painter), tmp_path / "overview.png")
+    above, below = drawn[0].subfigs
+    titles = [axes.get_title("left") for axes in above.axes]
+    assert titles == [*["Return on the training distribution"] * evaluated, "Goals after training, share of episodes"]
+    legend = [text.get_text() for text in above.legends[0].get_texts()]
+    assert (keys.MEAN in legend) == (keys.RANGE in legend) == evaluated
+    drawn[0].canvas.draw()
+    boxes = [axes._left_title.get_window_extent() for axes in below.axes[: pictures.COLUMNS]]
+    assert below.axes[1].get_title("left").replace("\n", " ").endswith("first tenth")
+    gap = drawn[0].dpi * 0.2
+    assert all(one.x1 + gap < other.x0 for one, other in itertools.pairwise(boxes))
 
 
 def test_a_bar_without_results_is_absent(runs, painter):

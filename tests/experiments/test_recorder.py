@@ -20,7 +20,7 @@ from ued.core.curriculum import ThetaSpace
 from ued.core.level_space import level_dtype
 from ued.levels.buffer import LevelBuffer
 from ued.levels.record import NONE, level_record_dtype, make_records
-from ued.recorder.layout import shown
+from ued.recorder.layout import layout, shown
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
 from ued.recorder.shades import ramp, smooth, unique_names
@@ -176,6 +176,16 @@ def test_looks_are_written_once(recorded):
         assert looks.column("Points2D:show_labels").to_pylist() == [[False]]
     assert table(path, "/theta/depth/histogram", "BarChart:values").keys() == {1, *range(5, UPDATES + 1, 5)}
     assert len(still["/theta/depth/histogram"].column("BarChart:widths").to_pylist()[0]) == 24
+
+
+@pytest.mark.parametrize(
+    ("students", "kinds", "name"),
+    [(("student",), {"buffer"}, "Score"), (("one", "other"), set(), "Regret"), (("student",), set(), None)],
+)
+def test_scores_have_a_view_as_high_as_that_of_returns(students, kinds, name):
+    overview = layout(ProbePainter(), ["x"], students, kinds).root_container.contents[0]
+    curves = [view.name for view in overview.contents[1].contents[0].contents]
+    assert curves == [f"{kind} per level (mean ± std)" for kind in ("Return", name) if kind]
 
 
 def test_every_curve_of_the_layout_is_shown():

@@ -1,19 +1,26 @@
 """Cards of a recording: the formula of a score with its numbers, the outcome of each episode, beside the scenes."""
 
+import itertools
+
 import numpy as np
 import pytest
 
+from regista.experiments.run.recording import score_rule
 from tests.experiments.probe import DRAWS, ProbePainter, batch
+from ued.config import PairedConfig, PairedLiteralConfig, PLRConfig
 from ued.core.level_space import level_dtype
 from ued.levels.batch import LevelBatch
 from ued.levels.record import level_record_dtype, make_records
 from ued.levels.scores import SCORES, fields, score
-from ued.recorder import cards
+from ued.methods.paired import paired_regret
+from ued.recorder import cards, labels
+from ued.recorder.layout import MAP_LEFT
 
 rerun = pytest.importorskip("rerun")
 
 from ued.recorder.recorder import CurriculumRecorder, Recording  # noqa: E402
 from ued.recorder.scene_log import Episodes  # noqa: E402
+from ued.recorder.theta_log import LABEL_CHARACTER, axis_label  # noqa: E402
 
 
 def scored(rule="max_mc"):
@@ -44,6 +51,56 @@ def test_max_mc_is_told_with_its_two_numbers():
     assert "1.00 − 0.25" in cards.slot_card(levels, 0, "max_mc")
 
 
+@pytest.mark.parametrize("kind", ["max_mean", "mean_mean"])
+@pytest.mark.parametrize("roles", ["population", "flexible", "dennis2020"])
+def test_regret_is_told_with_the_numbers_of_its_definition(roles, kind):
+    level, rng = level_dtype(3), np.random.default_rng(0)
+    records = make_records(level_record_dtype(level, 2, 3), np.zeros(20, level))
+    records["returns"] = rng.choice([-1.0, 0.0, 0.5, 1.0], (20, 2, 3))
+    config = PairedConfig(roles=roles, regret=kind)
+    records["score"], levels = paired_regret(records, config), LevelBatch(records, ["protagonist", "antagonist"])
+    rule = score_rule(config)
+    for index, regret in enumerate(records["score"]):
+        assert np.subtract(*cards.regret_terms(records["returns"][index], rule)) == pytest.approx(regret)
+        assert cards.formula(levels, index, rule).endswith(f" = **{regret:.2f}**")
+        assert cards.formula(levels, index, rule).count(" − ") == 2
+    records["score"][0] += 1  # as one that was clipped
+    assert cards.formula(levels, 0, rule).count(" − ") == 1
+    assert (score_rule(PairedLiteralConfig()), score_rule(PLRConfig())) == ("dennis2020 max_mean", "max_mc")
+    assert score_rule(PairedConfig(antagonist="scripted")) == "dennis2020 max_mean" and score_rule(None) == ""
+
+
+def test_a_level_with_several_visits_has_one_card():
+    levels = batch(1, np.random.default_rng(0), 4)
+    levels.records["id"], levels.records["score"] = (5, 6, 5, 5), (0.1, 0.2, 0.4, 0.3)
+    assert cards.by_score(levels, 6).tolist() == [2, 1] and cards.by_score(levels, 1).tolist() == [2]
+    assert "the highest score of 3 visits in this update" in cards.slot_card(levels, 2)
+    assert "visits" not in cards.slot_card(levels, 1) and f"{cards.BEST} +" in cards.slot_card(levels, 1)
+
+
+def test_labels_neither_overlap_nor_are_cut_off():
+    bounds, texts = (-111.0, 111.0, -70.0, 70.0), ["start", *(f"end {k}: return +1.00" for k in range(1, 7))]
+    for corner in ((105.0, 10.0), (-110.0, -70.0), (110.0, 70.0), (0.0, 0.0)):
+        places = np.array(corner) + np.random.default_rng(0).normal(0, 0.5, (len(texts), 2))
+        found = labels.spread(places, texts, bounds)
+        character, line, below = (222 * size for size in (labels.CHARACTER, labels.LINE, labels.BELOW))
+        half = np.array([len(text) * character / 2 for text in texts])
+        assert (found[:, 0] - half > -111).all() and (found[:, 0] + half < 111).all()
+        assert (found[:, 1] - below - line / 2 > -70.01).all() and (found[:, 1] < 70.01).all()
+        for one, other in itertools.combinations(range(len(texts)), 2):
+            apart = np.abs(found[one] - found[other])
+            assert apart[0] > half[one] + half[other] or apart[1] > 0.98 * line
+    alone = labels.spread(np.array([[3.0, 4.0]]), ["start"], bounds)
+    assert alone.tolist() == [[3.0, 4.0]]
+
+
+def test_labels_of_densities_end_beside_them():
+    for name in ("x", "a_parameter_with_a_name_that_is_much_too_long"):
+        text = axis_label(name, -99.5, -98.0)
+        assert text.endswith(": -99.5 to -98") and len(text) * LABEL_CHARACTER < MAP_LEFT
+    assert axis_label("ego.x", 0, 80) == "ego.x: 0 to 80"
+
+
 @pytest.fixture
 def written(tmp_path):
     """Return what a recording of one update with two episodes says, by entity."""
@@ -65,10 +122,18 @@ def column(written, entity, name):
 
 
 def test_start_end_and_outcome_of_each_episode_are_marked(written):
-    labels = column(written, "/scene/rollout/protagonist/path/marks", "Points2D:labels")
-    assert labels == ["start 1", "start 2", "end 1: return +1.00", "end 2: return +0.00"]
-    places = column(written, "/scene/rollout/protagonist/path/marks", "Points2D:positions")
+    root = "/scene/rollout/protagonist/path"
+    assert column(written, f"{root}/labels", "Points2D:labels") == [
+        "start 1",
+        "start 2",
+        "end 1: return +1.00",
+        "end 2: return +0.00",
+    ]
+    places = column(written, f"{root}/marks", "Points2D:positions")
     assert np.allclose(places, [[0.5, 0.5], [4.0, 4.0], [3.5, 3.5], [6.0, 6.0]])
+    moved = np.array(column(written, f"{root}/labels", "Points2D:positions")) != np.array(places)
+    leaders = column(written, f"{root}/leaders", "LineStrips2D:strips")  # from marks to labels that have moved
+    assert 0 < len(leaders) == moved.any(1).sum() and {tuple(line[0]) for line in leaders} <= set(map(tuple, places))
     (card,) = column(written, "/rollouts/protagonist", "TextDocument:text")
     assert "| 1 | return +1.00 | 6 |\n| 2 | return +0.00 | 4 |" in card
 

@@ -68,11 +68,11 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
-        "#96694b", "the same, to the letter",
+        "#794141", "the same, to the letter",
         "students learn from regret, without entropy", "2, plus truncated episodes",
     ),
     MethodRow(
-        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#9687ff", "–",
+        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#4941a1", "–",
         "an adversary maximizes the student's improvement on a level", "1",
     ),
     MethodRow(
@@ -80,7 +80,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
         "Jiang et al. 2021a", "PAIRED with a level buffer", "4",
     ),
     MethodRow(
-        "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#c3c300", "Jiang et al. 2021b",
+        "plr", "ued.methods.plr", "PLR", config.PLRConfig, "PLR", "#69a151", "Jiang et al. 2021b",
         "random levels, and replayed ones with high scores", "1",
     ),
     MethodRow(
@@ -92,7 +92,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
         "edited copies of replayed levels enter the buffer", "2.25",
     ),
     MethodRow(
-        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#b4c396", "Teoh et al. 2024",
+        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#d961f1", "Teoh et al. 2024",
         "ACCEL, or robust PLR, by regret and novelty", "2.25",
     ),
     MethodRow(
@@ -100,11 +100,11 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
         "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
-        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#a5b4f0", "Monette et al. 2025",
+        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#599971", "Monette et al. 2025",
         "a learned distribution over a buffer of levels", "2",
     ),
     MethodRow(
-        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#c3b45a", "Portelas et al. 2019",
+        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#d18101", "Portelas et al. 2019",
         "levels with learning progress, by Gaussian mixtures", "1",
     ),
     MethodRow(

@@ -24,23 +24,59 @@ FORMULAS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "mna": ("MNA", "sum of −A over steps, 0 if never solved", ()),
 }
 
+# By the definition of regret: what is subtracted from what.
+REGRETS = {
+    "population max_mean": "best episode − mean of all episodes",
+    "population mean_mean": "mean of the best student − mean of all episodes",
+    "flexible max_mean": "best episode − mean of the other student",
+    "flexible mean_mean": "mean of the better student − mean of the other",
+    "dennis2020 max_mean": "best episode of the antagonist − mean of the protagonist",
+    "dennis2020 mean_mean": "mean of the antagonist − mean of the protagonist",
+}
+BEST = "best of this visit"  # not the best return ever, which MaxMC uses
+
 
 def formula(batch: LevelBatch, level: int, rule: str) -> str:
-    """Return a line on how the score of a level comes about; empty without a score or a rule."""
+    """Return a line on how the score of a level comes about; empty without a score or a rule.
+
+    `rule`: of `levels.scores`, a definition of regret in `REGRETS`, or the name of a function.
+    """
     score = batch.score[level]
     if not rule or not np.isfinite(score):
         return ""
-    name, text, columns = FORMULAS.get(rule, (rule, "your function", ()))
-    outcomes = batch.outcomes()
-    found = [f"{outcomes[column][level]:.2f}" for column in columns if column in outcomes]
+    if rule in REGRETS:
+        name, text, terms = "regret", REGRETS[rule], regret_terms(batch.records["returns"][level], rule)
+        if not np.isclose(terms[0] - terms[1], score, atol=0.005):  # clipped at 0
+            terms = []
+    else:
+        name, text, columns = FORMULAS.get(rule, (rule, "your function", ()))
+        outcomes = batch.outcomes()
+        terms = [outcomes[column][level] for column in columns if column in outcomes]
+    found = [f"{term:.2f}" for term in terms]
     numbers = [f"({number})" if number.startswith("-") else number for number in found]
     told = f"**{name}** = {text} = "
     return told + (f"{' − '.join(numbers)} = " if len(numbers) > 1 else "") + f"**{score:.2f}**"
 
 
+def regret_terms(returns: np.ndarray, rule: str) -> list[float]:
+    """Return minuend and subtrahend of the regret of a level, from the returns `[S, n]` of its students."""
+    roles, kind = rule.split()
+    means = np.nanmean(returns, 1)  # [S]
+    best = np.nanmax(returns, 1) if kind == "max_mean" else means
+    if roles == "population":
+        return [float(best.max()), float(np.nanmean(returns))]
+    better = 1 if roles == "dennis2020" or best[1] >= best[0] else 0
+    return [float(best[better]), float(means[1 - better])]
+
+
 def by_score(batch: LevelBatch, most: int) -> np.ndarray:
-    """Return the indices of the levels with the highest scores, best first, at most `most`."""
-    return np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")[:most]
+    """Return the indices of the levels with the highest scores, best first, at most `most`.
+
+    Of a level that was visited several times, only the visit with the highest score counts.
+    """
+    order = np.argsort(-np.nan_to_num(batch.score, nan=-np.inf), kind="stable")
+    _, first = np.unique(batch.records["id"][order], return_index=True)
+    return order[np.sort(first)][:most]
 
 
 def level_card(update: int, batch: LevelBatch, names: Sequence[str], values: Values, rule: str = "") -> str:
@@ -59,20 +95,23 @@ def level_card(update: int, batch: LevelBatch, names: Sequence[str], values: Val
         f"**Update {update}: {title}**",
         origin(batch, level).capitalize(),
         formula(batch, level, rule),
-        f"| student | return | best | episodes |\n|---|---|---|---|\n{returns}",
+        f"| student | return | {BEST} | episodes |\n|---|---|---|---|\n{returns}",
         f"| θ | value | batch, 10% to 90% |\n|---|---|---|\n{rows}",
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def slot_card(batch: LevelBatch, level: int, rule: str = "") -> str:
-    """Describe a level in a few short lines: number, source, score, and returns of the students."""
+    """Describe a level in a few short lines: number, source, score, visits, and returns of the students."""
     best = batch.best
     lines = [f"**{origin(batch, level)}**"]
     if np.isfinite(batch.score[level]):
         lines.append(formula(batch, level, rule) or f"score {batch.score[level]:.2f}")
+    visits = int((batch.records["id"] == batch.records["id"][level]).sum())
+    if visits > 1:
+        lines.append(f"the highest score of {visits} visits in this update")
     for name, means in batch.returns.items():
-        lines.append(f"{name}: return {means[level]:+.2f}, best {best[name][level]:+.2f}")
+        lines.append(f"{name}: return {means[level]:+.2f}, {BEST} {best[name][level]:+.2f}")
     return "\n\n".join(lines) + "\n"
 
 

@@ -25,13 +25,13 @@ Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 
 TOP_LEVELS = 6  # slots of the Levels tab
 MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in view units
+MAP_LEFT = 104.0  # room for labels beside them
 SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 BUFFERED = ("/metrics/buffer/score", "/metrics/buffer/generation")
 RETURNS, SCORE, TESTS = "/metrics/return_per_level/", "/metrics/score_per_level", "/metrics/eval/"
 PROGRAMS, CHOICES = "/metrics/program/", "/metrics/choice_ratio/"
 CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # what views show
-TESTS_SHARE = 1.7  # height of the test scenes, whose legend has a line for each
 DARK: Colour = (12, 12, 14)
 
 
@@ -48,7 +48,7 @@ def layout(
     if painter is None:
         return blueprint(rrb.Tabs(_plain(students), _theta(names), *more, active_tab=0), "update", 10, "Following")
     tabs = rrb.Tabs(
-        _overview(painter, students, mixed, "buffer" in kinds and len(students) == 1),
+        _overview(painter, students, mixed, "buffer" in kinds),
         _levels(painter),
         _rollouts(painter, students),
         _theta(names),
@@ -119,15 +119,14 @@ def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: s
 
 
 def _overview(painter: ScenePainter, students: Sequence[str], mixed: bool, buffered: bool) -> Any:
-    """Return the overview; of methods with a buffer and one student the curve of scores is beside the card."""
+    """Return the overview: the map, the level with the highest score, and curves."""
     title = "Levels (color: score) and their density"
     card = rrb.TextDocumentView(origin="/levels/card", name="Level")
-    beside = rrb.Vertical(card, _score_curve(), row_shares=[1.6, 1]) if buffered else card
     level = rrb.Horizontal(
-        _scene(painter, "Level with the highest score", "/scene/levels/0/**"), beside, column_shares=[1.25, 1]
+        _scene(painter, "Level with the highest score", "/scene/levels/0/**"), card, column_shares=[1.25, 1]
     )
     left = rrb.Vertical(_scene(painter, title, "/scene/heat/**", "/scene/batch"), level, row_shares=[1.15, 1])
-    return rrb.Horizontal(left, _progress(students, mixed), column_shares=[1.25, 1], name="Overview")
+    return rrb.Horizontal(left, _progress(students, mixed, buffered), column_shares=[1.25, 1], name="Overview")
 
 
 def _plain(students: Sequence[str]) -> Any:
@@ -136,19 +135,23 @@ def _plain(students: Sequence[str]) -> Any:
     told = [_episodes(name) for name in students]
     cards = rrb.Horizontal(rrb.TextDocumentView(origin="/levels/card", name="Level with the highest score"), *told)
     left = rrb.Vertical(rrb.Horizontal(*films), cards, row_shares=[1.4, 1])
-    return rrb.Horizontal(left, _progress(students, False), name="Overview")
+    return rrb.Horizontal(left, _progress(students), name="Overview")
 
 
-def _progress(students: Sequence[str], mixed: bool) -> Any:
-    """Return the views of returns, scores of levels, and θ over updates."""
+def _progress(students: Sequence[str], mixed: bool = False, buffered: bool = False) -> Any:
+    """Return the views of returns, scores of levels, and θ over updates.
+
+    Curves of training stand side by side: low views have too few ticks.
+    """
     curves = [_curves("Return per level (mean ± std)", f"{RETURNS}**", "RightBottom")]
     if len(students) > 1:
         curves.append(_curves("Regret per level (mean ± std)", SCORE, "RightTop"))
+    elif buffered:
+        curves.append(_curves("Score per level (mean ± std)", SCORE, "RightTop"))
     if mixed:
         curves.append(_curves("Share of the levels by program", f"{PROGRAMS}**", "RightTop"))
-    curves.append(_curves("Return on the test scenes", f"{TESTS}**", "LeftTop"))
-    shares = [1.0] * (len(curves) - 1) + [TESTS_SHARE, 1.8]
-    return rrb.Vertical(*curves, _over_time(), row_shares=shares)
+    tests = _curves("Return on the test scenes", f"{TESTS}**", "LeftTop")
+    return rrb.Vertical(rrb.Horizontal(*curves), tests, _over_time(), row_shares=[2.0, 1.5, 1.6])
 
 
 def _levels(painter: ScenePainter) -> Any:
@@ -175,10 +178,6 @@ def _rollouts(painter: ScenePainter, students: Sequence[str]) -> Any:
 
 def _episodes(student: str) -> Any:
     return rrb.TextDocumentView(origin=f"/rollouts/{student}", name=f"Episodes of the {student}")
-
-
-def _score_curve() -> Any:
-    return _curves("Score per level (mean ± std)", SCORE, "RightTop")
 
 
 def _theta(names: Sequence[str]) -> Any:
@@ -249,5 +248,5 @@ def _over_time() -> Any:
         origin="/theta/over_time",
         name="θ over updates (brightness: density)",
         background=DARK,
-        visual_bounds=rrb.VisualBounds2D(x_range=[-64, MAP_WIDTH + 8], y_range=[-5, MAP_HEIGHT + 14]),
+        visual_bounds=rrb.VisualBounds2D(x_range=[-MAP_LEFT, MAP_WIDTH + 8], y_range=[-5, MAP_HEIGHT + 14]),
     )

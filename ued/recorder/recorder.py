@@ -62,7 +62,7 @@ class Recording:
     total_env_steps: int
     properties: Mapping[str, Any]
     connect: str | None = None  # HOST:PORT of a live viewer; Rerun waits silently if none answers
-    score: str = ""  # the rule of `levels.scores` that scores levels, if any
+    score: str = ""  # the rule that scores levels, if any, see `cards.formula`
 
 
 class CurriculumRecorder:

@@ -13,7 +13,8 @@ import rerun
 
 from ued.core.painter import ScenePainter, tiles_of, trails_of
 from ued.levels.batch import LevelBatch
-from ued.recorder.cards import by_score, episodes_card, origin
+from ued.recorder.cards import BEST, by_score, episodes_card, origin
+from ued.recorder.labels import spread
 from ued.recorder.layout import TOP_LEVELS, log_ground, turn_y_up
 from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
@@ -135,7 +136,7 @@ class SceneLog:
         self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))
 
     def _log_marks(self, root: str, parts: Sequence[np.ndarray], ended: Sequence[str]) -> None:
-        """Write labels at the focus: where each episode starts, and its outcome where it ends."""
+        """Write marks and labels at the focus: where each episode starts, and its outcome where it ends."""
         focus, many = self.painter.focus, len(parts) > 1
         starts: dict[tuple[float, float], list[str]] = {}
         for number, part in enumerate(parts, start=1):
@@ -144,8 +145,14 @@ class SceneLog:
         texts = [f"start {', '.join(numbers)}" if len(starts) > 1 else "start" for numbers in starts.values()]
         texts += [f"end {k}: {end}" if many else f"end: {end}" for k, end in enumerate(ended, start=1)]
         places = np.array([*starts, *(part[-1, focus] for part in parts)])
-        marks = rerun.Points2D(places, labels=texts, colors=MARK_COLOUR, radii=0.35, show_labels=True, draw_order=40)
+        marks = rerun.Points2D(places, colors=MARK_COLOUR, radii=0.35, draw_order=40)
         self.stream.log(f"{root}/marks", marks)
+        below = spread(places, texts, self.painter.reach)
+        labels = rerun.Points2D(below, labels=texts, colors=MARK_COLOUR, radii=0.001, show_labels=True, draw_order=41)
+        self.stream.log(f"{root}/labels", labels)
+        leaders = np.stack([places, below], 1)[np.abs(places - below).max(1) > 0]  # [m, 2, 2], of those that moved
+        lines = rerun.LineStrips2D(leaders, colors=(*MARK_COLOUR, 150), radii=0.1, draw_order=39)
+        self.stream.log(f"{root}/leaders", lines)
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on timeline `movie` only, starting at second `began`."""
@@ -191,12 +198,12 @@ class SceneLog:
 
 
 def captions(batch: LevelBatch) -> list[str]:
-    """Return a title for each level, with a line for each student with its mean and best returns."""
+    """Return a title for each level, with a line for each student with its mean and best returns on this visit."""
     best = batch.best
     parts = [titles(batch)]
     for student, returns in batch.returns.items():
         pairs = zip(returns.tolist(), best[student].tolist(), strict=True)
-        parts.append([f"{student} {mean:+.2f}, best {most:+.2f}" for mean, most in pairs])
+        parts.append([f"{student} {mean:+.2f}, {BEST} {most:+.2f}" for mean, most in pairs])
     return ["\n".join(lines) for lines in zip(*parts, strict=True)]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import rerun
 
 from ued.core.parameters import Parameter, axis_of, choice_in
-from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_WIDTH
+from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_LEFT, MAP_WIDTH
 from ued.recorder.rows import Rows
 from ued.recorder.shades import smooth, unique_names
 
@@ -23,6 +23,7 @@ MAP_BLUR = 1.2  # of those densities, in columns and bins
 HEIGHTS = "BarChart:values"  # the only part of a histogram that changes
 HISTOGRAM_EVERY = 5  # updates; bar charts cost a millisecond each
 MOST_LABELS = 10  # of the densities over updates
+LABEL_CHARACTER, LABEL_BELOW = 3.6, 6.0  # width of a character, distance below its point, in units of the densities
 NARROW_GAP = 0.2  # between the densities of many columns, as a share of their height
 MAP_GROWTH = 1.25  # ratio of the updates at which densities are rewritten, which bounds the file size
 
@@ -138,8 +139,9 @@ class ThetaLog:
             place = rerun.Transform3D(translation=[0, d * band, 0], scale=scale)
             self.stream.log(f"theta/over_time/{d}", place, static=True)
             if d % every == 0:
-                ticks.append([-32, (d + 0.5) * band])
-                texts.append(f"{name}: {self.low[d]:g} to {self.high[d]:g}")
+                text = axis_label(name, self.low[d], self.high[d])
+                ticks.append([-MAP_GAP - LABEL_CHARACTER * (len(text) + 2) / 2, (d + 0.5) * band - LABEL_BELOW])
+                texts.append(text)
         for mark in np.linspace(0, self._horizon, 5):
             ticks.append([mark / self._horizon * MAP_WIDTH, MAP_HEIGHT])
             texts.append(f"#{mark:.0f}")
@@ -148,3 +150,10 @@ class ThetaLog:
 
     def _range(self, d: int) -> tuple[float, float]:
         return self.low[d], max(self.high[d], self.low[d] + 1e-9)
+
+
+def axis_label(name: str, low: float, high: float) -> str:
+    """Return the label of a column's densities: its name, shortened to the room beside them, and its range."""
+    span = f": {low:g} to {high:g}"
+    room = max(int((MAP_LEFT - MAP_GAP) / LABEL_CHARACTER) - 2 - len(span), 4)
+    return (name if len(name) <= room else name[: room - 1] + "…") + span
