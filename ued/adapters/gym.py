@@ -22,6 +22,7 @@ from gymnasium.vector import AutoresetMode
 from ued.adapters.observations import as_array
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
+from ued.core.own_code import line_in
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
@@ -62,7 +63,7 @@ class _Levelled(gymnasium.Wrapper):
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode; `options` are the user's own for `reset`."""
         self.start = start
-        with self._level_errors("the function that applies levels"):
+        with self._level_errors("the function that applies levels", self.apply):
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
         if isinstance(returned, dict):
@@ -91,15 +92,26 @@ class _Levelled(gymnasium.Wrapper):
         return observation
 
     @contextmanager
-    def _level_errors(self, what: str) -> Iterator[None]:
-        """Raise any exception as a `LevelError`."""
+    def _level_errors(self, what: str, function: Any = None) -> Iterator[None]:
+        """Raise any exception as a `LevelError` with the line in the file of the user's `function`.
+
+        None: the environment's method of this name.
+        """
         try:
             yield
         except LevelError:
             raise
         except Exception as error:
             level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
-            raise LevelError(f"{self.env} failed in {what}: {type(error).__name__}: {error} ({level})") from error
+            function = function or getattr(self.env.unwrapped, what, None)
+            failed = f"{name_of(self.env)} failed in {what}{line_in(function, error)}"
+            raise LevelError(f"{failed}: {type(error).__name__}: {error} ({level})") from error
+
+
+def name_of(env: gymnasium.Env) -> str:
+    """Return the id of a registered environment, or the name of its class."""
+    inner = env.unwrapped
+    return inner.spec.id if inner.spec is not None else type(inner).__name__
 
 
 def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:

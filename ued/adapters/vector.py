@@ -18,6 +18,7 @@ from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
 from ued.adapters.gym import SUCCESS, level_in_words
 from ued.core.level_space import LevelError
+from ued.core.own_code import line_in
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.upomdp import UPOMDP, check_count
 
@@ -101,7 +102,7 @@ class VectorUPOMDP(UPOMDP):
             try:
                 self._reset(begins, values, seeds)
             except Exception as error:  # whatever the user's code raises
-                raise self._failed("a reset", begins, error) from error
+                raise self._failed(f"a reset{line_in(self.apply, error)}", begins, error) from error
             self._check_finite("an observation", self._observations)
         return self._observations.copy()
 
