@@ -56,7 +56,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     config = replace(config, minigame=game.name, method=method, seed=seed)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
-    with run.locked(), StopRequest() as stop:
+    with run.removed_if_refused(), run.locked(), StopRequest() as stop:
         train_run(run, stop)
     with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
         curves.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished

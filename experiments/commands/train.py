@@ -83,7 +83,7 @@ def main(argv: Sequence[str]) -> int:
     connect, kind = typed.pop("connect", None), typed.pop("format", "png")
     run = _resume(typed) if "resume" in typed else _begin(typed)
     stop = StopRequest()
-    with run.locked():
+    with run.removed_if_refused(), run.locked():
         done = train(run, stop, connect)
     with read_from(f"{run.metrics.path} is"):
         curves.learning_curves({run.config.method: [run.path]}, run.path / f"learning_curve.{kind}")
