@@ -53,6 +53,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     game = _game(task)
     config = _start(game, settings)
     method = build.find_method(config.method if method is None else method)
+    build.check_used(settings, [method])
     config = replace(config, minigame=game.name, method=method, seed=seed)
     path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
