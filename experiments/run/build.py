@@ -40,6 +40,8 @@ def find_game(name: str) -> Game:
 
 def find_method(name: str) -> str:
     """Return the name of a method unchanged. Raises `UsageError` for an unknown method."""
+    if not isinstance(name, str):
+        raise UsageError(f"a method is a name, such as 'plr', got {name!r:.100}")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; methods are {', '.join(METHODS)}")
     return name

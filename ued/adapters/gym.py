@@ -146,6 +146,7 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         )
         check_luck(luck, seed_episodes)
         _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
+        check_apply(apply, self.theta_map)
         self.parameters, self.level_family, self.seeds = (
             self.theta_map.draws,
             self.theta_map.level_family,
@@ -229,6 +230,13 @@ def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
         raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
 
 
+def check_apply(apply: Any, theta_map: ThetaMap) -> None:
+    """Raise `ValueError` if θ has values, but no function applies them."""
+    if apply is None and theta_map.draws and theta_map.seeds is None:
+        names = ", ".join(draw.name for draw in theta_map.draws[:3]) + ", …" * (len(theta_map.draws) > 3)
+        raise ValueError(f"apply must be a function that applies {names} to an environment; None is for ued.Seeds")
+
+
 SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
 
 
@@ -280,7 +288,7 @@ class GymUPOMDP(UPOMDP):
     Args:
         make_env: makes one environment; called `num_envs` times.
         apply: `apply(env, values)` applies one level's values to an environment before each reset; a dict that it
-            returns becomes the reset's options. None: levels have no values to apply.
+            returns becomes the reset's options. None, for `Seeds`: levels have no values to apply.
         theta: number of dimensions; mapping from name to a `Range`, `LogRange`, `Integer`, `Choice` or a pair (low,
             high); a program; a `LevelFamily`; or `Seeds`. See `parameters.ThetaMap`.
         num_envs: N.
@@ -320,6 +328,7 @@ class GymUPOMDP(UPOMDP):
         check_luck(luck, seed_episodes)
         self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
+        check_apply(apply, self.theta_map)
         self.level_family, self.seeds = self.theta_map.level_family, self.theta_map.seeds
         self.seed_is_luck = luck is True or seed_episodes is False
         self.vectorization: Literal["sync", "async"] = vectorization

@@ -96,9 +96,11 @@ def line_in(function: Any, error: BaseException) -> str:
     while isinstance(function, functools.partial):
         function = function.func
     code = getattr(inspect.unwrap(function), "__code__", None) or getattr(type(function).__call__, "__code__", None)
+    if code is None:
+        return ""
     frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if code and frame.filename == code.co_filename]
-    if code and not lines and isinstance(error, TypeError) and Path(frames[-1].filename).is_relative_to(PACKAGE):
+    lines = [frame.lineno for frame in frames if frame.filename == code.co_filename]
+    if not lines and isinstance(error, TypeError) and Path(frames[-1].filename).is_relative_to(PACKAGE):
         lines = [code.co_firstlineno]
     return f" ({code.co_filename}:{lines[-1]})" if lines else ""
 
