@@ -84,6 +84,21 @@ def test_an_unknown_name_is_refused_with_all_names(words, capsys):
     assert all(name in shown for name in NAMES) and len(shown.splitlines()) == 1
 
 
+def test_a_name_that_is_near_to_none_is_refused_without_a_suggestion(capsys):
+    code, shown = said(["play", "--player", "shipped:foo"], capsys)
+    assert code == 2 and f"there is no policy shipped:foo; these are shipped: {', '.join(NAMES)}" in shown
+
+
+@pytest.mark.parametrize("run", [MAZE, "runs/copy"])
+def test_a_run_in_the_place_of_a_game_is_named_with_its_flag(run, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(shipped.located(MAZE), "runs/copy")
+    code, shown = said(["play", run], capsys)
+    assert code == 2 and f"{run} is a run, not a game; add --player: regista play --player {run}" in shown
+    code, shown = said(["play", "--player", "runs/none"], capsys)
+    assert code == 2 and "there is no folder runs/none; play needs a program" in shown
+
+
 @pytest.mark.parametrize("name", ["shipped:", "shipped:..", "shipped:offense", "shipped:../run"])
 def test_only_policies_have_names(name, capsys):
     assert said(["evaluate", name], capsys)[0] == 2
