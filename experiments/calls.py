@@ -5,7 +5,8 @@ Read next: `commands.train`, the same on the command line; `loaded`, results as 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -25,6 +26,7 @@ from regista.experiments.run.programs import load_any_program
 from regista.experiments.run.report import Report
 from regista.experiments.run.run_folders import open_runs, warn_of_mixtures
 from ued.config import own_names
+from ued.settings import converted
 
 
 def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path | None = None, **settings: Any) -> Path:
@@ -51,12 +53,13 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     from regista.experiments.run.launch.signals import StopRequest
 
     game = _game(task)
-    config = _start(game, settings)
+    config = _start(game, settings, ("method", "seed", "out"))
     method = build.find_method(config.method if method is None else method)
+    build.check_used(settings, [method])
     config = replace(config, minigame=game.name, method=method, seed=seed)
-    path = Path(out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
+    path = _path("out", out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
-    with run.locked(), StopRequest() as stop:
+    with run.removed_if_refused(), run.locked(), StopRequest() as stop:
         train_run(run, stop)
     with suppress(ModuleNotFoundError):  # without Matplotlib `compare` has no pictures, either
         curves.learning_curves({method: [path]}, run.picture)  # the last file: the run is finished
@@ -93,9 +96,8 @@ def evaluate(
     """
     from regista.experiments.commands.evaluate import check_levels
 
-    if episodes < 1:
-        raise ValueError(f"episodes must be at least 1, got {episodes}")
-    check_levels(levels, level_episodes)
+    episodes, levels = _whole("episodes", episodes, 1), _whole("levels", levels, 0)
+    check_levels(levels, _whole("level_episodes", level_episodes, 2))
     folders = _folders(runs, trusted)
     config = folders[0].config
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
@@ -104,8 +106,8 @@ def evaluate(
 
 def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[RunFolder]:
     """Return the runs to evaluate, of one game, whose code may run if they are `trusted`."""
-    paths = [runs] if isinstance(runs, str | Path) else list(runs)
-    folders = open_runs(map(Path, paths))
+    paths = [runs] if isinstance(runs, str) or not isinstance(runs, Iterable) else runs
+    folders = open_runs([_path("a run", path) for path in paths])
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
@@ -117,7 +119,7 @@ def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[Run
 
 def compare(
     task: Any,
-    methods: Sequence[str] = ("dr", "paired"),
+    methods: str | Sequence[str] = ("dr", "paired"),
     seeds: int | range = 5,
     out: str | Path | None = None,
     episodes: int = 500,
@@ -128,7 +130,7 @@ def compare(
 
     Args:
         task: as for `train`.
-        methods: names of `ued.METHODS`; differences are relative to the first.
+        methods: a name of `ued.METHODS`, or several; differences are relative to the first.
         seeds: number of runs of each method, or their seeds, such as `range(1000, 1005)`.
         out: the folder, by default runs/compare-TASK.
         episodes, levels: on each test scene, and random ones for the success rate on the worst tenth.
@@ -146,16 +148,18 @@ def compare(
     from regista.experiments.commands import compare as command
 
     game, chosen = _game(task), _seeds(seeds)
-    config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, methods)), episodes=episodes)
-    config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=_start(game, settings))
-    config = config if out is None else replace(config, out=Path(out))
+    base = _start(game, settings, ("methods", "seeds", "out", "episodes", "levels"))
+    names = [methods] if isinstance(methods, str) or not isinstance(methods, Iterable) else methods
+    config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, names)), episodes=episodes)
+    config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=base)
+    config = config if out is None else replace(config, out=_path("out", out))
     command.run(config, game, most=1)  # processes that evaluate would import the caller's script
     return load_comparison(command.folder_of(config, game))
 
 
 def _seeds(seeds: int | range) -> range:
-    chosen = range(seeds) if isinstance(seeds, int) else seeds
-    if not chosen or chosen.step != 1:
+    chosen = range(seeds) if isinstance(seeds, int) and not isinstance(seeds, bool) else seeds
+    if not isinstance(chosen, range) or not chosen or chosen.step != 1:
         raise ValueError(f"seeds must be a positive number, or a range of consecutive seeds, got {seeds!r}")
     return chosen
 
@@ -200,8 +204,7 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
     from regista.experiments.commands.inspect import render_theta
     from regista.experiments.pictures.task_view import describe_task
 
-    if n < 1:
-        raise ValueError(f"n must be at least 1, got {n}")
+    n, seed = _whole("n", n, 1), _whole("seed", seed, 0)
     game = _game(task)
     if isinstance(game, tasks.PythonTask):
         with closing(build.make_upomdp(game.task(None).make, n, seed)) as upomdp:
@@ -215,6 +218,24 @@ def inspect(task: Any, n: int = 6, seed: int = 0) -> Inspection:
     return Inspection(game.short, tuple(program.draws), theta, values, render_theta(program, None))
 
 
+def _whole(name: str, value: Any, least: int) -> int:
+    """Return an argument as an integer. Raises `ValueError` for another type, and below `least`."""
+    try:
+        number = int(converted(int, value))
+    except ValueError as error:
+        raise ValueError(f"{name} {error}") from None
+    if number < least:
+        raise ValueError(f"{name} must be at least {least}, got {number}")
+    return number
+
+
+def _path(name: str, value: Any) -> Path:
+    """Return an argument as a path. Raises `ValueError` for another type."""
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name} must be a path, such as 'runs/plr', got {value!r:.100}")
+    return Path(value)
+
+
 def _game(task: Any) -> Any:
     """Return the game of a task, a function that makes environments, or a name; allow its file to run."""
     game = build.find_game(task if isinstance(task, str) else tasks.name_of(task))
@@ -222,15 +243,17 @@ def _game(task: Any) -> Any:
     return game
 
 
-def _start(game: Any, settings: Mapping[str, Any]) -> Any:
+def _start(game: Any, settings: Mapping[str, Any], arguments: Sequence[str]) -> Any:
     """Return the default settings of a game with these replaced; allow the user code that they name to run.
 
-    Raises `UsageError` for an unknown one.
+    `arguments` are those of the call, which sets task, method and seed itself. Raises `UsageError` for an unknown
+    setting, `ValueError` for an invalid value.
     """
     config = game.start("fast")
-    unknown = [key for key in settings if key not in vars(config)]
+    known = [key for key in vars(config) if key not in ("minigame", "method", "seed")]
+    unknown = [key for key in settings if key not in known]
     if unknown:
-        raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], vars(config))}")
+        raise UsageError(f"unknown setting '{unknown[0]}'{nearest(unknown[0], [*arguments, *known])}")
     chosen = replace(config, **settings)
     for name in own_names(chosen):
         trust.allow(name)

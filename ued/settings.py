@@ -29,7 +29,8 @@ RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
 
 
 LARGEST_SEED = 2**32 - 1
-Check = tuple[str, Mapping[str, Any], bool, tuple[Any, ...] | None]
+Check = tuple[str, Mapping[str, Any], bool, Any]
+WORDS: dict[Any, str] = {int: "an integer", float: "a number", bool: "True or False", str: "a text"}
 Bound = float | Callable[[], float]  # a number, or a function that computes it on this machine
 
 
@@ -114,7 +115,7 @@ def hints_of(kind: Any) -> dict[str, Any]:
 
 @functools.cache
 def _checks_of(kind: Any) -> list[Check]:
-    """Return name, metadata, whether None is allowed, and the values of a `Literal` of each field of a class.
+    """Return name, metadata, whether None is allowed, and the type otherwise, of each field of a class.
 
     Cached: a command creates hundreds of settings to show the defaults of games and presets in its help.
     """
@@ -122,27 +123,58 @@ def _checks_of(kind: Any) -> list[Check]:
     checks: list[Check] = []
     for entry in dataclasses.fields(kind):
         hint = hints[entry.name]
-        allowed = typing.get_args(hint) if typing.get_origin(hint) is Literal else None
-        checks.append((entry.name, entry.metadata, NoneType in typing.get_args(hint), allowed))
+        optional = NoneType in typing.get_args(hint)
+        inner = next(part for part in typing.get_args(hint) if part is not NoneType) if optional else hint
+        checks.append((entry.name, entry.metadata, optional, inner))
     return checks
 
 
+def converted(kind: Any, value: Any) -> Any:
+    """Return a value as the type of its field: a NumPy number or 1e6 as an int, a list as a tuple.
+
+    Raises `ValueError` for another type, with what would be right. Types other than numbers, texts, tuples and nested
+    settings are not checked.
+    """
+    if type(value) is kind:
+        return value
+    plain = value.item() if getattr(value, "ndim", None) == 0 else value
+    if typing.get_origin(kind) is tuple:
+        if isinstance(plain, list | tuple):
+            return tuple(converted(typing.get_args(kind)[0], part) for part in plain)
+        raise ValueError(f"must be a tuple or a list, got {value!r:.100}")
+    if typing.get_origin(kind) is Literal:
+        if value in typing.get_args(kind):
+            return value
+        raise ValueError(f"must be {' or '.join(map(str, typing.get_args(kind)))}, got {value!r}")
+    if isinstance(kind, type) and is_dataclass(kind) and not isinstance(plain, kind):
+        raise ValueError(f"must be {kind.__name__}(...), got {value!r:.100}")
+    if kind is int and isinstance(plain, float) and plain.is_integer():
+        return int(plain)
+    fits = isinstance(plain, int | float if kind is float else kind) if kind in WORDS else True
+    if not fits or (kind in (int, float) and isinstance(plain, bool)):
+        raise ValueError(f"must be {WORDS[kind]}, got {value!r:.100}")
+    return plain
+
+
 class Checked:
-    """Settings that are checked against the rules, bounds and `Literal` annotations of their fields.
+    """Settings that are checked against the types, rules and bounds of their fields.
 
     Raises `ValueError` for the first invalid setting.
     """
 
     def __post_init__(self) -> None:
         kind: Any = type(self)
-        for name, about, optional, allowed in _checks_of(kind):
-            value = self.__dict__[name]
+        for name, about, optional, hint in _checks_of(kind):
+            value = given = self.__dict__[name]
             if value is None and optional:
                 continue
-            if allowed is not None:
-                wrong = None if value in allowed else f"must be {' or '.join(map(str, allowed))}, got {value!r}"
-            else:
+            try:
+                value = converted(hint, given)
                 wrong = complaint(about, value)
+            except ValueError as error:
+                wrong = str(error)
+            if value is not given:
+                object.__setattr__(self, name, value)
             if wrong:
                 raise ValueError(f"{name} {wrong}")
             if about.get("names"):  # makes the path of a file absolute

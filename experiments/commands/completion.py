@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import NamedTuple
 
-from regista.experiments.run import arguments
+from regista.experiments.run import arguments, shipped
 from regista.experiments.run.arguments import positional
 from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.command_names import COMMANDS
 from regista.experiments.run.errors import UsageError, nearest
+from regista.experiments.run.players import SCRIPTED
 from ued.config import Checked
 from ued.methods import METHODS
 
@@ -26,11 +27,19 @@ DESCRIPTION = 'Print a script that completes commands, flags, games and methods:
 SHELLS = ("bash", "zsh", "fish")
 OF_GAMES = ("train", "compare", "play", "inspect", "list", "demonstrate")  # commands whose first word is a game
 OF_METHODS = ("--method", "--methods")
+OPEN = ("--player",)  # flags whose value may also be a file, which the shell completes
 
 BASH = """\
 _regista() {{
   local current="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[COMP_CWORD-1]}}"
-  local command="${{COMP_WORDS[1]}}" words=""
+  local command="${{COMP_WORDS[1]}}" words="" flag="" k
+  for (( k = COMP_CWORD - 1; k > 1; k-- )); do
+    case "${{COMP_WORDS[k]}}" in -*) flag="${{COMP_WORDS[k]}}"; break ;; esac
+  done
+  case "$command $flag $current" in
+    *" -"*" -"*) ;;
+{several}
+  esac
   if [ "$COMP_CWORD" -eq 1 ]; then
     words="{commands} --help --version"
   else
@@ -59,10 +68,11 @@ class CompletionConfig(Checked):
 
 
 class Words(NamedTuple):
-    """Completions of a command: its flags, and the values of flags with a fixed list."""
+    """Completions of a command: its flags, the values of flags with a fixed list, and flags that take several."""
 
     flags: list[str]
     values: dict[str, list[str]]
+    several: list[str]
 
 
 def main(argv: Sequence[str]) -> int:
@@ -85,6 +95,15 @@ def games() -> list[str]:
     return [*ALL, *BUILT_IN]
 
 
+def scenes() -> list[str]:
+    """Return the names of test scenes of minigames and mazes."""
+    from regista.envs.maze.named_mazes import LARGE_MAZES, TEST_MAZES
+    from regista.minigames.suites import ALL, slug
+
+    football = [slug(label) for game in ALL.values() for label, _ in (*game.tests, *game.held_out)]
+    return list(dict.fromkeys([*football, *TEST_MAZES, *LARGE_MAZES]))
+
+
 def words_of_commands() -> dict[str, Words]:
     """Return the flags of every command, and their values."""
     found = {}
@@ -98,7 +117,11 @@ def words_of_commands() -> dict[str, Words]:
         }
         flags = [flag for action in parser._actions for flag in action.option_strings if flag.startswith("--")]
         values |= {flag: list(METHODS) for flag in OF_METHODS if flag in flags}
-        found[name] = Words(flags, values)
+        topics = getattr(parser, "topics", {})
+        values |= {"--help": [*topics, "all"]} if topics else {}
+        several = [flag for action in parser._actions if action.nargs == "+" for flag in action.option_strings]
+        found[name] = Words(flags, values, [flag for flag in several if flag in values])
+    found["play"].values.update({"--player": [*SCRIPTED, *shipped.names()], "--scene": scenes()})
     found["completion"].values["completion"] = list(SHELLS)  # after the command itself
     return found
 
@@ -110,10 +133,13 @@ def bash(known: dict[str, Words], games: Sequence[str]) -> str:
         for name, entry in known.items()
         for flag, words in entry.values.items()
     ]
+    several = [f'    "{name} {flag} "*) before="{flag}" ;;' for name, entry in known.items() for flag in entry.several]
     flags = [f'        "{name} -"*) words="{" ".join(entry.flags)}" ;;' for name, entry in known.items()]
     places = "|".join(f'"{name} "*' for name in OF_GAMES)
-    named = f'        {places}) words="{" ".join(games)}" ;;'
-    return BASH.format(commands=" ".join(known), values="\n".join(values), flags="\n".join(flags), games=named)
+    named = f'        {places}) words="{" ".join(games)}" ;;\n'
+    named += f'        "evaluate "*) words="{" ".join(shipped.names())}" ;;'
+    lists = {key: "\n".join(lines) for key, lines in (("values", values), ("flags", flags), ("several", several))}
+    return BASH.format(commands=" ".join(known), games=named, **lists)
 
 
 def fish(known: dict[str, Words], games: Sequence[str]) -> str:
@@ -122,10 +148,13 @@ def fish(known: dict[str, Words], games: Sequence[str]) -> str:
     for name, entry in known.items():
         of_command = f"complete -c regista -n '__fish_seen_subcommand_from {name}'"
         for flag in entry.flags:
-            words = f" -xa {_quoted(' '.join(entry.values[flag]))}" if flag in entry.values else ""
+            kind = "-ra" if flag in OPEN else "-xa"
+            words = f" {kind} {_quoted(' '.join(entry.values[flag]))}" if flag in entry.values else ""
             lines.append(f"{of_command} -l {flag.removeprefix('--')}{words}")
         if name in OF_GAMES:
             lines.append(f"{of_command} -a {_quoted(' '.join(games))}")
+        if name == "evaluate":
+            lines.append(f"{of_command} -a {_quoted(' '.join(shipped.names()))}")
     lines.append(f"complete -c regista -n '__fish_seen_subcommand_from completion' -xa {_quoted(' '.join(SHELLS))}")
     return "\n".join(lines) + "\n"
 

@@ -27,6 +27,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.progress import terminal_width
 from regista.experiments.run.report import Report, write_text
 from regista.experiments.run.run_folders import by_game, open_runs, warn_of_mixtures
+from regista.experiments.run.table import check_file
 from ued.config import Checked, most_threads, setting
 
 EPISODES, LEVELS = 500, 200  # defaults in our simulator
@@ -113,6 +114,8 @@ def main(argv: Sequence[str]) -> int:
         for run in runs:
             write_gallery(run, config)
         return 0
+    for file in filter(None, (config.csv, config.markdown)):
+        check_file(file)
     games = by_game(runs)
     outputs = [name for name in ("json", "csv", "markdown") if getattr(config, name)]
     if len(games) > 1 and (outputs or not any(_is_folder_of_runs(path) for path in config.runs)):

@@ -70,7 +70,10 @@ def main(argv: Sequence[str]) -> int:
     """Run the command and return its exit code."""
     config = arguments.parse(InspectConfig(), argv, "inspect", DESCRIPTION)
     if config.png is not None:
-        config = replace(config, png=in_format(config.png, config.format))
+        try:
+            config = replace(config, png=in_format(config.png, config.format))
+        except ValueError as error:
+            raise UsageError(str(error)) from error
     elif config.format is not None:
         raise UsageError("--format is of the picture that --png draws")
     if config.adversary is not None:

@@ -155,7 +155,14 @@ def table(rows: list[list[str]], width: int) -> str:
     taken = sum(max(len(row[column]) for row in rows) + 2 for column in chosen)
     room = max(width - taken, SHORTEST)
     lines = align([[*(row[column] for column in chosen), shortened(row[what], room)] for row in rows])
-    return f"{lines}\n\nregista list NAME shows one in full; a terminal of {_width(whole)} columns shows all columns"
+    use = f"regista list NAME shows one in full; a terminal of {_width(whole)} columns shows all columns"
+    return f"{lines}\n\n{fill(use)}"
+
+
+def fill(text: str) -> str:
+    """Return a text in lines that fit the terminal."""
+    width = max(shutil.get_terminal_size().columns, SHORTEST)
+    return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _width(text: str) -> int:
@@ -186,7 +193,8 @@ def policy_table(names: Sequence[str]) -> str:
     configs = [RunFolder.open(shipped.located(name)).config for name in names]
     trained = [f"{config.method}, {config.total_env_steps:_} env_steps" for config in configs]
     rows = align([["shipped policy", "trained by"], *map(list, zip(names, trained, strict=True))])
-    return f"{rows}\n\nregista play --player {names[0]} and regista evaluate {names[0]} need no training"
+    use = f"regista play --player {names[0]} and regista evaluate {names[0]} need no training"
+    return f"{rows}\n\n{fill(use)}"
 
 
 # ---------------------------------------------------------------- one of them
@@ -211,7 +219,10 @@ def card(game: Minigame) -> str:
     if game.tests:
         labels = [label for label, _ in game.tests]
         tests = [[test.name, str(look(test)[1]), labels[k]] for k, test in enumerate(game.test_games())]
-        parts.append(wrapped([["test scene", "D", "what"], *tests]))
+        if all(name.endswith(f"/{label}") for name, _, label in tests):  # labels that only repeat the names
+            parts.append(align([["test scene", "D"], *(row[:2] for row in tests)]))
+        else:
+            parts.append(wrapped([["test scene", "D", "what"], *tests]))
     known = measured(game)
     if len(known) > 1:
         parts.append(align(known))

@@ -31,6 +31,7 @@ from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.games import single_game
 from regista.experiments.run.players import SCRIPTED, Actor, MatchStudent, scripted_player, task_player
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.shipped import is_name as is_shipped
 from regista.experiments.run.shipped import located
 from regista.experiments.run.table import cannot_write
 from regista.experiments.run.tasks import PythonTask
@@ -102,6 +103,8 @@ def main(argv: Sequence[str]) -> int:
         return _replay(config)
     if not config.program and config.level is None:
         config = replace(config, program=_game_of_player(config.player))
+    if config.program:
+        _check_program(config.program)
     _check(config, typed)
     if config.program and not isinstance(build.find_game(config.program), PythonTask):
         return _play_program(config, "control" in typed)
@@ -111,13 +114,25 @@ def main(argv: Sequence[str]) -> int:
 def _game_of_player(player: str) -> str:
     """Return the game of the run that plays. Raises `UsageError` if the player is neither a run nor shipped."""
     if player in SCRIPTED or not located(player).is_dir():
+        missing = "" if player in SCRIPTED else f"there is no folder {player}; "
         raise UsageError(
-            "play needs a program: a minigame's name, the path of a .scenic file or a task; or --player RUN, such as "
-            "shipped:maze, --level RUN --id N, --replay RECORD"
+            f"{missing}play needs a program: a minigame's name, the path of a .scenic file or a task; or --player RUN, "
+            "such as shipped:maze, --level RUN --id N, --replay RECORD"
         )
     from regista.experiments.run.folder import RunFolder
 
     return str(RunFolder.open(located(player)).config.minigame)
+
+
+def _check_program(name: str) -> None:
+    """Raise `UsageError` if a name is that of no game or program; it may be that of a run."""
+    meant = f"{name} is a run, not a game; add --player: regista play --player {name}"
+    if is_shipped(name):  # which looks like a task, module:name
+        raise UsageError(meant)
+    try:
+        build.find_game(name)
+    except UsageError as error:
+        raise UsageError(meant) if (Path(name) / "config.json").exists() else error from None
 
 
 def _check(config: PlayConfig, typed: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -83,7 +83,7 @@ def main(argv: Sequence[str]) -> int:
     connect, kind = typed.pop("connect", None), typed.pop("format", "png")
     run = _resume(typed) if "resume" in typed else _begin(typed)
     stop = StopRequest()
-    with run.locked():
+    with run.removed_if_refused(), run.locked():
         done = train(run, stop, connect)
     with read_from(f"{run.metrics.path} is"):
         curves.learning_curves({run.config.method: [run.path]}, run.path / f"learning_curve.{kind}")
@@ -221,6 +221,7 @@ def _train_several(typed: dict[str, Any], resumed: Sequence[RunFolder]) -> int:
 
 def _resume_several(typed: dict[str, Any], runs: Sequence[RunFolder]) -> int:
     del typed["resume"]
+    _check_used(typed, [run.config.method for run in runs])
     runs = [_extended(run, typed) for run in runs]
     for run in runs:
         with run.locked():
@@ -248,10 +249,15 @@ def _settings(typed: dict[str, Any]) -> tuple[TrainFlags, origin.Origin | None, 
     base = TrainFlags(config=origin.like(source, start) if source else start)
     flags = arguments.replace_paths(base, typed)
     flags = replace(flags, config=replace(flags.config, minigame=game.name))
-    build.find_method(flags.config.method)
+    _check_used(typed, [flags.config.method])
     build.find_device(flags.config.device)
     origin.check_needed(flags.from_, flags.fine_tuning)
     return flags, source, f"{game.short}-{flags.config.method}{'-from-clone' if source else ''}"
+
+
+def _check_used(typed: Iterable[str], methods: Iterable[str]) -> None:
+    """Raise `UsageError` for flags of methods other than these; settings from files and presets are not flags."""
+    build.check_used((name.removeprefix("config.") for name in typed), methods)
 
 
 def _known(argv: Sequence[str]) -> Any:
@@ -272,7 +278,9 @@ def _named_run(argv: Sequence[str]) -> Path | None:
 
 
 def _resume(typed: dict[str, Any]) -> RunFolder:
-    return _extended(RunFolder.open(typed.pop("resume")), typed)
+    run = RunFolder.open(typed.pop("resume"))
+    _check_used(typed, [run.config.method])
+    return _extended(run, typed)
 
 
 def _extended(run: RunFolder, typed: dict[str, Any]) -> RunFolder:

@@ -147,9 +147,15 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def in_format(path: Path, kind: str | None) -> Path:
-    """Return the path of a picture in a file format; without one it is the ending of the path, or png."""
+    """Return the path of a picture in a file format; without one it is the ending of the path, or png.
+
+    Raises `ValueError` for another ending without a format.
+    """
     if kind is None and path.suffix[1:].lower() in FORMATS:
         return path
+    if kind is None and path.suffix:
+        endings = " or ".join(f".{name}" for name in FORMATS)
+        raise ValueError(f"{path.name}: the name of a picture must end in {endings}; --format chooses one, too")
     known = path.suffix[1:].lower() in FORMATS
     return path.with_suffix(f".{kind or 'png'}") if known else path.with_name(f"{path.name}.{kind or 'png'}")
 

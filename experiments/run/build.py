@@ -6,7 +6,7 @@ Heavy packages are imported on use. Read next: `run.games` and `run.tasks`, the 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -40,9 +40,26 @@ def find_game(name: str) -> Game:
 
 def find_method(name: str) -> str:
     """Return the name of a method unchanged. Raises `UsageError` for an unknown method."""
+    if not isinstance(name, str):
+        raise UsageError(f"a method is a name, such as 'plr', got {name!r:.100}")
     if name not in METHODS:
         raise UsageError(f"unknown method {name!r}{nearest(name, METHODS)}; methods are {', '.join(METHODS)}")
     return name
+
+
+def check_used(names: Iterable[str], methods: Iterable[str]) -> None:
+    """Raise `UsageError` for a setting that none of these methods uses, such as `paired.roles` for plr.
+
+    Names of settings that no method groups, such as `num_envs`, are ignored.
+    """
+    methods = list(dict.fromkeys(methods))
+    groups = {METHODS[find_method(name)].group for name in methods}
+    for name in names:
+        group, _, rest = name.partition(".")
+        users = [row.name for row in METHODS.values() if row.group == group]
+        if users and group not in groups:
+            flag = f"--{group}.{rest}".replace("_", "-") if rest else group
+            raise UsageError(f"{flag} is a setting of {' and '.join(users)}; {' and '.join(methods)} would not use it")
 
 
 def find_device(name: str) -> torch.device:

@@ -18,7 +18,7 @@ from regista.experiments.run.launch.signals import WORDS, forget_terminal, hung_
 OUT_OF_MEMORY = "there is not enough memory"
 USERS = {
     *("ScenicError", "ThetaError", "LevelError", "NotAMatchError", "StateError", "RecordError", "CheckpointError"),
-    *("FloatingPointError", "GrfError"),
+    *("FloatingPointError", "GrfError", "OwnCodeError"),
 }
 
 

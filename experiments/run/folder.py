@@ -25,7 +25,7 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,6 +59,7 @@ class RunFolder:
         self.replays = Table(path / "replays.csv")
         self.saved_update = 0
         self._saved_at = time.monotonic()
+        self._made: list[Path] | None = None  # folders that `create` made, the run's first; None: an existing run
 
     @classmethod
     def create(
@@ -77,6 +78,7 @@ class RunFolder:
         foreign = any(name not in UNTRAINED and not is_partial(name) for name in names) or path.is_file()
         if foreign:
             raise CommandError(f"{path} exists and is not a run folder; choose another --out")
+        run._made = [folder for folder in (path, *path.parents) if not folder.exists()]
         try:
             path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -155,6 +157,23 @@ class RunFolder:
         """Lock the run against training by other processes on any machine. Raises `BusyError` if one trains it."""
         with owned(self.path):
             yield
+
+    @contextmanager
+    def removed_if_refused(self) -> Iterator[None]:
+        """Remove the files and folders of a new run if an error ends it before its first update.
+
+        Otherwise commands on a folder of runs would find a run without a checkpoint. Files of others stay.
+        """
+        try:
+            yield
+        except Exception:
+            if self._made is not None and all(entry.name in UNTRAINED for entry in self.path.iterdir()):
+                for entry in self.path.iterdir():
+                    entry.unlink()
+                with suppress(OSError):  # a folder that is not empty
+                    for folder in self._made:
+                        folder.rmdir()
+            raise
 
     @property
     def argv(self) -> list[str]:

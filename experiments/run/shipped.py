@@ -40,5 +40,8 @@ def located(word: str | Path) -> Path:
         return Path(word)
     known = names()
     if str(word) not in known:
-        raise UsageError(f"there is no policy {word}{nearest(str(word), known)}; these are shipped: {', '.join(known)}")
+        # Compared without the prefix, which makes all names alike.
+        near = nearest(str(word).removeprefix(PREFIX), [name.removeprefix(PREFIX) for name in known])
+        near = near.replace("mean '", f"mean '{PREFIX}")
+        raise UsageError(f"there is no policy {word}{near}; these are shipped: {', '.join(known)}")
     return FOLDER / str(word).removeprefix(PREFIX)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.experiments.run.errors import CommandError
+from regista.experiments.run.errors import CommandError, UsageError
 from ued.core.columns import read_csv
 from ued.core.files import write_whole
 from ued.core.renamed import present_names
@@ -138,6 +138,14 @@ def check_files(folder: Path) -> None:
     for entry in folder.iterdir() if folder.is_dir() else ():
         if entry.exists() and not entry.is_file() and not entry.is_dir():
             raise CommandError(f"{entry} is damaged: it is not a regular file")
+
+
+def check_file(path: Path) -> None:
+    """Raise `UsageError` if a file cannot be written to this path, before its content is computed."""
+    if not path.absolute().parent.is_dir():
+        raise UsageError(f"{path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise UsageError(f"{path} is a folder; give the name of a file")
 
 
 def cannot_write(path: Path, error: Exception) -> CommandError:

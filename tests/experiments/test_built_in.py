@@ -76,6 +76,22 @@ def test_a_recording_and_a_gallery_show_mazes(run, capsys):
     assert sum(tiles) == 13 * 13
 
 
+@pytest.mark.parametrize("columns", [80, 100])
+def test_lines_of_the_list_fit_the_terminal(columns, monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    assert main(["list"]) == 0
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= columns and "need no training" in " ".join(shown.split())
+
+
+def test_a_test_whose_label_is_its_name_has_no_description(capsys):
+    assert main(["list", "1v1Rare"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["test", "scene", "D"] in lines and ["1v1Rare/easy", "0"] in lines
+    assert main(["list", "3v2FourBehaviors"]) == 0
+    assert "3v2FourBehaviors/A  0  A: chases the ball" in capsys.readouterr().out
+
+
 def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
     assert main(["inspect", "maze", "--n", "2", "--png", str(tmp_path / "levels.png")]) == 0
     shown = capsys.readouterr().out

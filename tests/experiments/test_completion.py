@@ -9,6 +9,7 @@ import pytest
 from regista.experiments.__main__ import COMMANDS, main
 from regista.experiments.commands import completion
 from regista.experiments.commands.completion import SHELLS, words_of_commands
+from regista.experiments.run import shipped
 from ued.methods import METHODS
 
 
@@ -35,7 +36,16 @@ def completed(script, line):
         ("regista tra", ["train", "transfer"]),
         ("regista train --total", ["--total-env-steps"]),
         ("regista train --method pl", ["plr"]),
-        ("regista compare --methods dr p", []),  # the second value of a flag: games, files
+        ("regista compare --methods dr pl", ["plr"]),  # the second value of a flag
+        ("regista compare --methods dr plr --see", ["--seeds"]),
+        ("regista compare --seeds 3 Gau", ["Gauntlet"]),
+        ("regista play --player shi", shipped.names()),
+        ("regista play --player runs/", []),  # files
+        ("regista evaluate shi", shipped.names()),
+        ("regista play 1v1Free --scene har", ["hard", "hard_crossing"]),
+        ("regista play maze --scene Lab", ["Labyrinth", "Labyrinth2"]),
+        ("regista train --help pl", ["plr"]),
+        ("regista list --help sol", ["solved"]),
         ("regista train --preset ", ["fast", "thesis"]),
         ("regista play Gau", ["Gauntlet"]),
         ("regista play maze --player runs/x --vid", ["--video"]),

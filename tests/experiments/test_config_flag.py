@@ -5,8 +5,11 @@ import json
 import pytest
 
 from regista.experiments.__main__ import main
+from regista.experiments.calls import train as train_in_python
 from regista.experiments.commands import compare, train
+from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
+from ued.config import ACCELConfig
 
 GAME = "ued.probes:frontier"
 SMALL = ["--total-env-steps", "256", "--num-envs", "4", "--num-steps", "32", "--eval-every", "0", "--no-record"]
@@ -50,6 +53,45 @@ def test_compare_takes_them_too(run):
     config, game = compare._read(["--config", str(run), "--methods", "dr", "accel", "--num-envs", "8"])
     assert game.name == GAME and config.methods == ("dr", "accel")
     assert (config.train.ppo.learning_rate, config.train.num_envs, config.train.total_env_steps) == (0.002, 8, 256)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (
+            [GAME, "--method", "plr", "--paired.roles", "flexible"],
+            "--paired.roles is a setting of paired; plr would not",
+        ),
+        ([GAME, "--plr.score", "mna"], "--plr.score is a setting of plr and robust_plr; paired would not use it"),
+        (["--config", "{run}", "--method", "dr", "--plr.score", "mna"], "--plr.score is a setting of plr and"),
+        (["--resume", "{run}", "--alp-gmm.fit-every", "20"], "--alp-gmm.fit-every is a setting of alp_gmm; plr would"),
+        (
+            [GAME, "--seeds", "2", "--method", "dr", "--paired.adversary.ent-coef", "0"],
+            "--paired.adversary.ent-coef is a setting of paired; dr would not use it",
+        ),
+    ],
+)
+def test_flags_of_another_method_are_refused(run, words, sentence, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", *(word.format(run=run) for word in words)]) == 2
+    assert capsys.readouterr().err.startswith(f"regista: {sentence}")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_settings_of_another_method_from_files_and_presets_are_kept(run, tmp_path):
+    """The file sets plr.replay_prob, the preset paired.roles."""
+    typed = train._typed(["--config", str(run), "--method", "dr", "--out", str(tmp_path / "one")])
+    assert train._begin(typed).config.plr.replay_prob == 0.25
+    typed = train._typed(["--preset", "thesis", "--method", "dr", "--out", str(tmp_path / "two")])
+    assert train._begin(typed).config.paired.roles == "dennis2020"
+    assert main(["train", "--resume", str(run), "--plr.replay-prob", "0.25"]) == 0
+    config, _ = compare._read([GAME, "--methods", "dr", "plr", "--paired.roles", "flexible"])
+    assert config.train.paired.roles == "flexible"
+
+
+def test_python_refuses_them_too(tmp_path):
+    with pytest.raises(UsageError, match="accel is a setting of accel; plr would not use it"):
+        train_in_python(GAME, "plr", out=tmp_path / "run", accel=ACCELConfig())
 
 
 def test_help_states_the_defaults_of_the_file(run, capsys):

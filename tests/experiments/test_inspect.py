@@ -109,6 +109,13 @@ def test_pictures_and_recordings_of_both_kinds_are_written(street, tmp_path, cap
         assert "2 scenes recorded in" in capsys.readouterr().out
 
 
+def test_a_picture_of_another_ending_is_refused(street, tmp_path, capsys):
+    assert main(["inspect", str(street), "--n", "1", "--png", str(tmp_path / "a.jpg")]) == 2
+    captured = capsys.readouterr()
+    assert "regista: a.jpg: the name of a picture must end in .png or .svg or .pdf" in captured.err
+    assert captured.out == "" and not [*tmp_path.glob("a.*")]
+
+
 @pytest.mark.drawn
 def test_a_picture_has_the_format_that_is_asked_for(street, tmp_path, capsys):
     assert main(["inspect", str(street), "--n", "1", "--png", str(tmp_path / "scenes.png"), "--format", "svg"]) == 0

@@ -105,7 +105,7 @@ def test_tables_of_a_comparison_are_frames(comparison):
         comparison.results()
 
 
-@pytest.mark.parametrize("seeds", [0, range(0), range(0, 6, 2)])
+@pytest.mark.parametrize("seeds", [0, range(0), range(0, 6, 2), "x", [0, 1], True])
 def test_seeds_are_consecutive(seeds):
     with pytest.raises(ValueError, match="consecutive"):
         regista.compare(GAME, seeds=seeds)
@@ -118,6 +118,39 @@ def test_what_is_unknown_is_named():
         regista.compare(GAME, ["plr"], num_env=3)
     with pytest.raises(CommandError, match="holds no run folders"):
         regista.load_comparison("nowhere")
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: regista.train(GAME, total_env_steps="abc"), "total_env_steps must be an integer, got 'abc'"),
+        (lambda: regista.train(GAME, ppo={"num_steps": 3}), r"ppo must be PPOConfig\(...\), got \{'num_steps': 3\}"),
+        (lambda: regista.train(GAME, report="wandb"), "report must be a tuple or a list, got 'wandb'"),
+        (lambda: regista.train(GAME, out=3), "out must be a path, such as 'runs/plr', got 3"),
+        (lambda: regista.train(GAME, 3), "a method is a name, such as 'plr', got 3"),
+        (lambda: regista.train(GAME, minigame="maze"), "unknown setting 'minigame'"),
+        (lambda: regista.compare(GAME, 3), "a method is a name, such as 'plr', got 3"),
+        (lambda: regista.compare(GAME, "plrr"), r"unknown method 'plrr' \(did you mean 'plr'\?\)"),
+        (lambda: regista.compare(GAME, methds=["dr"]), r"unknown setting 'methds' \(did you mean 'methods'\?\)"),
+        (lambda: regista.compare(GAME, method="dr"), r"unknown setting 'method' \(did you mean 'methods'\?\)"),
+        (lambda: regista.compare(GAME, episodes="x"), "episodes must be an integer, got 'x'"),
+        (lambda: regista.evaluate(3), "a run must be a path, such as 'runs/plr', got 3"),
+        (lambda: regista.evaluate("run", episodes="x"), "episodes must be an integer, got 'x'"),
+        (lambda: regista.inspect(GAME, n=1.5), "n must be an integer, got 1.5"),
+    ],
+)
+def test_an_argument_of_another_type_is_refused_in_a_sentence(call, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises((ValueError, UsageError), match=f"^{sentence}"):
+        call()
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_whole_number_may_be_a_float_and_one_method_a_name(tmp_path, trained_here):
+    run = regista.load_run(regista.train(GAME, out=tmp_path / "run", total_env_steps=1e2, **SMALL))
+    assert repr(run.config.total_env_steps) == "100"
+    chosen = {"seeds": 1, "out": tmp_path / "one", "episodes": 4, "levels": 0, "total_env_steps": np.int64(128)}
+    assert [run.name for run in regista.compare(GAME, "dr", **chosen, **SMALL).runs] == ["dr"]
 
 
 def test_a_task_and_a_program_are_inspected():

@@ -14,6 +14,7 @@ from regista.experiments.commands.evaluate import EvaluateConfig, evaluator
 from regista.experiments.run import shipped
 from regista.experiments.run.build import find_game
 from regista.experiments.run.built_in import BUILT_IN
+from regista.experiments.run.evaluator import Evaluator
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.results import goal_rate, select
 from ued.core.task import TRAINING_SCENE
@@ -82,6 +83,30 @@ def test_an_unknown_name_is_refused_with_all_names(words, capsys):
     code, shown = said([*words, "shipped:mazes"], capsys)
     assert code == 2 and "there is no policy shipped:mazes (did you mean 'shipped:maze'?)" in shown
     assert all(name in shown for name in NAMES) and len(shown.splitlines()) == 1
+
+
+@pytest.mark.parametrize("flag", ["--csv", "--markdown"])
+def test_a_file_that_cannot_be_written_is_refused_before_the_evaluation(flag, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(Evaluator, "report", lambda *_: pytest.fail("evaluated"))
+    code, shown = said(["evaluate", MAZE, flag, str(tmp_path / "none" / "x.csv")], capsys)
+    assert code == 2 and f"x.csv: the folder {tmp_path}/none does not exist" in shown
+    code, shown = said(["evaluate", MAZE, flag, str(tmp_path)], capsys)
+    assert code == 2 and f"{tmp_path} is a folder; give the name of a file" in shown
+
+
+def test_a_name_that_is_near_to_none_is_refused_without_a_suggestion(capsys):
+    code, shown = said(["play", "--player", "shipped:foo"], capsys)
+    assert code == 2 and f"there is no policy shipped:foo; these are shipped: {', '.join(NAMES)}" in shown
+
+
+@pytest.mark.parametrize("run", [MAZE, "runs/copy"])
+def test_a_run_in_the_place_of_a_game_is_named_with_its_flag(run, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(shipped.located(MAZE), "runs/copy")
+    code, shown = said(["play", run], capsys)
+    assert code == 2 and f"{run} is a run, not a game; add --player: regista play --player {run}" in shown
+    code, shown = said(["play", "--player", "runs/none"], capsys)
+    assert code == 2 and "there is no folder runs/none; play needs a program" in shown
 
 
 @pytest.mark.parametrize("name", ["shipped:", "shipped:..", "shipped:offense", "shipped:../run"])

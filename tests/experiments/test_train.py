@@ -12,8 +12,10 @@ import pytest
 
 import scenic_lite
 from regista.experiments.__main__ import main
+from regista.experiments.calls import train as train_in_python
 from regista.experiments.run import build
 from regista.experiments.run.config import ProgramConfig, TrainConfig
+from regista.experiments.run.errors import UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import football_game
 from regista.experiments.run.level_table import read_levels
@@ -294,6 +296,34 @@ def test_a_training_that_diverges_is_one_sentence(probe, tmp_path, monkeypatch, 
     assert main(["train", "1v1Restricted", "--out", str(tmp_path / "run"), *SHORT]) == 1
     problem = "the gradient is not finite (loss nan): try a smaller learning_rate"
     assert capsys.readouterr().err == f"regista: {problem}\n"
+
+
+@pytest.mark.parametrize("kept", [[], ["runs"], ["runs", "runs/a"]])
+def test_a_refused_run_leaves_no_folder(kept, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for folder in kept:
+        (tmp_path / folder).mkdir()
+    assert main(["train", "maze", "--method", "lessons", "--out", "runs/a", *SHORT]) == 2
+    assert "lessons cannot train on regista.envs.maze.task:maze" in capsys.readouterr().err
+    with pytest.raises(UsageError, match="lessons cannot train"):
+        train_in_python("maze", "lessons", out="runs/a")
+    assert [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")] == kept
+
+
+def test_an_existing_run_and_files_of_others_stay(probe, tmp_path, monkeypatch):
+    def fail(*_):
+        raise UsageError("refused")
+
+    path = tmp_path / "run"
+    flags = ["1v1Restricted", "--out", str(path), *SHORT]
+    assert main(["train", *flags]) == 0
+    files = sorted(path.iterdir())
+    monkeypatch.setattr(build, "make_method", fail)
+    assert main(["train", "--resume", str(path)]) == 2 and sorted(path.iterdir()) == files
+    for file in files:
+        if file.name not in ("config.json", "program.scenic"):
+            file.unlink()
+    assert main(["train", "--resume", str(path)]) == 2 and (path / "config.json").exists()
 
 
 def test_an_open_run_is_locked(probe, tmp_path, capsys):

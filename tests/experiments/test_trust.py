@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -264,6 +265,27 @@ def test_own_parts_are_stored_and_need_no_word_of_it_again(own_run, tmp_path, mo
     assert main(["evaluate", str(own_run), "--episodes", "2", "--levels", "0"]) == 0
     assert RunFolder.open(own_run).argv[-1] == trust.FLAG  # for processes of its own
     assert regista.evaluate(own_run, episodes=2).text()
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "sentence"),
+    [
+        ("best[:3]", 2, r"regista: plr cannot train on .*: the score .* must be a finite number for each of 8 levels"),
+        (
+            "best if len(best) == 8 else 1 / 0",
+            1,
+            r"regista: the score .*parts.py:score failed \(.*parts.py:2\): ZeroDivisionError: division by zero",
+        ),
+    ],
+    ids=["before training", "during training"],
+)
+def test_a_score_that_fails_is_reported_in_one_sentence(body, code, sentence, tmp_path, capsys):
+    write(tmp_path / "honest_task.py")
+    (tmp_path / "parts.py").write_text(f"def score(records, best):\n    return {body}\n")
+    words = ["--method", "plr", "--plr.score", "parts.py:score", "--num-envs", "4", "--out", "runs/own"]
+    assert main(["train", "honest_task.py:make", *TINY, *words]) == code
+    said = capsys.readouterr().err
+    assert re.match(sentence, said) and len(said.splitlines()) == 1
 
 
 @pytest.mark.slow

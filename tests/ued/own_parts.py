@@ -5,6 +5,7 @@ import torch
 from torch import nn
 
 from ued.levels.record import mean_played
+from ued.levels.scores import learnability
 
 calls = []
 
@@ -34,6 +35,18 @@ def missing(records, best):
 
 def failing(records, best):
     return records["no_such_field"]
+
+
+def alone(records):
+    return np.zeros(len(records))
+
+
+def novel(records, best):
+    return records["novelty"][:, 0].mean(1) + records["level"]["theta"].mean(1)
+
+
+def learnable(records, best):
+    return learnability(records, best)
 
 
 class Net(nn.Module):

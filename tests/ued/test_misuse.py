@@ -11,7 +11,17 @@ import pytest
 from regista.envs.football.vector_env import FootballVectorEnv
 from regista.experiments.__main__ import main
 from tests.attacks.calls import attack
-from ued import GymUPOMDP
+from ued import (
+    PLR,
+    ACCELConfig,
+    GymUPOMDP,
+    Paired,
+    PLRConfig,
+    PPOConfig,
+    RepairedConfig,
+    UPOMDPWrapper,
+    VectorUPOMDP,
+)
 from ued.core.level_space import LevelError, ThetaError
 from ued.core.parameters import Choice, Integer, LogRange, Range, ThetaMap
 from ued.probes import Frontier
@@ -168,11 +178,73 @@ def one() -> gymnasium.Env:
         ("apply must be a function", (one, "length", KINDS)),
         ("theta must be a number of dimensions, a mapping", (one, print, ["length"])),
         ("valid must be a function", (one, print, KINDS, 2, "sync", "yes")),
+        ("apply must be a function that applies length, force, poles, … to", (one, None, KINDS)),
     ],
 )
 def test_what_makes_no_upomdp(message: str, words: tuple) -> None:
     with pytest.raises(ValueError, match=message):
         GymUPOMDP(*words)
+
+
+def test_ranges_that_nothing_applies_are_refused_by_every_adapter() -> None:
+    sentence = "apply must be a function that applies length to an environment; None is for ued.Seeds"
+    with pytest.raises(ValueError, match=sentence):
+        UPOMDPWrapper(one(), None, {"length": (0.1, 2.0)})
+    with pytest.raises(ValueError, match=sentence):
+        VectorUPOMDP(lambda count: gymnasium.make_vec("CartPole-v1", count), None, {"length": (0.1, 2.0)})
+
+
+PPO, LEVELS = PPOConfig(), PLRConfig()
+
+
+@pytest.mark.parametrize(
+    ("method", "words", "sentence"),
+    [
+        (PLR, (LEVELS, PPO), r"PLR\(upomdp, ppo, config\): ppo must be a PPOConfig, got PLRConfig\("),
+        (PLR, (PPO, ACCELConfig()), r"PLR\(upomdp, ppo, config\): config must be a PLRConfig, got ACCELConfig\("),
+        (PLR, (PPO, {"score": "mna"}), "config must be a PLRConfig, got {'score': 'mna'}"),
+        (Paired, (None, RepairedConfig()), r"config must be a PairedConfig, got RepairedConfig\("),
+    ],
+)
+def test_settings_of_something_else(method: Any, words: tuple, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        method(make(), *words)
+
+
+def test_settings_of_a_users_own_kind_are_accepted() -> None:
+    class OwnConfig(PLRConfig):
+        """More settings."""
+
+    class Own(PLR):
+        """Another method, which reads the settings of ACCEL."""
+
+        def setup(self, config: ACCELConfig | None, seed: int) -> None:
+            super().setup(config, seed)
+
+    assert PLR(make(), PPO, OwnConfig()).env_steps == Own(make(), PPO, ACCELConfig()).env_steps == 0
+
+
+def test_no_environment_for_a_method() -> None:
+    with pytest.raises(ValueError, match=r"PLR trains on a UPOMDP, such as a ued.GymUPOMDP, got <TimeLimit"):
+        PLR(one())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ({"num_steps": "a"}, "num_steps must be an integer, got 'a'"),
+        ({"num_steps": 1.5}, "num_steps must be an integer, got 1.5"),
+        ({"num_steps": True}, "num_steps must be an integer, got True"),
+        ({"num_steps": None}, "num_steps must be an integer, got None"),
+        ({"gamma": "0.9"}, "gamma must be a number, got '0.9'"),
+        ({"clip_vloss": "no"}, "clip_vloss must be True or False, got 'no'"),
+        ({"network": 3}, "network must be a text, got 3"),
+        ({"memory": []}, r"memory must be none or gru, got \[\]"),
+    ],
+)
+def test_a_setting_of_another_type(words: dict, sentence: str) -> None:
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        PPOConfig(**words)
 
 
 class Odd(gymnasium.Wrapper):

@@ -91,7 +91,7 @@ def test_a_score_cannot_change_the_results():
     {
         f"{HERE}:short": r"short must be a finite number for each of 4 levels, got shape \[3\] of float64",
         f"{HERE}:missing": r"missing must be a finite number for each of 4 levels, got array\(\[nan",
-        f"{HERE}:failing": "failing failed: ValueError: no field of name no_such_field",
+        f"{HERE}:failing": r"failing failed \(.*own_parts.py:\d+\): ValueError: no field of name no_such_field",
     }.items(),
 )
 def test_scores_that_are_none_are_refused(rule, message):
@@ -99,6 +99,37 @@ def test_scores_that_are_none_are_refused(rule, message):
     records["returns"] = 0.0
     with pytest.raises(OwnCodeError, match=message):
         scores.score(rule, records)
+
+
+@pytest.mark.parametrize(
+    ("rule", "message"),
+    {
+        f"{HERE}:short": r"short must be a finite number for each of 8 levels, got shape \[3\] of float64",
+        f"{HERE}:missing": r"missing must be a finite number for each of 8 levels, got array\(\[nan",
+        f"{HERE}:failing": r"failing failed \(.*own_parts.py:\d+\): ValueError: no field of name no_such_field",
+        f"{HERE}:alone": r"alone failed \(.*own_parts.py:\d+\): TypeError: alone\(\) takes 1 positional argument but 2",
+    }.items(),
+)
+@pytest.mark.parametrize("method", SCORED)
+def test_a_wrong_score_is_found_before_training(method, rule, message):
+    with pytest.raises(OwnCodeError, match=message):
+        SCORED[method](rule)
+
+
+@pytest.mark.parametrize("method", SCORED)
+def test_trying_a_score_changes_no_level_and_uses_every_field(method):
+    """Levels of a run with a score of the user are those of a run with the same score of ours."""
+    tried, ours = SCORED[method](f"{HERE}:learnable"), SCORED[method]("learnability")
+    for one in (tried, ours):
+        one.update()
+    assert (tried.last.records["level"] == ours.last.records["level"]).all()
+    if method == "cenie":
+        SCORED[method](f"{HERE}:novel")
+
+
+def test_an_update_without_levels_calls_no_score():
+    records = SCORED["plr"](SPREAD).curriculum.propose(4)[:0]
+    assert scores.score(f"{HERE}:failing", records).shape == (0,)
 
 
 @pytest.mark.parametrize(

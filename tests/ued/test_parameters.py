@@ -3,6 +3,7 @@
 import copy
 import threading
 from dataclasses import replace
+from functools import partial
 
 import gymnasium
 import numpy as np
@@ -319,18 +320,34 @@ class Broken(Bandit):
 def test_an_error_tells_the_level(vectorization):
     env = GymUPOMDP(Broken, put, KINDS, 2, vectorization)
     env.reset(seed=0, options={"theta": [[0.0, 0.0, 0.0, -1.0], [0.5, 0.0, 0.0, 1.0]]})
-    message = r"failed in step: ZeroDivisionError: the ice broke \(level: theta \[0.5, 0, 0, 0.5\], that is .*'ice'"
+    message = (
+        r"^Broken failed in step \(.*test_parameters.py:\d+\): ZeroDivisionError: the ice broke "
+        r"\(level: theta \[0.5, 0, 0, 0.5\], that is .*'ice'"
+    )
     with pytest.raises(LevelError, match=message):
         env.step(np.zeros(2, int))
     env.close()
 
 
-def test_an_error_of_the_setter_tells_the_level():
+def test_an_error_of_the_setter_tells_the_environment_the_line_and_the_level():
     def broken(env, values):
-        raise KeyError("lanes")
+        values["lenght"]
 
-    with pytest.raises(LevelError, match=r"failed in the function that applies levels: KeyError: 'lanes' \(level"):
-        GymUPOMDP(Bandit, broken, KINDS, 1).reset(seed=0)
+    line = broken.__code__.co_firstlineno + 1
+    message = (
+        rf"^CartPole-v1 failed in the function that applies levels \({__file__}:{line}\): KeyError: 'lenght' \(level"
+    )
+    with pytest.raises(LevelError, match=message):
+        GymUPOMDP(lambda: gymnasium.make("CartPole-v1"), broken, {"length": (0.1, 2.0)}, 1).reset(seed=0)
+
+
+def test_a_setter_of_too_few_arguments_tells_its_definition():
+    def alone(env):
+        """Take no values."""
+
+    line = alone.__code__.co_firstlineno
+    with pytest.raises(LevelError, match=rf"\({__file__}:{line}\): TypeError: .*alone\(\) takes 1 positional"):
+        GymUPOMDP(Bandit, partial(alone), KINDS, 1).reset(seed=0)
 
 
 @pytest.mark.skipif(START_METHOD != "fork", reason="processes elsewhere are sent what makes their environments")

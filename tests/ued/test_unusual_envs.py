@@ -22,6 +22,10 @@ BRIEF = ued.PPOConfig(num_steps=4, num_minibatches=1, update_epochs=1, hidden_si
 VECTOR = Box(-1, 1, (2,), np.float32)
 
 
+def ignore(env, values):
+    """Apply no level: all are alike."""
+
+
 class Env(gymnasium.Env):
     """Lasts `length` steps, and reports what a test wants."""
 
@@ -69,7 +73,7 @@ def test_arrays_of_any_length_may_be_in_the_info():
         def info(self):
             return {"path": np.zeros(self.t), "success": 0.5}
 
-    method = ued.DR(ued.GymUPOMDP(Growing, None, 1, 3), BRIEF, seed=0)
+    method = ued.DR(ued.GymUPOMDP(Growing, ignore, 1, 3), BRIEF, seed=0)
     method.update()
     assert (method.last.records["success"][:, 0, 0] == 0.5).all()
 
@@ -85,12 +89,12 @@ def test_a_luck_function_returns_an_observation_of_the_environment_itself():
         env.unwrapped.x = 0.5
         return env.unwrapped.see()
 
-    seen, _ = ued.GymUPOMDP(Parted, None, 1, 2, luck=luck).reset(seed=0)
+    seen, _ = ued.GymUPOMDP(Parted, ignore, 1, 2, luck=luck).reset(seed=0)
     assert seen.tolist() == [[0.5, 0.0, 0.0, 1.0, 0.0]] * 2
 
 
 def test_environments_are_copied_before_their_first_reset():
-    ued.GymUPOMDP(Env, None, 1, 2).copy().reset(seed=0)
+    ued.GymUPOMDP(Env, ignore, 1, 2).copy().reset(seed=0)
 
 
 def student(observations, actions=Discrete(2)):  # noqa: B008 - nobody changes it
@@ -175,7 +179,7 @@ def test_a_policy_reads_what_its_environment_shows(space, observation):
         def see(self):
             return observation
 
-    seen = ued.GymUPOMDP(Shows, None, 1, 1).single_observation_space
+    seen = ued.GymUPOMDP(Shows, ignore, 1, 1).single_observation_space
     policy = LoadedPolicy(student(seen), seen.shape, space, 0)
     assert np.shape(policy.act(observation)) == ()
     if not isinstance(observation, dict):

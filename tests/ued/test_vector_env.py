@@ -212,6 +212,16 @@ def test_errors_report_the_level(env, message):
         upomdp.advance(np.zeros(2, int))
 
 
+def test_an_error_of_the_setter_reports_its_line():
+    def broken(vector, where, values):
+        values[0]["lenght"]
+
+    upomdp = VectorUPOMDP(lambda count: SyncVectorEnv([Walk] * count), broken, KINDS, 2)
+    line = broken.__code__.co_firstlineno + 1
+    with pytest.raises(LevelError, match=rf"failed in a reset \({__file__}:{line}\): KeyError: 'lenght'"):
+        upomdp.reset(seed=0)
+
+
 class Nested(Walk):
     observation_space = Dict({"at": Discrete(9)})
 

@@ -12,7 +12,8 @@ from typing import Any, SupportsFloat
 import gymnasium
 import numpy as np
 
-from ued.adapters.gym import UPOMDPWrapper, success_from_info
+from ued.adapters.gym import UPOMDPWrapper
+from ued.adapters.level_env import success_from_info
 from ued.core.curriculum import Curriculum
 from ued.core.level_space import as_void_view
 from ued.core.resumable import Resumable

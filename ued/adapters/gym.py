@@ -7,110 +7,36 @@ methods train. Read next: `learning.rollout`.
 from __future__ import annotations
 
 import copy
-import math
 import os
 import signal
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AutoresetMode
 
-from ued.adapters.observations import as_array, in_form
+from ued.adapters.level_env import (
+    SUCCESS,
+    Apply,
+    LevelEnv,
+    Luck,
+    SeedRule,
+    Start,
+    check_apply,
+    check_luck,
+    level_in_words,
+)
+from ued.adapters.observations import as_array
 from ued.core.episode_limit import episode_limit
 from ued.core.level_space import LevelError, LevelSpace, check_theta, level_dtype, luck_seed
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.processes import START_METHOD, end_with_parent
 from ued.core.upomdp import UPOMDP, check_count
 
-# Applies a level's values to an environment. If it returns a dict, this becomes the options of `reset`.
-Apply = Callable[[gymnasium.Env, Any], object]
-# The argument of an environment's `reset(seed=)`: the seed, nothing, or a function of the seed.
-SeedRule = bool | Callable[[int], int | None]
-# The luck of an episode: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
-# draws, or what a function of the reset environment and a seed does.
-Luck = bool | str | Callable[[gymnasium.Env, int], object]
 
-
-class Start(NamedTuple):
-    """The start of an episode: θ `[D]` and seed of its level, and the seed of its luck."""
-
-    theta: np.ndarray
-    seed: int
-    luck: int
-
-
-class _Levelled(gymnasium.Wrapper):
-    """One environment that plays levels; its errors report the level."""
-
-    def __init__(
-        self,
-        env: gymnasium.Env,
-        apply: Apply | None,
-        theta_map: ThetaMap,
-        seed_episodes: SeedRule = True,
-        luck: Luck = False,
-    ) -> None:
-        super().__init__(env)
-        self.apply, self.theta_map, self.seed_episodes, self.luck = apply, theta_map, seed_episodes, luck
-        self.start = Start(np.zeros(len(theta_map.draws)), 0, 0)
-        self._shape = env.observation_space.shape  # cached, since a chain of wrappers is slow
-
-    def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Start an episode; `options` are the user's own for `reset`."""
-        self.start = start
-        with self._level_errors("the function that applies levels"):
-            values = self.theta_map.values(start.theta)
-            returned = None if self.apply is None else self.apply(self.env, values)
-        if isinstance(returned, dict):
-            options = {**returned, **options}
-        if isinstance(self.luck, str):
-            options = {**options, self.luck: start.luck}
-        rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
-        given = rule(seed) if callable(rule) else seed if rule else None
-        with self._level_errors("reset"):
-            observation, info = self.env.reset(seed=given, options=options or None)
-            if callable(self.luck):
-                seen = self.luck(self.env, start.luck)
-                observation = observation if seen is None else in_form(self.env, seen)
-            return self._checked(observation), info
-
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        with self._level_errors("step"):
-            observation, reward, terminated, truncated, info = self.env.step(action)
-            return self._checked(observation), reward, terminated, truncated, info
-
-    def _checked(self, observation: Any) -> Any:
-        """Return an observation. Raises `ValueError` unless it has the shape of the space."""
-        shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
-        if shape != self._shape and self._shape is not None:
-            raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
-        return observation
-
-    @contextmanager
-    def _level_errors(self, what: str) -> Iterator[None]:
-        """Raise any exception as a `LevelError`."""
-        try:
-            yield
-        except LevelError:
-            raise
-        except Exception as error:
-            level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
-            raise LevelError(f"{self.env} failed in {what}: {type(error).__name__}: {error} ({level})") from error
-
-
-def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
-    """Return θ `[D]`, its values and the seed as a text for an error."""
-    row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
-    values = str(theta_map.values(theta))
-    shown = values if len(values) < 1000 else values[:1000] + " …"
-    return f"level: theta [{row}], that is {shown}; seed {seed}"
-
-
-class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs):
+class UPOMDPWrapper(LevelSpace, LevelEnv, gymnasium.utils.RecordConstructorArgs):
     """One environment with free parameters θ: `reset(options={"theta": θ})`, or the thesis's names.
 
     `apply(env, values)` applies `values` (name to value) to the environment before each reset; a dict that it returns
@@ -133,7 +59,8 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
             self, apply=apply, theta=theta, valid=valid, seed_episodes=seed_episodes, luck=luck
         )
         check_luck(luck, seed_episodes)
-        _Levelled.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
+        LevelEnv.__init__(self, env, apply, ThetaMap(theta, valid), seed_episodes, luck)
+        check_apply(apply, self.theta_map)
         self.parameters, self.level_family, self.seeds = (
             self.theta_map.draws,
             self.theta_map.level_family,
@@ -209,26 +136,10 @@ class UPOMDPWrapper(LevelSpace, _Levelled, gymnasium.utils.RecordConstructorArgs
         return observation, {**info, "theta": theta.copy(), "level_seed": seed}
 
 
-def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
-    """Raise `ValueError` for an invalid `luck`, or one that contradicts `seed_episodes`."""
-    if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
-        raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
-    if luck is True and seed_episodes is False:
-        raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
-
-
-SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
-
-
-def success_from_info(info: Mapping[str, Any]) -> Any:
-    """Return the success that an environment reports in its info, NaN without one."""
-    return next((info[name] for name in SUCCESS if name in info), math.nan)
-
-
 ENDS = ("slot_terminated", "slot_truncated")  # in the info of a `_Slot`
 
 
-class _Slot(_Levelled):
+class _Slot(LevelEnv):
     """One environment of a batch: takes its own row of the batch's starts at each reset.
 
     After the end of an episode it does not step until the next reset. Gymnasium's batch would refuse to step the others
@@ -269,7 +180,7 @@ class GymUPOMDP(UPOMDP):
     Args:
         make_env: makes one environment; called `num_envs` times.
         apply: `apply(env, values)` applies one level's values to an environment before each reset; a dict that it
-            returns becomes the reset's options. None: levels have no values to apply.
+            returns becomes the reset's options. None, for `Seeds`: levels have no values to apply.
         theta: number of dimensions; mapping from name to a `Range`, `LogRange`, `Integer`, `Choice` or a pair (low,
             high); a program; a `LevelFamily`; or `Seeds`. See `parameters.ThetaMap`.
         num_envs: N.
@@ -309,6 +220,7 @@ class GymUPOMDP(UPOMDP):
         check_luck(luck, seed_episodes)
         self.make_env, self.apply, self.seed_episodes, self.luck = make_env, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
+        check_apply(apply, self.theta_map)
         self.level_family, self.seeds = self.theta_map.level_family, self.theta_map.seeds
         self.seed_is_luck = luck is True or seed_episodes is False
         self.vectorization: Literal["sync", "async"] = vectorization

@@ -16,8 +16,9 @@ import numpy as np
 from gymnasium.spaces import Box
 from gymnasium.vector import AsyncVectorEnv, AutoresetMode, VectorEnv
 
-from ued.adapters.gym import SUCCESS, level_in_words
+from ued.adapters.level_env import SUCCESS, check_apply, level_in_words
 from ued.core.level_space import LevelError
+from ued.core.own_code import line_in
 from ued.core.parameters import Theta, ThetaMap
 from ued.core.upomdp import UPOMDP, check_count
 
@@ -67,6 +68,7 @@ class VectorUPOMDP(UPOMDP):
             raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
         self.make_vector, self.apply, self.seed_episodes, self.luck = make_vector, apply, seed_episodes, luck
         self.theta_map = ThetaMap(theta, valid)
+        check_apply(apply, self.theta_map)
         self.level_family, self.seeds = self.theta_map.level_family, self.theta_map.seeds
         self.seed_is_luck = luck or not seed_episodes
         self._theta, self._valid = theta, valid
@@ -108,7 +110,7 @@ class VectorUPOMDP(UPOMDP):
         try:
             self._reset(where, values, seeds)
         except Exception as error:  # whatever the user's code raises
-            raise self._failed("a reset", where, error) from error
+            raise self._failed(f"a reset{line_in(self.apply, error)}", where, error) from error
         self._over[where] = False
 
     def _reset(self, where: np.ndarray, values: Sequence[Any], seeds: np.ndarray) -> None:

@@ -7,16 +7,20 @@ code that reads files calls `note_read`, and `load` then calls `checks` before i
 
 from __future__ import annotations
 
+import functools
 import importlib
 import importlib.util
+import inspect
 import re
 import sys
+import traceback
 from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+PACKAGE = Path(__file__).parents[1]
 NAME = re.compile(r"(.+\.py|[A-Za-z_][\w.]*):[A-Za-z_]\w*")
 
 
@@ -82,6 +86,23 @@ def load(name: str) -> Any:
         near = get_close_matches(attribute, vars(module), 1)
         raise OwnCodeError(f"{place} has no {attribute!r}{f' (did you mean {near[0]!r}?)' if near else ''}")
     return getattr(module, attribute)
+
+
+def line_in(function: Any, error: BaseException) -> str:
+    """Return " (FILE:LINE)", the last line in the file of the user's function that led to an error, or "".
+
+    A call with wrong arguments fails before the function's first line and reports the line of its definition.
+    """
+    while isinstance(function, functools.partial):
+        function = function.func
+    code = getattr(inspect.unwrap(function), "__code__", None) or getattr(type(function).__call__, "__code__", None)
+    if code is None:
+        return ""
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == code.co_filename]
+    if not lines and isinstance(error, TypeError) and Path(frames[-1].filename).is_relative_to(PACKAGE):
+        lines = [code.co_firstlineno]
+    return f" ({code.co_filename}:{lines[-1]})" if lines else ""
 
 
 def module_of(place: str) -> ModuleType:

@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ued.core.own_code import OwnCodeError, is_name, load
-from ued.levels.record import NEGATIVE, mean_played, solved
+from ued.core.level_space import LevelSpace
+from ued.core.own_code import OwnCodeError, is_name, line_in, load
+from ued.levels.record import NEGATIVE, make_records, mean_played, solved
 
 Score = Callable[[np.ndarray, np.ndarray], np.ndarray]
+REHEARSED = 8  # levels with made-up results, on which a user's score is tried before training
 
 
 def max_mc(records: np.ndarray, best: np.ndarray) -> np.ndarray:
@@ -107,11 +109,34 @@ def _own(rule: str, own: Score, records: np.ndarray, best: np.ndarray) -> np.nda
     try:
         found = np.asarray(own(records.copy(), best.copy()))
     except Exception as error:  # whatever the user's code raises
-        raise OwnCodeError(f"the score {rule} failed: {type(error).__name__}: {error}") from error
+        raise OwnCodeError(f"the score {rule} failed{line_in(own, error)}: {type(error).__name__}: {error}") from error
     if found.shape != best.shape or found.dtype.kind not in "biuf" or not np.isfinite(found).all():
         got = f"shape {list(found.shape)} of {found.dtype}" if found.shape != best.shape else f"{found!r:.100}"
         raise OwnCodeError(f"the score {rule} must be a finite number for each of {len(best)} levels, got {got}")
     return found.astype(np.float64)
+
+
+def rehearse(rule: str, space: LevelSpace, dtype: np.dtype) -> None:
+    """Try a user's score on random levels with made-up results, so that its errors are found before training.
+
+    The stream of levels is left as it was. Raises `OwnCodeError` as `find`, and if the score fails, has another shape
+    than the levels, or is not finite.
+    """
+    if not is_name(rule):
+        return
+    state = space._stream.bit_generator.state
+    records = make_records(dtype, space.sample_levels(REHEARSED))
+    space._stream.bit_generator.state = state
+    rng = np.random.default_rng(0)
+    for name in set(dtype.names or ()) - {"score"}:
+        if dtype[name].base == np.float64:
+            records[name] = rng.uniform(0.1, 0.9, records[name].shape)
+    records["success"] = records["returns"] > 0.5
+    records["id"], records["visit"] = np.arange(REHEARSED), 0
+    records["num_played"] = records["num_episodes"][:, None]
+    if "best" in (dtype.names or ()):
+        records["best"] = records["returns"].max((1, 2))
+    score(rule, records)
 
 
 def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
@@ -129,7 +154,8 @@ def fields(rule: str, episodes: int) -> list[tuple[Any, ...]]:
 def score(rule: str, records: np.ndarray, best: np.ndarray | None = None) -> np.ndarray:
     """Return the score `[L]` of level records by a rule of `SCORES`, or one of the user; see `find`.
 
-    `best` `[L]` are the highest returns on these levels so far; those of the records are included.
+    `best` `[L]` are the highest returns on these levels so far; those of the records are included. Without levels no
+    score of the user is called: `max()` and the like would fail.
     Raises `ValueError` if the records lack the field that the score requires, or if a record has no finished episode.
     """
     if not len(records):

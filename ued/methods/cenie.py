@@ -15,22 +15,20 @@ A level is novel if the student's states or actions on it are rare in its recent
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from ued.config import CENIEConfig
 from ued.core.curriculum import LevelSpace
-from ued.core.level_space import level_dtype
 from ued.core.sparse_image import dense_space
 from ued.core.upomdp import UPOMDP
 from ued.learning.networks import choices_of
 from ued.learning.value_stats import scored_agents
-from ued.levels import scores
 from ued.levels.budget import Budget
 from ued.levels.novelty import Coverage, EpisodeNovelty
 from ued.levels.novelty_buffer import NoveltyBuffer, novelty_of
 from ued.levels.queue import LevelQueue
-from ued.levels.record import level_record_dtype
 from ued.methods.accel import ACCELCurriculum
 from ued.methods.method import Method
 
@@ -91,12 +89,11 @@ class CENIECurriculum(ACCELCurriculum):
         self, space: LevelSpace, config: CENIEConfig, seed: int = 0, budget: Budget | None = None, columns: int = 0
     ) -> None:
         super().__init__(space, config, seed, budget)
-        episodes = config.episodes_per_level
-        own = [*scores.fields(config.score, episodes), ("novelty", np.float64, (1, episodes))]
-        self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=episodes, extra=own)
-        self.children = np.zeros(0, self.dtype)
         self.buffer: NoveltyBuffer = NoveltyBuffer(space, config.buffer, config.novelty_coef, self.buffer.budget)
         self.coverage = Coverage(columns, config.coverage, seed)
+
+    def _fields(self) -> list[tuple[Any, ...]]:
+        return [*super()._fields(), ("novelty", np.float64, (1, self.config.episodes_per_level))]
 
     def propose(self, count: int) -> np.ndarray:
         """Return level records as ACCEL, without a novelty."""

@@ -11,7 +11,9 @@ Read next: `methods.dr`, the simplest method; `methods.plr`; `methods.paired`.
 
 from __future__ import annotations
 
+import typing
 from collections.abc import Mapping
+from contextlib import suppress
 from time import perf_counter
 from typing import Any
 
@@ -46,6 +48,9 @@ class Method:
         env_steps: length of the run; replay and teachers start earlier in a short run. None: unknown; see
             `levels.budget`.
 
+    Raises:
+        ValueError: arguments of the wrong type, and settings of another method.
+
     Attributes:
         curriculum: chooses the levels.
         queue: passes its levels to the learners.
@@ -66,6 +71,7 @@ class Method:
         seed: int = 0,
         env_steps: int | None = None,
     ) -> None:
+        self._check(upomdp, ppo, config)
         self._seeds = SeedStream(seed)
         self.upomdp, self.ppo, self.budget = upomdp, ppo or PPOConfig(), Budget(upomdp.num_envs, env_steps)
         self.learners: list[Learner] = []
@@ -74,6 +80,25 @@ class Method:
         upomdp.reset(seed=self._seeds.next())
         self._columns = upomdp.parameters if upomdp.level_family is None else ()
         self.setup(config, self._seeds.next())
+
+    def _check(self, upomdp: Any, ppo: Any, config: Any) -> None:
+        """Raise `ValueError` for arguments of the wrong type, such as the settings of another method.
+
+        The settings of a method are those of its `setup`, or a subclass by a user.
+        """
+        name = type(self).__name__
+        if not isinstance(upomdp, UPOMDP):
+            raise ValueError(f"{name} trains on a UPOMDP, such as a ued.GymUPOMDP, got {upomdp!r:.100}")
+        if ppo is not None and not isinstance(ppo, PPOConfig):
+            raise ValueError(f"{name}(upomdp, ppo, config): ppo must be a PPOConfig, got {ppo!r:.60}")
+        own: Any = None
+        with suppress(NameError):  # of a user's setup, whose annotations exist only for a type checker
+            own = next(iter(typing.get_args(typing.get_type_hints(type(self).setup).get("config"))), None)
+        if config is None or not hasattr(own, "__dataclass_fields__"):
+            return
+        of_another = type(config) is not own and type(config).__module__ == own.__module__
+        if of_another or not isinstance(config, own):
+            raise ValueError(f"{name}(upomdp, ppo, config): config must be a {own.__name__}, got {config!r:.60}")
 
     def setup(self, config: Any, seed: int) -> None:
         """Create the `curriculum`, with this seed, and the `queue`, and add the learners."""

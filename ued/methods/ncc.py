@@ -74,6 +74,7 @@ class NCCCurriculum(Resumable):
         self.space, self.config = space, config
         level, episodes = level_dtype(space.theta_dim), config.episodes_per_level
         self.dtype = level_record_dtype(level, episodes=episodes, extra=scores.fields(config.score, episodes))
+        scores.rehearse(config.score, space, self.dtype)
         self.buffer = LearnedBuffer(space, config, budget or Budget.of(space))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)

@@ -12,6 +12,8 @@ A level without a finished episode has no score yet, and does not change the buf
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ued.config import PLRConfig
@@ -73,10 +75,15 @@ class PLRCurriculum(Resumable):
     ) -> None:
         self.space, self.config, self.robust = space, config, robust
         level, episodes = level_dtype(space.theta_dim), config.episodes_per_level
-        self.dtype = level_record_dtype(level, episodes=episodes, extra=scores.fields(config.score, episodes))
+        self.dtype = level_record_dtype(level, episodes=episodes, extra=self._fields())
+        scores.rehearse(config.score, space, self.dtype)
         self.buffer = LevelBuffer(space, config.buffer, budget or Budget.of(space))
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
+
+    def _fields(self) -> list[tuple[Any, ...]]:
+        """Return the fields of its level records beside those that all have."""
+        return scores.fields(self.config.score, self.config.episodes_per_level)
 
     def propose(self, count: int) -> np.ndarray:
         """Return levels of the buffer with probability `replay_prob` each, new ones otherwise."""

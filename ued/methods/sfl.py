@@ -57,8 +57,8 @@ class SFLCurriculum(Resumable):
 
     def __init__(self, space: LevelSpace, config: SFLConfig, seed: int = 0) -> None:
         self.space, self.config = space, config
-        scores.find(config.score)  # so that a missing one raises before training
         self.dtype = level_record_dtype(level_dtype(space.theta_dim), episodes=config.candidate_episodes)
+        scores.rehearse(config.score, space, self.dtype)
         self.pool = RandomLevelPool(space)
         self.rng = np.random.default_rng(seed)
         self.waiting = 0  # candidates yet to be proposed

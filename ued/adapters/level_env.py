@@ -1,0 +1,136 @@
+"""One environment that plays levels: each reset applies the values, the seed and the luck of a level.
+
+Read next: `adapters.gym`, which makes UPOMDPs of it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+
+from ued.adapters.observations import in_form
+from ued.core.level_space import LevelError
+from ued.core.own_code import line_in
+from ued.core.parameters import ThetaMap
+
+# Applies a level's values to an environment. If it returns a dict, this becomes the options of `reset`.
+Apply = Callable[[gymnasium.Env, Any], object]
+# The argument of an environment's `reset(seed=)`: the seed, nothing, or a function of the seed.
+SeedRule = bool | Callable[[int], int | None]
+# The luck of an episode: nothing, all that `reset(seed=)` draws, what a seed under this key of the reset's options
+# draws, or what a function of the reset environment and a seed does.
+Luck = bool | str | Callable[[gymnasium.Env, int], object]
+
+
+class Start(NamedTuple):
+    """The start of an episode: θ `[D]` and seed of its level, and the seed of its luck."""
+
+    theta: np.ndarray
+    seed: int
+    luck: int
+
+
+class LevelEnv(gymnasium.Wrapper):
+    """One environment that plays levels; its errors report the level."""
+
+    def __init__(
+        self,
+        env: gymnasium.Env,
+        apply: Apply | None,
+        theta_map: ThetaMap,
+        seed_episodes: SeedRule = True,
+        luck: Luck = False,
+    ) -> None:
+        super().__init__(env)
+        self.apply, self.theta_map, self.seed_episodes, self.luck = apply, theta_map, seed_episodes, luck
+        self.start = Start(np.zeros(len(theta_map.draws)), 0, 0)
+        self._shape = env.observation_space.shape  # cached, since a chain of wrappers is slow
+
+    def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Start an episode; `options` are the user's own for `reset`."""
+        self.start = start
+        with self._level_errors("the function that applies levels", self.apply):
+            values = self.theta_map.values(start.theta)
+            returned = None if self.apply is None else self.apply(self.env, values)
+        if isinstance(returned, dict):
+            options = {**returned, **options}
+        if isinstance(self.luck, str):
+            options = {**options, self.luck: start.luck}
+        rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
+        given = rule(seed) if callable(rule) else seed if rule else None
+        with self._level_errors("reset"):
+            observation, info = self.env.reset(seed=given, options=options or None)
+            if callable(self.luck):
+                seen = self.luck(self.env, start.luck)
+                observation = observation if seen is None else in_form(self.env, seen)
+            return self._checked(observation), info
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        with self._level_errors("step"):
+            observation, reward, terminated, truncated, info = self.env.step(action)
+            return self._checked(observation), reward, terminated, truncated, info
+
+    def _checked(self, observation: Any) -> Any:
+        """Return an observation. Raises `ValueError` unless it has the shape of the space."""
+        shape = observation.shape if isinstance(observation, np.ndarray) else np.shape(observation)
+        if shape != self._shape and self._shape is not None:
+            raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
+        return observation
+
+    @contextmanager
+    def _level_errors(self, what: str, function: Any = None) -> Iterator[None]:
+        """Raise any exception as a `LevelError` with the line in the file of the user's `function`.
+
+        None: the environment's method of this name.
+        """
+        try:
+            yield
+        except LevelError:
+            raise
+        except Exception as error:
+            level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
+            function = function or getattr(self.env.unwrapped, what, None)
+            failed = f"{name_of(self.env)} failed in {what}{line_in(function, error)}"
+            raise LevelError(f"{failed}: {type(error).__name__}: {error} ({level})") from error
+
+
+def name_of(env: gymnasium.Env) -> str:
+    """Return the id of a registered environment, or the name of its class."""
+    inner = env.unwrapped
+    return inner.spec.id if inner.spec is not None else type(inner).__name__
+
+
+def level_in_words(theta_map: ThetaMap, theta: np.ndarray, seed: int) -> str:
+    """Return θ `[D]`, its values and the seed as a text for an error."""
+    row = ", ".join(f"{x:.6g}" for x in theta[:32]) + ", …" * (len(theta) > 32)
+    values = str(theta_map.values(theta))
+    shown = values if len(values) < 1000 else values[:1000] + " …"
+    return f"level: theta [{row}], that is {shown}; seed {seed}"
+
+
+def check_luck(luck: Luck, seed_episodes: SeedRule) -> None:
+    """Raise `ValueError` for an invalid `luck`, or one that contradicts `seed_episodes`."""
+    if not (isinstance(luck, bool | str) or callable(luck)) or luck == "":
+        raise ValueError(f"luck must be True, False, a key of reset's options or a function, got {luck!r}")
+    if luck is True and seed_episodes is False:
+        raise ValueError("luck=True is what reset(seed=) draws, which seed_episodes=False does not seed")
+
+
+def check_apply(apply: Any, theta_map: ThetaMap) -> None:
+    """Raise `ValueError` if θ has values, but no function applies them."""
+    if apply is None and theta_map.draws and theta_map.seeds is None:
+        names = ", ".join(draw.name for draw in theta_map.draws[:3]) + ", …" * (len(theta_map.draws) > 3)
+        raise ValueError(f"apply must be a function that applies {names} to an environment; None is for ued.Seeds")
+
+
+SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
+
+
+def success_from_info(info: Mapping[str, Any]) -> Any:
+    """Return the success that an environment reports in its info, NaN without one."""
+    return next((info[name] for name in SUCCESS if name in info), math.nan)
