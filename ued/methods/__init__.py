@@ -73,7 +73,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     ),
     MethodRow(
         "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#4941a1", "–",
-        "an adversary maximizes the student's improvement on a level", "1",
+        "an adversary maximizes a student's improvement", "1",
     ),
     MethodRow(
         "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#4b004b",
