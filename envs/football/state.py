@@ -119,7 +119,7 @@ PLAYER_FIELDS: Table = (
     ("kick", Whole(0, SHOT), (), "", "0 none, or the requested action: 9..12"),
     ("kick_held", COUNT, (), "steps", "how long the button has been held"),
     ("kick_ready", "?", (), "", "the button has been released: kick when possible"),
-    ("kick_patience", TICKS, (), "steps", "left until a kick that found no ball is cancelled"),
+    ("kick_patience", TICKS, (), "steps", "left until a kick that found no ball is canceled"),
     ("kick_mate", WHO, (), "", "receiver of the requested pass, -1 nobody"),
     ("kick_wait", REAL, (), "s", "until the foot meets the ball"),
     ("is_aimed", "?", (), "", "the kick goes to (aim_x, aim_y), not in the held direction"),

@@ -28,12 +28,12 @@ Policy = Callable[["Stage"], npt.ArrayLike]
 
 
 def metres(places: npt.ArrayLike) -> np.ndarray:
-    """Turn places `[..., 2]` of the original into metres, y upwards."""
+    """Turn places `[..., 2]` of the original into meters, y upwards."""
     return np.asarray(places, float) * (METRES_X, -METRES_Y)
 
 
 def units(places: npt.ArrayLike) -> np.ndarray:
-    """Turn places `[..., 2]` in metres, y upwards, into the original's units."""
+    """Turn places `[..., 2]` in meters, y upwards, into the original's units."""
     return np.asarray(places, float) / (METRES_X, -METRES_Y)
 
 

@@ -38,7 +38,7 @@ PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "single": tuple((game, BENCHMARK[game].control) for game in FIGURE_2_7),
     "generalisation": tuple((game.name, game.control) for game in BENCHMARK.values()),
     "multi": tuple((row.game, row.control) for row in published() if row.source == "Table 3.1"),
-    "teams": (  # an attack that the thesis's teams do not learn, one that they do, and a defence
+    "teams": (  # an attack that the thesis's teams do not learn, one that they do, and a defense
         ("offense/hard_crossing", "allNonGK"),
         ("grf/pass_and_shoot_with_keeper", "allNonGK"),
         ("defense/2vs2", "all"),

@@ -185,7 +185,7 @@ REFUSED = {
 
 # Words of other languages, or other spellings.
 FOREIGN = {
-    "behaviour": 'it is spelt "behavior"',
+    "behaviour": 'it is spelled "behavior"',
     "function": 'functions are written "def name(...):"',
     "elseif": 'it is written "elif"',
     "elsif": 'it is written "elif"',

@@ -103,7 +103,7 @@ def unexpected_end(c: Cursor, last: ast.stmt) -> NoReturn:
         c.fail(f"unexpected {describe(token)} after the statement", hint)
     if token.text in ("&", "|", "!"):
         c.fail(f"unexpected {describe(token)}", 'the logical operators are "and", "or", "not"')
-    if token.kind == "name" and before.kind == "name":  # a misspelt first word, or a misspelt specifier
+    if token.kind == "name" and before.kind == "name":  # a misspelled first word, or a misspelled specifier
         if isinstance(value, New | ast.Name) and (hint := grammar.statement_hint(before.text)):
             c.fail(f'unknown statement "{before.text}"', hint, at=before)
         if token.text == "with":

@@ -1,4 +1,4 @@
-"""Hand-made positions for the simulator's tests, in metres."""
+"""Hand-made positions for the simulator's tests, in meters."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ def test_who_stands_with_the_ball_loses_it() -> None:
 
 
 def test_who_idles_beside_a_standing_carrier_does_not_take_the_ball() -> None:
-    """Measured: slides that end half a metre short win nothing, however long the slider stands there afterwards."""
+    """Measured: slides that end half a meter short win nothing, however long the slider stands there afterwards."""
     for key, least, most in ((0, 0.0, 0.0), (DIRECTION_LEFT, 0.8, 1.0)):
         players = [(0.0, 0.0, LEFT, CM), (1.2, 0.0, RIGHT, CB), (50.0, 0.0, RIGHT, GK)]
         matches = position(players, (0.4, 0.0), OPEN, range(20))

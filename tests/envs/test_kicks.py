@@ -315,7 +315,7 @@ def test_the_ball_rests_at_the_feet_after_a_reception() -> None:
 
 
 def test_a_pass_is_hard_to_take_away_just_after_the_kick() -> None:
-    """An opponent a metre away cannot control it; 1 s later anybody can."""
+    """An opponent a meter away cannot control it; 1 s later anybody can."""
     players = [(0.0, 0.0, LEFT, CM), (1.0, 0.0, RIGHT, CM), (50.0, 33.0, RIGHT, GK)]
     matches = position(players, (0.8, 0.0))
     matches["ball"]["vx"] = 15.0

@@ -155,7 +155,7 @@ def test_idle_never_stops_a_player() -> None:
 
 
 def test_all_directions_are_equally_fast() -> None:
-    """In metres; the original's own units differ between the axes."""
+    """In meters; the original's own units differ between the axes."""
     for action, (ux, uy) in {DIRECTION_TOP_RIGHT: (1, 1), DIRECTION_BOTTOM: (0, -1)}.items():
         matches = runner()
         play(matches, [SPRINT] + [action] * 30, player=0)

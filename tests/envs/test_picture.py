@@ -16,12 +16,12 @@ PLAYERS = [(-20.0, 10.0, LEFT, CM), (-50.0, 0.0, LEFT, GK), (20.0, -10.0, RIGHT,
 
 
 def pixel(x, y):
-    """Return row and column of a place in metres."""
+    """Return row and column of a place in meters."""
     return round((36 + BORDER - y) * SCALE / SHARPER) + 34, round((x + 55 + BORDER) * SCALE / SHARPER)
 
 
 def near(image, x, y, colour, reach=9):
-    """Return whether the colour is to be seen near a place."""
+    """Return whether the color is to be seen near a place."""
     line, column = pixel(x, y)
     part = image[line - reach : line + reach, column - reach : column + reach].reshape(-1, 3).astype(int)
     return bool((np.abs(part - colour).sum(1) < 30).any())

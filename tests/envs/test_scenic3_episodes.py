@@ -163,7 +163,7 @@ def test_it_is_seen_from_above(make):
     near, far = upomdp.render()
     assert near.dtype == np.uint8 and near.shape == far.shape == (160, 320, 3)
     heights = [np.argwhere((frame == scenic3.view.OTHER).all(-1))[:, 0].mean() for frame in (near, far)]
-    assert heights[0] - heights[1] == pytest.approx(5 * 4, abs=1)  # five metres, of four pixels
+    assert heights[0] - heights[1] == pytest.approx(5 * 4, abs=1)  # five meters, of four pixels
 
 
 @needed

@@ -68,7 +68,7 @@ def test_headings(x: float, y: float, expected: float) -> None:
 
 
 def test_a_heading_is_the_angle_that_a_program_measures() -> None:
-    """The pitch has other units along x than along y: someone who looks along 45 degrees in metres does not here."""
+    """The pitch has other units along x than along y: someone who looks along 45 degrees in meters does not here."""
     matches = position([(0.0, 0.0, LEFT, CM), (27.2, -16.72, RIGHT, GK)], (0.0, 0.0))
     matches["players"]["facing_x"][0, 0] = matches["players"]["facing_y"][0, 0] = math.sqrt(0.5)
     objects, _ = tables(matches)

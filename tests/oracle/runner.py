@@ -39,7 +39,7 @@ def header(path: Path) -> dict[str, str]:
 
 
 def world_of(folder: Path) -> Domain:
-    """Return the modules that a folder's programs may import beside neighbours: those of `lib` in it or beside it."""
+    """Return the modules that a folder's programs may import beside neighbors: those of `lib` in it or beside it."""
     libraries = (folder.resolve().parent / "lib", folder.resolve() / "lib")
     return Domain("oracle", {path.stem: path for library in libraries for path in sorted(library.glob("*.scenic"))})
 

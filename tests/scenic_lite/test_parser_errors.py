@@ -11,7 +11,7 @@ from scenic_lite.syntax.parser import parse
 MESSAGES = """
 behaviour Foo():
     take 3
->>> 1:1: unknown statement "behaviour" (it is spelt "behavior")
+>>> 1:1: unknown statement "behaviour" (it is spelled "behavior")
     behaviour Foo():
     ^^^^^^^^^
 ---

@@ -12,7 +12,7 @@ CENTRES = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
 
 
 def drawn(count: int = 300) -> np.ndarray:
-    """Draw rows around three centres, in turn."""
+    """Draw rows around three centers, in turn."""
     rng = np.random.default_rng(5)
     return CENTRES[np.arange(count) % 3] + 0.1 * rng.standard_normal((count, 3)) * [1.0, 2.0, 0.5]
 

@@ -66,7 +66,7 @@ class Swing(NamedTuple):
     spread: float = 0.04  # s either way, the phase of the stride
     meant: float = 0.28  # s before the contact, from when on a pass has its receiver and a new direction only turns it
     from_run_up: float = 0.06  # s left after a request on the way to the ball: the swing begins on arrival
-    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is cancelled
+    patience: float = -0.6  # s, `kick_wait` at which a kick that never met the ball is canceled
 
 
 class Behind(NamedTuple):
