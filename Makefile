@@ -56,7 +56,7 @@ transfer: $(READY)
 # The table of BENCHMARK.md, from runs beneath runs/benchmark that are trained if they are missing: hours. Which study, and
 # for how long: STUDY="single --seeds 5 --hours 3".
 publish: $(READY)
-	$(BIN)/python -m lab.studies $(or $(STUDY),generalisation) --publish
+	$(BIN)/python -m lab.studies $(or $(STUDY),generalization) --publish
 
 # Google Research Football, for --engine grf: Debian or a like system, ten minutes; where to, says REGISTA_GRF_HOME.
 grf:

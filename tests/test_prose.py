@@ -4,7 +4,9 @@ Only patterns with few false positives are forbidden; code, names of files and q
 `test_docs`, which runs what pages show.
 """
 
+import io
 import re
+import tokenize
 
 import pytest
 
@@ -27,6 +29,8 @@ BRITISH = (  # stems of words that are spelled otherwise in American English
     "(?:random|organ|general|optim|maxim|minim|normal|initial|recogn|summar|real|penal|visual|parallel|custom|priorit|"
     "standard|regular|emphas|util|stabil|vector|discret|special|serial|final|local|factor|character|categor)is(?:e|ing|at|er)",
 )
+SPELLING = rf"\b\w*(?:{'|'.join(BRITISH)})\w*"
+PACKAGES = ("ued", "kernels", "scenic_lite", "envs", "minigames", "experiments", "lab")
 IDIOMS = (  # how this project must not speak: shared words in place of those of the field
     (r"told", "specify, report"),
     (r"anew", "again"),
@@ -46,6 +50,11 @@ GENERATED = re.compile(r"^<!-- (?!end)[\w: ]+ -->\n(.*?)^<!-- end -->", re.M | r
 COMMAND = re.compile(r"(?:python -m|regista|make) \w")
 
 
+def read(name):
+    """Return the text of a page."""
+    return (PAGES.get(name) or ROOT / name).read_text()
+
+
 def said(text):
     """Return the prose of a page: without blocks, code, targets of links and comments."""
     text = re.sub(r"<!--.*?-->", "", prose(text), flags=re.S)
@@ -57,29 +66,44 @@ def found(pattern, text):
     return [text[max(0, match.start() - 30) : match.end() + 30] for match in re.finditer(pattern, text, re.I)]
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", [*PAGES, *READMES])
 def test_pages_are_in_american_english(name):
-    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", said(PAGES[name].read_text())) == []
+    assert found(SPELLING, said(read(name))) == []
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_and_comments_are_in_american_english(package):
+    """Names of variables are left out: words with an underscore, a colon or in backticks."""
+    written = rf"(?<![\w.`\"/-]){SPELLING}(?![\w`(:-])"
+    for path in sorted((ROOT / package).rglob("*.py")):
+        text = path.read_text()
+        if not found(written, text):
+            continue
+        kinds = {tokenize.COMMENT, tokenize.STRING}
+        tokens = (token for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type in kinds)
+        for token in tokens:
+            if token.type == tokenize.COMMENT or token.string.startswith('"""'):
+                assert found(written, token.string) == [], path
+
+
+@pytest.mark.parametrize("name", [*PAGES, *READMES])
 def test_pages_use_the_words_of_the_field(name):
-    text = said(PAGES[name].read_text())
+    text = said(read(name))
     said_so = {better: found(rf"\b(?:{idiom})\b", text) for idiom, better in IDIOMS}
     assert {better: words for better, words in said_so.items() if words} == {} and found(ENGINES, text) == []
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", [*PAGES, *READMES])
 def test_numbers_are_written_in_one_way(name):
     """`84%`, not `84 %`; `0.39`, not `.39`."""
-    text = said(PAGES[name].read_text())
+    text = said(read(name))
     assert found(r"\d[ \u00a0]%", text) + found(r"(?<![\w.…/)])\.\d", text) == []
 
 
 @pytest.mark.parametrize("name", [*PAGES, *READMES])
 def test_pages_name_versions_and_no_commits(name):
     """Results belong to a version of the simulator: of a commit nobody knows what it plays."""
-    assert found(HASH, (PAGES.get(name) or ROOT / name).read_text()) == []
+    assert found(HASH, read(name)) == []
 
 
 @pytest.mark.parametrize("name", MOST)
@@ -99,8 +123,8 @@ def test_a_generated_table_names_its_command(name):
 
 
 def test_the_patterns_find_what_they_are_for():
-    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", "randomisation, a metre, greyish") != []
-    assert found(rf"\b\w*(?:{'|'.join(BRITISH)})\w*", "parameters of a precise likelihood, otherwise realistic") == []
+    assert found(SPELLING, "randomisation, a metre, greyish") != []
+    assert found(SPELLING, "parameters of a precise likelihood, otherwise realistic") == []
     assert found(ENGINES, "0.28 (there 0.25)") and not found(ENGINES, "there are 3 (here is why)")
     assert found(HASH, "of 24e2dca") and not found(HASH, "1000000 defaced")
     table = "## A\n\n<!-- x: y -->\n| a |\n<!-- end -->\n"

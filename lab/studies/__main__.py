@@ -1,7 +1,7 @@
 """Studies of many games over seeds: the benchmark of the thesis, and what curricula gain; trained, played, tabulated.
 
     python -m lab.studies single --seeds 5 --hours 3        # thesis, Figure 2.7: one agent on 13 games
-    python -m lab.studies generalisation --games grf/empty_goal --seeds 1 --total-env-steps 500_000
+    python -m lab.studies generalization --games grf/empty_goal --seeds 1 --total-env-steps 500_000
     python -m lab.studies teams                             # independent policies, parameter sharing, MAPPO
     python -m lab.studies curricula --hours 3               # five methods on seven games
 
@@ -69,7 +69,7 @@ STUDIES = {
         run_benchmark,
         presets_of_benchmark,
     ),
-    "generalisation": Study(
+    "generalization": Study(
         "one agent on training and test scenes of all 22 games (Figure 2.8)",
         BenchmarkStudyConfig,
         run_benchmark,

@@ -36,7 +36,7 @@ FIGURE_2_7 = tuple(row.game for row in published() if row.source == "Fig. 2.7")
 # The games of each study, and whom agents move there.
 PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "single": tuple((game, BENCHMARK[game].control) for game in FIGURE_2_7),
-    "generalisation": tuple((game.name, game.control) for game in BENCHMARK.values()),
+    "generalization": tuple((game.name, game.control) for game in BENCHMARK.values()),
     "multi": tuple((row.game, row.control) for row in published() if row.source == "Table 3.1"),
     "teams": (  # an attack that the thesis's teams do not learn, one that they do, and a defense
         ("offense/hard_crossing", "allNonGK"),
@@ -49,7 +49,7 @@ PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 
 @dataclass(frozen=True)
 class BenchmarkStudyConfig(StudyConfig):
-    """What is typed after `python -m lab.studies single`, `generalisation`, `multi`, `teams` or `demonstrations`."""
+    """What is typed after `python -m lab.studies single`, `generalization`, `multi`, `teams` or `demonstrations`."""
 
     seeds: int = setting(3, "runs of each game, with seeds 0, 1, ...", ">=1", most=10_000)
     preset: Literal["fast", "thesis"] = setting(
@@ -95,7 +95,7 @@ class BenchmarkStudy:
     """One of the studies.
 
     Args:
-        name: single, generalisation, multi, teams or demonstrations.
+        name: single, generalization, multi, teams or demonstrations.
         config: what was typed after it.
         typed: settings of training that were typed, by dotted path.
     """

@@ -38,7 +38,7 @@ def single(begun, tmp_path):
     """Return what is typed, and the names of the runs that it has begun."""
     words = ["--out", str(tmp_path)]
     short = ["--total-env-steps", "64", "--num-envs", "4", "--num-steps", "8", "--episodes", "6", "--processes", "1"]
-    return ["generalisation", "--games", *TWO, "--seeds", "1", *short, *words], begun
+    return ["generalization", "--games", *TWO, "--seeds", "1", *short, *words], begun
 
 
 def test_a_benchmark_is_measured_and_its_rows_are_tabulated_beside_published_ones(single, tmp_path, capsys):
@@ -169,7 +169,7 @@ def test_studies_are_named_and_kept_apart(single, capsys):
     words, begun = single
     assert main(["singel"]) == 2
     assert (
-        "no study 'singel' (did you mean 'single'?); there are single, generalisation, multi, "
+        "no study 'singel' (did you mean 'single'?); there are single, generalization, multi, "
         in capsys.readouterr().err
     )
     assert main([*words, "--gamma", "0.5", "--publish"]) == 2
@@ -179,7 +179,7 @@ def test_studies_are_named_and_kept_apart(single, capsys):
     assert begun == []
     with pytest.raises(SystemExit):
         main(["--help"])
-    assert "generalisation: one agent" in capsys.readouterr().out
+    assert "generalization: one agent" in capsys.readouterr().out
 
 
 def test_the_page_of_a_study_is_found_by_either_order(capsys):
@@ -200,7 +200,7 @@ def test_presets_are_those_of_training(tmp_path):
     fast = starting_point(BenchmarkStudyConfig())
     assert fast.env.representation == "features" and fast.ppo.hidden_size == 64
     assert len(FIGURE_2_7) == 13
-    assert [game for game, _ in PAIRS["generalisation"]] == list(BENCHMARK) and len(BENCHMARK) == 22
+    assert [game for game, _ in PAIRS["generalization"]] == list(BENCHMARK) and len(BENCHMARK) == 22
 
 
 def page_cells(line):
