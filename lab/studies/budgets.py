@@ -24,6 +24,7 @@ from ued.statistics import Difference, bootstrap, detectable
 
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
+EQUAL = "equal student steps"
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
 LINK = "![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)"  # on a page
 
@@ -35,17 +36,32 @@ def section(points: Sequence[Point]) -> str:
         return ""
     first, *others = names
     gains = {(name, part): gain(points, name, first, part) for name in others for part in PARTS}
+    learned = {name: share_learned(points, name) for name in others}
+    equal = {name: at_equal_student_steps(points, name, first, learned[name]) for name in others if learned[name]}
+    gains |= {(name, EQUAL): found for name, found in equal.items()}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     budget = max(point.env_steps for point in points)
     table = [["method", *(f"{count(part * budget)} steps" for part in PARTS)]]
+    columns: list[float | str] = [*PARTS]
+    if equal:
+        table[0] += ["learns from", EQUAL]
+        columns.append(EQUAL)
     for name in others:
-        table.append([name, *(significance.points(gains[name, part], marks[name, part]) for part in PARTS)])
+        cells = [significance.points(gains[name, at], marks[name, at]) if (name, at) in gains else "" for at in columns]
+        if equal:
+            cells.insert(-1, f"{learned[name]:.0%}")
+        table.append([name, *cells])
     games, runs = len({point.game for point in points}), [len(rates(points, name, 1.0)) for name in names]
     mean = f"mean over {games} games, " if games > 1 else ""
     about = (
         f"Success on test scenes, {mean}minus {first}, in percentage points; 95% bootstrap "
         f"intervals over {significance.spread(runs)} runs."
     )
+    if equal:
+        about += (
+            f" {EQUAL[0].upper()}{EQUAL[1:]}: after {count(budget)} steps, minus {first} after as many as the method's "
+            "tested student learned from."
+        )
     size = 100 * detectable([rates(points, name, 1.0).mean(1) for name in names])
     legend = significance.legend([found.p for found in gains.values()])
     said = significance.sentences(legend, significance.visible([size], runs, "{:.0f} points at the end"))
@@ -71,6 +87,22 @@ def comparable(points: Sequence[Point]) -> tuple[list[Point], list[str]]:
 def gain(points: Sequence[Point], name: str, first: str, part: float) -> Difference:
     """Return the difference of two methods after a part of the budget."""
     return significance.difference_of_means(rates(points, name, part), rates(points, first, part))
+
+
+def share_learned(points: Sequence[Point], name: str) -> float:
+    """Return the share of the simulated steps that a method's tested student learned from, 0 if it is not known."""
+    ends: dict[tuple[str, int], Point] = {}
+    for point in points:
+        if point.agent == name:
+            ends[point.game, point.seed] = max(
+                point, ends.get((point.game, point.seed), point), key=lambda p: p.env_steps
+            )
+    return float(np.mean([point.trained_steps / point.env_steps for point in ends.values()]))
+
+
+def at_equal_student_steps(points: Sequence[Point], name: str, first: str, share: float) -> Difference:
+    """Return the difference of a method at its end to the first one after as many steps as the method learned from."""
+    return significance.difference_of_means(rates(points, name, 1.0), rates(points, first, share))
 
 
 def rates(points: Sequence[Point], agent: str, part: float) -> np.ndarray:
@@ -99,8 +131,9 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
     with plots.style():
         import matplotlib.pyplot as plt
 
-        rows = -(-len(games) // 4)
-        figure, grid = plt.subplots(rows, 4, figsize=(11, 2.6 * rows), layout="constrained", sharey=True, squeeze=False)
+        columns = max(2, min(4, len(games)))  # the legend needs the width of two panels
+        rows, shape = -(-len(games) // columns), {"layout": "constrained", "sharey": True, "squeeze": False}
+        figure, grid = plt.subplots(rows, columns, figsize=(2.75 * columns, 2.6 * rows), **shape)
         for index, (axes, game) in enumerate(zip(grid.flat, games, strict=False)):
             mine = [point for point in points if point.game == game]
             for name in names:
@@ -108,7 +141,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
             axes.set_title(game)
             axes.set_xlim(left=0)
             plots.rate_axis(axes)
-            if index + 4 < len(games):
+            if index + columns < len(games):
                 plots.shorten_steps(axes)
             else:  # no panel stands below it
                 plots.label_steps(axes)

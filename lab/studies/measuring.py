@@ -85,11 +85,16 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
     named = {name.removeprefix("eval_success/"): value for name, value in table.items() if "eval_success/" in name}
     scenes = np.stack([values for label, values in named.items() if label != TRAINING_SCENE])  # [S, U]
     tested = np.flatnonzero(np.isfinite(scenes).all(0))
+    student = next(
+        values for name, values in table.items() if name.endswith("/trained_steps")
+    )  # the tested one is first
+    trained = np.cumsum(np.nan_to_num(student))
     columns = (table["env_steps"], table["time/elapsed"], scenes.mean(0))
     about = (run.config.minigame, agent, run.config.seed)
     version = versions.spelled(versions.present_version(run.config))
     return [
-        Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4), version) for u in tested
+        Point(*about, int(columns[0][u]), round(columns[1][u], 1), round(columns[2][u], 4), version, int(trained[u]))
+        for u in tested
     ]
 
 

@@ -72,6 +72,7 @@ class Point(NamedTuple):
     seconds: float
     success: float  # between 0 and 1
     simulator: str  # as in `Row`
+    trained_steps: int = 0  # of the student that is tested: steps that it learned from; 0: unknown
 
     def key(self) -> tuple[str, str, int, int]:
         """Return what a later point of the same takes the place of."""

@@ -51,7 +51,7 @@ def test_variants_are_trained_and_played_on_held_out_scenes_and_kept_in_small_ta
     assert all(0 <= point.success <= 1 for point in curve)
     shown = capsys.readouterr().out
     assert "**1v1Restricted**\n\n| method | " in shown and "| held-out mean | minus dr | runs | env steps |" in shown
-    assert "Success on test scenes, mean over 1 games, minus dr" in shown
+    assert "Success on test scenes, minus dr" in shown
     for path in (tmp_path / "curricula").rglob("*.pt"):
         path.unlink()  # another machine: the tables alone are there
     words[words.index("--seeds") + 1] = "2"
@@ -210,11 +210,22 @@ def test_differences_by_budget_are_over_whole_runs(tmp_path):
 def test_budgets_of_a_study_that_goes_on_are_those_of_games_that_all_methods_have():
     both = points("dr", 0.2) + points("sfl", 0.6)
     begun = [point for point in both if point.agent == "dr" or point.game == "a"]
-    assert "mean over 1 games, minus dr" in budgets.section(begun)
+    assert "on test scenes, minus dr, in percentage points" in budgets.section(begun)  # of one game
     assert budgets.section(points("dr", 0.2)) == ""
     assert "  " not in budgets.section([point for point in both if point.seed == 0])  # no marks, no sentence
     apart = [point for point in both if (point.agent, point.game) in (("dr", "a"), ("sfl", "b"))]
     assert budgets.section(apart) == ""
+
+
+def test_at_equal_student_steps_the_first_method_had_as_many_as_the_other_learned_from():
+    both = [point._replace(trained_steps=point.env_steps // 2) for point in points("sfl", 0.6)] + points("dr", 0.2)
+    assert budgets.share_learned(both, "sfl") == pytest.approx(0.5, abs=0.01)
+    equal = budgets.at_equal_student_steps(both, "sfl", "dr", 0.5)
+    assert equal[0] == pytest.approx(0.6 - 0.1 + 0.01)  # the end of one, the middle of the other
+    text = budgets.section(both)
+    assert "| learns from | equal student steps |" in text and "| 50% | +51 [" in text
+    assert "minus dr after as many as the method's tested student learned from" in text
+    assert "equal student steps" not in budgets.section(points("sfl", 0.6) + points("dr", 0.2))  # older rows
 
 
 def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, monkeypatch):
