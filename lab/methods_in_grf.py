@@ -43,7 +43,10 @@ HEADS = {"ours": "our simulator", "GRF": "GRF"}  # of tables
 EPISODES = {"ours": 300, "GRF": 50}  # on each scene
 ROWS = ROOT / "lab" / "results" / "methods_in_grf.csv"
 RARE_GAME, DUEL = "1v1RareLine", "3v2FourBehaviors"
-METHODS = {RARE_GAME: ("dr", "dr, even branches", "paired", "plr"), DUEL: ("dr", "paired_dennis2020", "paired")}
+METHODS = {
+    RARE_GAME: ("dr", "dr, equally likely options", "paired", "plr"),
+    DUEL: ("dr", "paired_dennis2020", "paired"),
+}
 
 
 class Trained(NamedTuple):

@@ -85,7 +85,7 @@ def order_part() -> Iterator[Cell]:
     """Yield DR, DR with all options equally likely, and PAIRED and PLR with each order."""
     for game in BRANCHES:
         yield Cell(game, "first", "dr", "dr", {})
-        yield Cell(game, "even", "dr, even branches", "dr", {})
+        yield Cell(game, "even", "dr, equally likely options", "dr", {})
         for order in ORDERS:
             yield paired(game, order, "paired")
         for order in ORDERS:

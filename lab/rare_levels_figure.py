@@ -17,7 +17,7 @@ from regista.experiments.run.results import unique
 from ued.statistics import bootstrap
 
 PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.png"
-EVEN, ENTROPY = "dr, even branches", "paired, adversary entropy 0.1"
+EVEN, ENTROPY = "dr, equally likely options", "paired, adversary entropy 0.1"
 VARIANTS = {EVEN: "dr", ENTROPY: "paired"}  # of which method
 NAMES = {"dr": "DR", EVEN: "DR, equally\nlikely options", ENTROPY: "PAIRED,\nentropy 0.1"}
 BARS = "three bars: the program lists the rare option first, in the middle, last; lines: runs of PAIRED"

@@ -32,7 +32,7 @@ def row(order, variant, seed, held_out):
 
 def test_the_table_has_even_branches_and_plr_beside_paired_for_each_order():
     cells = [(cell.order, cell.variant) for cell in order_part() if cell.game == "1v1Rare"]
-    assert cells[:2] == [("first", "dr"), ("even", "dr, even branches")]
+    assert cells[:2] == [("first", "dr"), ("even", "dr, equally likely options")]
     methods = ("paired", "paired, adversary entropy 0.1", "plr")
     assert cells[2:] == [(order, method) for method in methods for order in ORDERS]
 
