@@ -26,7 +26,9 @@ COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
 EQUAL = "equal student steps"
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
-LINK = "![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)"  # on a page
+LINK = """![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)
+
+*Means over runs, with their 95% intervals: `python -m lab.studies curricula --publish`.*"""  # on a page
 
 
 def section(points: Sequence[Point]) -> str:
@@ -133,7 +135,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
 
         columns = max(2, min(4, len(games)))  # the legend needs the width of two panels
         rows, shape = -(-len(games) // columns), {"layout": "constrained", "sharey": True, "squeeze": False}
-        figure, grid = plt.subplots(rows, columns, figsize=(2.75 * columns, 2.6 * rows), **shape)
+        figure, grid = plt.subplots(rows, columns, figsize=(2 + 2.25 * columns, 2.6 * rows), **shape)
         for index, (axes, game) in enumerate(zip(grid.flat, games, strict=False)):
             mine = [point for point in points if point.game == game]
             for name in names:
@@ -150,7 +152,7 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
         for row in grid:
             row[0].set_ylabel("success on test scenes")
         handles = keys.method_handles(names, (keys.MEAN, keys.INTERVAL))
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 2 * columns))
         plots.save(figure, path)
 
 

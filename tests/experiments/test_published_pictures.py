@@ -16,6 +16,11 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
         (("steps", "paired"), ("direct", "paired")),
     ),
     "experiments/gallery/rare_levels.png": (("dr", "paired", "plr"), (("even", "dr"), ("entropy", "paired"))),
+    "experiments/gallery/frontier.png": (
+        ("dr", "minimax", "paired", "paired_literal", "self_regret", "repaired", "plr", "robust_plr", "accel"),
+        (),
+    ),
+    "experiments/gallery/curricula.png": (("dr", "paired", "robust_plr", "accel", "sfl"), ()),
     "experiments/gallery/overview.png": (("dr", "paired"), ()),
     "experiments/gallery/figure_4_4.png": (("built-in",), ()),
     "experiments/gallery/figure_4_9.png": (("dr", "paired", "paired_literal"), (DENNIS,)),
