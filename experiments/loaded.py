@@ -21,7 +21,7 @@ from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.results import unique
 from regista.experiments.run.run_folders import open_runs
-from regista.experiments.run.table import read_columns, read_rows
+from regista.experiments.run.table import read_columns, read_header, read_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -184,7 +184,9 @@ class ComparisonData:
         file = self.path / name
         if not file.is_file():
             raise CommandError(f"{file} does not exist: regista compare writes it after all runs are evaluated")
-        return _pandas().read_csv(file)
+        text = dict.fromkeys(("method", "scene", "simulator"), str)
+        empty = {column: [""] if column not in text else [] for column in read_header(file)}
+        return _pandas().read_csv(file, dtype=text, keep_default_na=False, na_values=empty)
 
 
 def load_run(path: str | Path) -> RunData:

@@ -90,7 +90,10 @@ def _draw_panel(axes: Axes, name: str, panel: Panel) -> None:
 
 def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
     """Return panels by heading: the test scenes, then properties of the training levels."""
-    headers = {method: read_header(paths[0] / "metrics.csv") for method, paths in runs.items()}
+    headers = {
+        method: [*dict.fromkeys(name for path in paths for name in read_header(path / "metrics.csv"))]
+        for method, paths in runs.items()
+    }
     scenes = dict.fromkeys(name for header in headers.values() for name in header if name.startswith("eval/"))
     quantities = {_scene_heading(name.removeprefix("eval/")): (name, "mean return") for name in scenes}
     quantities["return on training levels"] = ("return/", "mean return")
@@ -146,7 +149,8 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
     label, dashes = label or plots.title(method), plots.line_style(method)
-    mean = np.nanmean(values, 0)
+    of_all = np.isfinite(values).all(0)  # a shorter run ends the mean: it would jump to that of the others
+    steps, mean = steps[of_all], values[:, of_all].mean(0)
     axes.plot(steps, mean, color=shade, linewidth=2.0, linestyle=dashes, label=label, zorder=plots.ABOVE_AXES)
 
 

@@ -76,7 +76,8 @@ class EvalScenes:
         levels = None
         if theta is not None:
             scene.np_random = np.random.default_rng(seed)
-            levels = scene.make_levels(theta[np.arange(self.episodes) % len(theta)])  # each with its own layout seed
+            rows = (round * self.episodes + np.arange(self.episodes)) % len(theta)  # rounds go on where others ended
+            levels = scene.make_levels(theta[rows])  # each with its own layout seed
         return Schedule(scene, self.episodes, seed, levels).play(policy, on_end=on_end)
 
     def play_random_levels(
@@ -230,7 +231,11 @@ class Evaluator:
         policies = [self._trained(run) for run in runs]
         if baselines:
             made = self.scenes.task.make_baselines(self.scenes.scenes[TRAINING_SCENE])
-            policies += [Policy(name, 0, (0, 0), policy, name) for name, policy in made.items()]
+            taken = {one.method for one in policies}
+            policies += [
+                Policy(f"{name} (baseline)" if name in taken else name, 0, (0, 0), policy, name)
+                for name, policy in made.items()
+            ]
         planned = len(policies) * (len(self.scenes.scenes) * self.scenes.episodes + self.levels * self.episodes)
         watch = Watch(planned) if self.minutes is None else Watch(MOST_EPISODES, 60 * self.minutes)
         if self.tell:
@@ -311,8 +316,14 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
         raise CommandError(
             f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them separately"
         )
-    if any(run.config.reading() != runs[0].config.reading() for run in runs):
-        raise CommandError("these runs read their program with different settings; evaluate them separately")
+    first, *others = [run.config.played() for run in runs]
+    for run, other in zip(runs[1:], others, strict=True):
+        for name in first:
+            if first[name] != other.get(name, first[name]):
+                raise CommandError(
+                    f"{runs[0].path} has {name} = {first[name]!r}, {run.path} has {other[name]!r}: their environments "
+                    "are different; evaluate them separately"
+                )
 
 
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:

@@ -133,8 +133,16 @@ def mean_return(rows: Sequence[Result]) -> Interval:
 
     values, errors = _returns(rows)
     if len(rows) == 1:
+        if _is_rate(rows[0]):
+            return goal_rate(rows)
         return student_t(values[0], errors[0], rows[0].episodes)
     return bootstrap(values, _rng(), errors=errors).interval()
+
+
+def _is_rate(row: Result) -> bool:
+    """Return whether the mean return is a goal rate: each episode returned 0 or 1, as far as the row tells."""
+    rate = row.goals / row.episodes
+    return abs(row.mean_return - rate) < 1e-9 and abs(row.return_std**2 - rate * (1 - rate)) < 1e-9
 
 
 def advantage(rows: Sequence[Result], reference: Sequence[Result]) -> Difference:
@@ -266,8 +274,9 @@ def goal_rates(rows: Sequence[Result] | Sequence[Counted]) -> tuple[np.ndarray, 
 
 def _returns(rows: Sequence[Result]) -> tuple[np.ndarray, np.ndarray]:
     """Return each run's mean return `[R]` and its standard error `[R]`."""
-    values = np.array([row.mean_return for row in rows])
-    return values, np.array([row.return_std / np.sqrt(max(row.episodes - 1, 1)) for row in rows])
+    values, (_, of_rates) = np.array([row.mean_return for row in rows]), goal_rates(rows)
+    errors = np.array([row.return_std / np.sqrt(max(row.episodes - 1, 1)) for row in rows])
+    return values, np.where([_is_rate(row) for row in rows], of_rates, errors)  # equal episodes have an error, too
 
 
 def _difference(one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]) -> Difference:

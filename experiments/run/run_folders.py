@@ -25,7 +25,18 @@ def open_runs(paths: Iterable[Path]) -> list[RunFolder]:
     found: list[RunFolder] = []
     for path in map(located, paths):
         found += [RunFolder.open(path)] if (path / "config.json").exists() else _runs_in(path)
-    return found
+    runs = list({run.path.resolve(): run for run in reversed(found)}.values())[::-1]  # each once, where it stands first
+    _warn_of_copies(runs)
+    return runs
+
+
+def _warn_of_copies(runs: Sequence[RunFolder]) -> None:
+    """Warn of folders that hold copies of one run: their results are not independent."""
+    first: dict[str, RunFolder] = {}
+    for run in runs:
+        other = first.setdefault(str(run.about.get("id") or run.path.resolve()), run)
+        if other is not run:
+            warn(f"{run.path} is a copy of {other.path}, so they are one run, not two: leave one of them out")
 
 
 def _runs_in(folder: Path) -> list[RunFolder]:

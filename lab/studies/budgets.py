@@ -37,7 +37,8 @@ def section(points: Sequence[Point]) -> str:
     if len(names) < 2:
         return ""
     first, *others = names
-    gains = {(name, part): gain(points, name, first, part) for name in others for part in PARTS}
+    gains: dict[tuple[str, float | str], Difference] = {}
+    gains |= {(name, part): gain(points, name, first, part) for name in others for part in PARTS}
     learned = {name: share_learned(points, name) for name in others}
     equal = {name: at_equal_student_steps(points, name, first, learned[name]) for name in others if learned[name]}
     gains |= {(name, EQUAL): found for name, found in equal.items()}
@@ -62,7 +63,7 @@ def section(points: Sequence[Point]) -> str:
     if equal:
         about += (
             f" {EQUAL[0].upper()}{EQUAL[1:]}: after {count(budget)} steps, minus {first} after as many as the method's "
-            "tested student learned from."
+            "tested student learned from, at the nearest evaluation."
         )
     size = 100 * detectable([rates(points, name, 1.0).mean(1) for name in names])
     legend = significance.legend([found.p for found in gains.values()])
@@ -134,8 +135,9 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
         import matplotlib.pyplot as plt
 
         columns = max(2, min(4, len(games)))  # the legend needs the width of two panels
-        rows, shape = -(-len(games) // columns), {"layout": "constrained", "sharey": True, "squeeze": False}
-        figure, grid = plt.subplots(rows, columns, figsize=(2 + 2.25 * columns, 2.6 * rows), **shape)
+        rows = -(-len(games) // columns)
+        figure = plt.figure(figsize=(2 + 2.25 * columns, 2.6 * rows), layout="constrained")
+        grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
         for index, (axes, game) in enumerate(zip(grid.flat, games, strict=False)):
             mine = [point for point in points if point.game == game]
             for name in names:

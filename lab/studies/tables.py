@@ -142,9 +142,10 @@ def summary(rows: Sequence[Row]) -> str:
     )
     scores = {game: mine for game, mine in scores.items() if first in mine}
     if len(scores) > 1 and all({first, *others} == set(mine) for mine in scores.values()):
-        scores["**all games**"] = {
-            name: over_games([mine[name] for mine in scores.values()]) for name in (first, *others)
-        }
+        seeds = shared_seeds(rows, list(scores), (first, *others))
+        alike = [held_out_scores([r for r in rows if r.game == g and r.seed in seeds], "curricula") for g in scores]
+        if seeds:
+            scores["**all games**"] = {name: over_games([mine[name] for mine in alike]) for name in (first, *others)}
     gains = {(game, name): gain for game, mine in scores.items() for name, gain in gains_of(mine).items()}
     marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
     table = [["game", first, *(f"{name} minus {first}" for name in others)]]
@@ -164,11 +165,17 @@ def summary(rows: Sequence[Row]) -> str:
     return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
 
 
+def shared_seeds(rows: Sequence[Row], games: Sequence[str], names: Sequence[str]) -> set[int]:
+    """Return the seeds that these methods have on each of these games."""
+    runs = {(row.game, row.agent, row.seed) for row in rows}
+    seeds = {seed for _, _, seed in runs}
+    return {seed for seed in seeds if all((game, name, seed) in runs for game in games for name in names)}
+
+
 def over_games(scores: Sequence[estimate.Scores]) -> estimate.Scores:
-    """Return the means over scenes of each game as columns `[R, G]`, of as many runs as all games have."""
-    runs = min(len(mine.rates) for mine in scores)
-    rates = [mine.rates[:runs].mean(1) for mine in scores]
-    errors = [np.sqrt((mine.errors[:runs] ** 2).sum(1)) / mine.errors.shape[1] for mine in scores]
+    """Return the means over scenes of each game as columns `[R, G]`, of runs with the same R seeds."""
+    rates = [mine.rates.mean(1) for mine in scores]
+    errors = [np.sqrt((mine.errors**2).sum(1)) / mine.errors.shape[1] for mine in scores]
     return estimate.Scores(np.stack(rates, 1), np.stack(errors, 1))
 
 

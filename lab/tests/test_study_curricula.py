@@ -268,6 +268,10 @@ def test_the_summary_has_a_row_for_each_game_and_one_of_all_games():
     assert [row.split("|")[1].strip() for row in shown] == ["a", "b", "**all games**"]
     assert "| +40 [" in shown[0] and "| 0 [" in shown[1].replace("+0", "0") and "| +20 [" in shown[2]
     assert "* survives Holm's correction at 5% over the 3 differences" in text and "over 5 runs" in text
+    seeds = tables.shared_seeds(
+        [row for row in measured if (row.game, row.seed) != ("a", 2)], ["a", "b"], ["dr", "sfl"]
+    )
+    assert seeds == {0, 1, 3, 4}
     few = tables.summary([row for row in measured if (row.game, row.agent) != ("b", "sfl")])
     assert "all games" not in few and "| sfl minus dr |" in few.splitlines()[0]
 

@@ -2,16 +2,24 @@
 
 import json
 import shutil
+from types import SimpleNamespace
 
 import pytest
 
 import regista
+from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
+from regista.experiments.run import build
+from regista.experiments.run.config import TrainConfig
+from regista.experiments.run.errors import CommandError
+from regista.experiments.run.evaluator import EvalScenes, check_one_game
+from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.table import read_rows
 from tests.experiments.test_play_level import TASK
 
 SMALL = ["--total-env-steps", "512", "--num-envs", "4", "--num-steps", "64", "--eval-every", "0", "--no-record"]
 BRIEF = ["--episodes", "2", "--levels", "0", "--no-baselines"]
-GAME = "ued.probes:frontier"
+GAME, SCENE = "ued.probes:frontier", "every length"
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +80,58 @@ def test_runs_of_other_settings_and_games_are_told_apart(runs, tmp_path, capsys)
     ]
     assert main(["evaluate", str(folder), *BRIEF, "--csv", str(tmp_path / "x.csv")]) == 1
     assert "evaluate them separately" in capsys.readouterr().err
+
+
+def test_a_run_counts_once_however_often_it_is_named(runs, tmp_path, capsys):
+    (tmp_path / "link").symlink_to(runs / "dr-0")
+    named = [str(runs / "dr-0"), str(runs), str(runs / "sub" / ".." / "dr-0"), str(tmp_path / "link")]
+    assert main(["evaluate", *named, *BRIEF, "--json"]) == 0
+    said = capsys.readouterr()
+    found = sorted((row["method"], row["seed"]) for row in json.loads(said.out)["results"] if row["scene"] == SCENE)
+    assert found == [("dr", 0), ("dr", 1), ("plr", 0)] and "copy" not in said.err
+
+
+def test_copies_of_a_run_are_warned_of(runs, tmp_path, capsys):
+    shutil.copytree(runs / "dr-0", tmp_path / "again")
+    assert main(["evaluate", str(runs / "dr-0"), str(tmp_path / "again"), *BRIEF]) == 0
+    assert f"{tmp_path / 'again'} is a copy of {runs / 'dr-0'}, so they are one run" in capsys.readouterr().err
+
+
+def run_of(**env):
+    config = TrainConfig("1v1Restricted", env=FootballConfig(**env))
+    return SimpleNamespace(path=f"runs/{len(env)}", config=config)
+
+
+def test_runs_of_other_environments_are_evaluated_separately():
+    check_one_game([run_of(), run_of(rewards="scoring,checkpoints"), run_of(grf_workers=2)])  # goals are scored anyway
+    for env in ({"engine_spread": 0.9}, {"representation": "simple115"}, {"control": "closest2"}):
+        (name, value), *_ = env.items()
+        told = rf"runs/0 has {name} = .*, runs/1 has '?{value}.*evaluate them separately"
+        with pytest.raises(CommandError, match=told):
+            check_one_game([run_of(), run_of(**env)])
+
+
+@pytest.mark.slow
+def test_a_variant_with_the_name_of_a_baseline_has_a_row_of_its_own(tmp_path, trained_here):
+    words = ["compare", GAME, "--methods", "dr", "--variants", "random: --method plr", "--seeds", "1", *SMALL[:-1]]
+    assert main([*words, "--no-record", "--episodes", "2", "--levels", "0", "--out", str(tmp_path / "c")]) == 0
+    rows = read_rows(tmp_path / "c" / "results.csv")
+    trained = {row["method"]: int(row["env_steps"]) for row in rows}
+    assert trained["random"] > 0 and trained["random (baseline)"] == 0 and {*trained} >= {"dr", "random"}
+
+
+def test_rounds_of_a_timed_evaluation_play_all_levels_of_a_test(runs, monkeypatch):
+    run = RunFolder.open(runs / "dr-0")
+    scenes, played = EvalScenes(run.config, build.find_game(GAME), 8), []
+
+    class Kept:
+        def __init__(self, scene, episodes, seed, levels=None):
+            played.extend([] if levels is None else levels["theta"].tolist())
+
+        def play(self, policy, on_end=None):
+            return None
+
+    monkeypatch.setattr("ued.evaluation.Schedule", Kept)
+    for round in range(2):
+        scenes.play(None, [SCENE], round)
+    assert len(scenes.theta[SCENE]) == 15 and len({tuple(theta) for theta in played[:15]}) == 15
