@@ -284,7 +284,7 @@ def test_a_summary_without_rows_or_of_another_study_is_refused(tmp_path, capsys)
 
 
 def test_means_over_games_weigh_games_alike_however_many_scenes_they_have():
-    rates = [np.array([[0.2, 0.4], [0.0, 0.0]]), np.array([[0.9]])]
+    rates = [np.array([[0.2, 0.4]]), np.array([[0.9]])]  # of the same run
     both = tables.over_games([estimate.Scores(mine, np.full_like(mine, 0.1)) for mine in rates])
     assert both.rates.tolist() == [[pytest.approx(0.3), 0.9]]
     assert both.errors.tolist() == [[pytest.approx(0.1 / 2**0.5), 0.1]]
