@@ -15,7 +15,7 @@ import numpy as np
 from scenic_lite.core.state import LoadState
 from scenic_lite.core.types import Instance, near
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.scene.naming import ThetaLayout
+from scenic_lite.scene.naming import ThetaLayout, titles_of_options
 from scenic_lite.values.formulas import TURN
 from scenic_lite.values.geometry import Vector
 from scenic_lite.values.graph import RandomExpr, Tape, ThetaColumn, Value, columns_of, kind_of
@@ -47,15 +47,18 @@ def theta_of(
 
     Raises ScenicError naming undetermined draws, or the value that is not met.
     """
-    drawn = zip(layout.draws, layout.columns, strict=True)
-    known: dict[Any, tuple[Value, SourceSpan]] = {draw.name: (column.shown, draw.place) for draw, column in drawn}
-    known |= {name: (value, state.param_places[name]) for name, value in state.params.items()}
+    drawn = list(zip(layout.draws, layout.columns, strict=True))
+    known: dict[Any, tuple[Value, SourceSpan]]
+    known = {name: (value, state.param_places[name]) for name, value in state.params.items()}
+    known |= {draw.name: (column.shown, draw.place) for draw, column in drawn}  # as `describe` names them
+    titles = {draw.name: titles_of_options(column.options) for draw, column in drawn if column.options}
     known |= {key: (instance, instance.place) for i, instance in enumerate(objects) for key in (i, instance.title())}
     for key in description.keys() - known.keys():
         names = [name for name in known if isinstance(name, str)]
         hint = near(str(key), names) or f"it has {', '.join(names)}"
         raise ScenicError("name", f"{layout.file} has no object, parameter or draw {key!r}", hint=hint)
-    targets = [target for key, asked in description.items() for target in targets_of(key, *known[key], asked)]
+    meant = {key: chosen(key, asked, titles[key]) if key in titles else asked for key, asked in description.items()}
+    targets = [target for key, asked in meant.items() for target in targets_of(key, *known[key], asked)]
     lengths = sorted({len(target.asked) for target in targets} - {1}) or [1]
     if len(lengths) > 1:
         message = f"the arrays that describe scenes have different lengths: {' and '.join(map(str, lengths))}"
@@ -70,6 +73,19 @@ def theta_of(
     for system in systems:
         unit[:, system.at] = system.solve(unit[:, system.at])
     return 2 * unit - 1
+
+
+def chosen(what: str, asked: Any, titles: Sequence[str]) -> Any:
+    """Return the indices of options that are not numbers or texts themselves, from their titles or indices."""
+    parts = asked if isinstance(asked, list | tuple | np.ndarray) else [asked]
+    if all(isinstance(part, int | np.integer) for part in parts):
+        return asked
+    wrong = next((part for part in parts if not isinstance(part, str) or part not in titles), None)
+    if wrong is not None:
+        hint = near(str(wrong), titles) or f"its options are {', '.join(titles)}"
+        raise ScenicError("value", f"{what} cannot be {wrong!r}", hint=hint)
+    found = np.array([titles.index(part) for part in parts])
+    return found if isinstance(asked, list | tuple | np.ndarray) else int(found[0])
 
 
 def refuse_undecided(layout: ThetaLayout, decided: set[int]) -> None:

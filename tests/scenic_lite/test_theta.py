@@ -190,3 +190,32 @@ def test_a_default_has_one_row_or_one_for_each_scene(figure):
 def test_scenes_are_described(figure):
     with pytest.raises(TypeError, match="scenes are described like"):
         figure.theta(figure.instantiate(np.zeros((1, 6))))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "speed = Range(5, 10)\nparam speed = speed + 1\na = new Thing at 0 @ 0, with kind speed",
+        "x = Range(0, 1)\ny = Range(2, 3)\nparam x = y\nparam y = x\na = new Thing at x @ y",
+        "x = Range(0, 1)\nx = Range(x, 2)\nparam x = x\na = new Thing at x @ 0",
+        "t = Uniform(0 @ 0, 5 @ 5)\na = new Thing at t",
+        "t = Uniform((1, 2), (3, 4), (5, 6))\na = new Thing at t[0] @ 0",
+        "t = Uniform(None, 3)\na = new Thing at 0 @ 0, with kind t",
+        "t = Uniform('1', 1)\na = new Thing at 0 @ 0, with kind t",
+        "a = new Thing at 9 @ 9\nb = new Thing at 0 @ 0\nt = Uniform(a, b)\nc = new Thing at 20 @ 20, with friend t",
+    ],
+)
+def test_theta_is_the_inverse_of_describe(text):
+    """Also where a parameter has the name of a draw, and where options are no numbers."""
+    program = things(text)
+    for theta in np.random.default_rng(0).uniform(-1, 1, (8, program.dim)):
+        values = program.describe(theta)
+        assert program.describe(program.theta(values)[0]) == pytest.approx(values)
+
+
+def test_an_option_that_does_not_exist_is_answered_with_those_that_do():
+    program = things("t = Uniform(0 @ 0, 5 @ 5)\na = new Thing at t")
+    (_, title) = program.draws[0].options
+    assert program.theta({"t": [title, title]}).shape == (2, 1) and program.theta({"t": 1}).shape == (1, 1)
+    with pytest.raises(ScenicError, match="t cannot be 'elsewhere'"):
+        program.theta({"t": "elsewhere"})
