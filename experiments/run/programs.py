@@ -65,14 +65,16 @@ def read_params(texts: Sequence[str]) -> dict[str, object]:
 
 
 def warn_of_play(program: Program) -> None:
-    """Print warnings about conditions that would stop a match, or prevent all matches."""
+    """Print warnings about conditions that would stop a match, or prevent all matches: its players, ball, settings."""
+    from regista.envs.football.scenic.lineup import Lineup, NotAMatchError
     from regista.envs.football.scenic.world import FOOTBALL_WORLD
     from scenic_lite import ScenicError
     from scenic_lite.dynamics.compiler.compile import compile_program
 
     try:
         lines: tuple[object, ...] = compile_program(program, FOOTBALL_WORLD).warnings
-    except ScenicError as error:
+        Lineup(program)
+    except (ScenicError, NotAMatchError) as error:
         lines = (f"no match can be played: {error}",)
     for line in lines:
         warn(f"warning: {line}")

@@ -231,6 +231,21 @@ def test_a_match_that_cannot_be_played_to_its_end_is_warned_of(tmp_path, capsys,
     assert f"warning: {warning}".format(program.name) in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "text, warning",
+    [
+        ("ego = LeftCM at 0 @ 0\nLeftGK", "a match needs a Ball"),
+        (MATCH.format(line="wait") + "param game_duration = -3", "{}:7:7: param game_duration"),
+    ],
+)
+def test_what_is_no_match_is_warned_of(tmp_path, capsys, text, warning):
+    program = tmp_path / "match.scenic"
+    program.write_text(text)
+    assert main(["inspect", str(program)]) == 0
+    said = capsys.readouterr().err
+    assert "warning: no match can be played: " in said and warning.format(program.name) in said
+
+
 def test_the_tests_of_a_task_are_checked(tmp_path, capsys):
     path = tmp_path / "odd.py"
     path.write_text(
