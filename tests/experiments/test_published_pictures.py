@@ -20,6 +20,7 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
         ("dr", "minimax", "paired", "paired_literal", "self_regret", "repaired", "plr", "robust_plr", "accel"),
         (),
     ),
+    "docs/pictures/scale.png": (("dr", "plr", "accel", "paired"), ()),
     "experiments/gallery/curricula.png": (("dr", "paired", "robust_plr", "accel", "sfl"), ()),
     "experiments/gallery/overview.png": (("dr", "paired"), ()),
     "experiments/gallery/figure_4_4.png": (("built-in",), ()),
