@@ -89,7 +89,7 @@ def test_type_checkers_read_what_is_installed(unpacked):
 
 def test_an_sdist_makes_the_same_wheel_and_has_no_tests(source, wheel, tmp_path):
     with tarfile.open(build_sdist(source, tmp_path / "sdist")) as file:
-        assert not [name for name in file.getnames() if "/tests" in name or "/lab" in name]
+        assert not [name for name in file.getnames() if "/tests/" in name or "/lab/" in name]
         file.extractall(tmp_path / "elsewhere", filter="data")
     (tree,) = (tmp_path / "elsewhere").iterdir()
     assert contents(build_wheel(tree, tmp_path / "again")) == contents(wheel)

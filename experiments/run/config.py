@@ -121,10 +121,6 @@ class RunConfig(Checked):
         """Maximum number of parallel environments of an evaluation, for each scene."""
         return 16
 
-    def played(self) -> dict[str, Any]:
-        """Return the settings that determine what an evaluation plays; runs that are evaluated together share them."""
-        return {}
-
     def on_engine(self, playing: EngineConfig) -> Any:
         """Return these settings; only football has several engines. Raises `UsageError` for `grf`."""
         _check_no_engine(playing)
@@ -178,15 +174,6 @@ class FootballRunConfig(RunConfig):
     def test_envs(self) -> int:
         """Maximum number of parallel matches of an evaluation, for each scene; fewer in GRF, to save memory."""
         return TEST_ENVS[self.env.engine]
-
-    def played(self) -> dict[str, Any]:
-        """Return the settings that determine what an evaluation plays; runs that are evaluated together share them."""
-        env = {item.name: getattr(self.env, item.name) for item in dataclasses.fields(self.env)}
-        for name in ("rewards", "engine", "grf_python", "grf_workers", "pixels"):
-            del env[name]  # goals are the reward of all; the command chooses the engine
-        if self.env.engine == "grf":
-            del env["engine_spread"]  # GRF cannot be randomized
-        return {"program": self.program, **env}
 
     def on_engine(self, playing: EngineConfig) -> Any:
         """Return these settings, on another engine if one is given."""

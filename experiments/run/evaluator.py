@@ -316,7 +316,7 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
         raise CommandError(
             f"these runs are of different minigames: {', '.join(sorted(games))}; evaluate them separately"
         )
-    first, *others = [run.config.played() for run in runs]
+    first, *others = [played_by(run.config) for run in runs]
     for run, other in zip(runs[1:], others, strict=True):
         for name in first:
             if first[name] != other.get(name, first[name]):
@@ -324,6 +324,18 @@ def check_one_game(runs: Sequence[RunFolder]) -> None:
                     f"{runs[0].path} has {name} = {first[name]!r}, {run.path} has {other[name]!r}: their environments "
                     "are different; evaluate them separately"
                 )
+
+
+def played_by(config: Any) -> dict[str, Any]:
+    """Return the settings that determine what an evaluation of a run plays; those of a task are its own."""
+    env = getattr(config, "env", None)
+    if env is None:
+        return {}
+    others = ("rewards", "engine", "grf_python", "grf_workers", "pixels")  # goals are the reward, the command's engine
+    played = {name: value for name, value in vars(env).items() if name not in others}
+    if env.engine == "grf":
+        del played["engine_spread"]  # GRF cannot be randomized
+    return {"program": config.program, **played}
 
 
 def load_student(run: RunFolder, game: Game) -> tuple[Any, tuple[int, int]]:
