@@ -52,23 +52,36 @@ class PerSampleCondition(FallibleOperation):
         self.scope, self.node, self.columns = scope, node, columns
         self.bindings = Bindings(scope)
         self._faults: list[ScenicError | None] = []  # one for each scene of the last call
+        self._rows: np.ndarray | None = None  # see `only`
+
+    @contextmanager
+    def only(self, rows: np.ndarray) -> Iterator[None]:
+        """Evaluate only these rows [N] inside the context; the condition counts as violated in the others."""
+        self._rows = rows
+        try:
+            yield
+        finally:
+            self._rows = None
 
     def __call__(self, *arrays: Any) -> Any:
-        self._faults = []
+        count = len(arrays[0]) if arrays else 0
+        wanted = np.ones(count, dtype=bool) if self._rows is None else self._rows
+        self._faults, holds = [None] * count, np.zeros(count, dtype=bool)
         with self.bindings.restored(self.scope.state):
-            return np.array([self._holds(draws) for draws in zip(*arrays, strict=True)], bool)
+            for row in np.flatnonzero(wanted):
+                holds[row] = self._holds(row, [column[row] for column in arrays])
+        return holds
 
-    def _holds(self, draws: Iterable[Value]) -> bool:
-        """Return the truth for these values of the draws; False if the evaluation fails."""
+    def _holds(self, row: int, draws: list[Value]) -> bool:
+        """Return the truth for these values of the draws of a row; False if the evaluation fails."""
         budget = self.scope.mode.budget.scene()
         mode = self.scope.mode.in_sample(dict(zip(self.columns, draws, strict=True)), budget)
-        self._faults.append(None)
         try:
             return bool(Scope.at(mode, self.scope).value(self.node))
         except ScenicError as error:
             if error.kind != "value":
                 raise
-            self._faults[-1] = error
+            self._faults[row] = error
             return False
         finally:
             self._charge(budget)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -23,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from scenic_lite.core.checks import CheckResults, checks_on
-from scenic_lite.core.per_sample import reached
+from scenic_lite.core.per_sample import PerSampleCondition, reached
 from scenic_lite.core.state import LoadState, Mode
 from scenic_lite.core.types import BehaviorCall, Environment, Instance, Source, randoms_in
 from scenic_lite.errors import ScenicError, SourceSpan
@@ -187,6 +188,31 @@ class Program:
 
     # ------------------------------------------------------------ sampling
 
+    def _evaluate_candidates(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, CheckResults]:
+        """Return `ok` [N] and `failed` [R, N] of theta [N, D], and their faults.
+
+        Conditions that arrays cannot evaluate are slow. As in Scenic, they are evaluated only where every rule before
+        them holds. In the other rows, which are rejected anyway, they count as false.
+        """
+        slow = [
+            (operation, rule)
+            for _, operation, rule in self._checks
+            if rule is not None and isinstance(operation, PerSampleCondition)
+        ]
+        if not slow:
+            return self._evaluate(theta)[2:]
+        nowhere = np.zeros(len(theta), dtype=bool)
+        with ExitStack() as skipped:
+            for operation, _ in slow:
+                skipped.enter_context(operation.only(nowhere))
+            failed = self._evaluate(theta)[3]
+        fast = np.array([rule.probability == 1 for rule in self.requirements])
+        fast[[rule for _, rule in slow]] = False
+        with ExitStack() as evaluated:
+            for operation, rule in slow:
+                evaluated.enter_context(operation.only(~failed[:rule][fast[:rule]].any(axis=0)))
+            return self._evaluate(theta)[2:]
+
     def sample(self, n: int, rng: np.random.Generator) -> tuple[np.ndarray, Scenes]:
         """Draw n valid scenes, uniform by rejection: theta [n, D] and its Scenes; see `sample_theta`."""
         theta = self.sample_theta(n, rng)
@@ -216,7 +242,7 @@ class Program:
                 raise self._impossible(rng, n - len(pending), n, draws)
             tries = tries_for_each(len(pending), draws, accepted)  # K
             candidates = rng.uniform(-1.0, 1.0, (len(pending) * tries, self.dim))  # [P * K, D]
-            _, _, valid, violated, faults = self._evaluate(candidates)
+            valid, violated, faults = self._evaluate_candidates(candidates)
             violated = violated.T  # [P * K, R]
             if soft:
                 violated = violated & np.repeat(in_force[pending], tries, axis=0)

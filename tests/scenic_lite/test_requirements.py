@@ -105,3 +105,42 @@ mutate ego by 0.0001
 def test_coordinates_keep_their_names_beneath_the_noise():
     program = load("ego = new Object at Range(0, 1) @ Range(0, 1)\nmutate\n", dialect=3)
     assert [draw.name for draw in program.draws][:2] == ["ego.x", "ego.y"]
+
+
+SLOW = """def steps(x):
+    total = 0
+    for i in range(20):
+        if x > i:
+            total = total + 1
+    return {result}
+ego = new Object at Range(0, 40) @ Range(-20, 20)
+{before}
+require steps(ego.x) > 10
+{after}
+"""
+RARE = "require -0.02 < ego.y < 0.02"  # in one draw of 1,000
+
+
+def branching(before="", after="", result="total"):
+    return SLOW.format(before=before, after=after, result=result)
+
+
+def test_a_condition_that_branches_is_evaluated_only_where_the_rules_before_it_hold():
+    _, scenes = drawn(branching(RARE), n=200)
+    assert scenes.ok.all() and scenes.positions[:, 0, 0].min() > 10
+    with pytest.raises(ScenicError, match="conditions evaluated scene by scene take more than"):
+        drawn(branching(after=RARE), n=200)
+
+
+def test_where_it_stands_among_other_rules_changes_no_scene():
+    others = "require ego.y > 10\nrequire[0.5] ego.y > 15"
+    before, after = (drawn(branching(**{where: others}), n=50)[1] for where in ("before", "after"))
+    assert (before.positions == after.positions).all()
+    assert (before.positions[:, 0] > (10, 10)).all()
+
+
+def test_a_condition_that_branches_fails_where_the_rules_before_it_hold():
+    failing = "1 / (total - 20) + 100"
+    assert drawn(branching("require ego.x < 15", result=failing), n=50)[1].ok.all()
+    with pytest.raises(ScenicError, match="division by zero"):
+        drawn(branching("require ego.x > 15", result=failing), n=50)
