@@ -68,7 +68,7 @@ class PerSampleCondition(FallibleOperation):
         wanted = np.ones(count, dtype=bool) if self._rows is None else self._rows
         self._faults, holds = [None] * count, np.zeros(count, dtype=bool)
         with self.bindings.restored(self.scope.state):
-            for row in np.flatnonzero(wanted):
+            for row in np.flatnonzero(wanted).tolist():
                 holds[row] = self._holds(row, [column[row] for column in arrays])
         return holds
 

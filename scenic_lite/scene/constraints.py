@@ -232,7 +232,11 @@ def visibility(state: LoadState, objects: list[Instance]) -> Iterator[tuple[Cons
 
 # ------------------------------------------------------------ the report
 def percent(share: float) -> str:
-    """Return a share in percent, with one decimal unless it is zero: 100%, 50.2%."""
+    """Return a share in percent, with one decimal unless it is zero: 100%, 50.2%, <0.1%."""
+    if 0 < share < 0.001:
+        return "<0.1%"
+    if 0.999 < share < 1:
+        return ">99.9%"
     return f"{100 * share:.1f}".removesuffix(".0") + "%"
 
 

@@ -49,7 +49,7 @@ class Program:
         printed: lines that the program printed while it was loaded.
         objects: the O objects, the ego first, then in order of creation; `instances`: the interpreter's objects.
         params: the parameters that are the same in every scene; random ones are in `Scenes.params`.
-        param_places: where each parameter, random or not, was set.
+        param_places: where each parameter, random or not, was set; `fixed_params`: those that the caller of `load` set.
         requirements: the R constraints of a scene, in the order of `Scenes.failed`.
         behaviors, monitors, terminations, records, temporal: the dynamic half, kept as trees.
         main: the main modular scenario, if the program has one; its names are those of `main_frame`.
@@ -67,6 +67,7 @@ class Program:
         self.mode, self.source, self.file, self.dialect = mode, text, source.file, state.dialect
         self.warnings, self.printed = warnings, tuple(state.printed)
         self.behaviors, self.param_places = state.behaviors, dict(state.param_places)
+        self.fixed_params = state.fixed_params
         self.main, self.main_frame = state.main, state.main_frame
         self.monitors, self.terminations = tuple(state.monitors), tuple(state.terminations)
         self.records, self.temporal = tuple(state.records), tuple(state.temporal)

@@ -96,6 +96,12 @@ def test_a_setting_that_does_not_fit_is_refused_where_it_is_written(setting, wan
     ]
 
 
+def test_a_setting_of_the_caller_is_refused_as_the_callers():
+    program = load(f"param game_duration = 30\n{PAIR}", FOOTBALL, params={"game_duration": -3})
+    with pytest.raises(NotAMatchError, match=r"not -3 \(its caller set it, as --param game_duration=-3 does\)"):
+        Lineup(program)
+
+
 def test_the_last_of_several_settings_counts():
     env = FootballVectorEnv(f"param game_duration = 'x'\nparam game_duration = 30\n{PAIR}param offsides = True\n")
     assert (env.lineup.config.game_duration, env.lineup.config.offsides) == (30, True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scene import things
 
-from scenic_lite import ScenicError, load
+from scenic_lite import RejectionReport, ScenicError, load
 
 RNG = np.random.default_rng
 EVERYTHING = """
@@ -275,6 +275,13 @@ def test_report_of_a_possible_program():
     assert 0.45 < report.acceptance < 0.55
     assert str(report).splitlines()[0] == "<program>: 50.2% of 1000 draws are valid"
     assert [rule.label for rule, _ in report.rejected] == ["near", "b overlaps ego"]
+
+
+def test_a_report_rounds_no_share_to_none_or_all():
+    rule = load("ego = Object at Range(0, 1) @ 0\nrequire ego.x > 0.5").requirements[0]
+    report = RejectionReport("a.scenic", 4096, 4095, ((rule, 1 / 4096),))
+    assert str(report).splitlines()[0] == "a.scenic: >99.9% of 4096 draws are valid"
+    assert str(report).endswith("rejected <0.1%")
 
 
 @pytest.mark.parametrize(

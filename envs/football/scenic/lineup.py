@@ -225,7 +225,8 @@ def _settings(program: Program) -> MatchConfig:
             value = repr(program.params[name])
         else:
             continue
-        raise refusal(program, f"param {name} must be {_wanted(kind, name)}, not {value}", place)
+        hint = f"its caller set it, as --param {name}={value} does" if name in program.fixed_params else ""
+        raise refusal(program, f"param {name} must be {_wanted(kind, name)}, not {value}", place, hint)
     return MatchConfig(**UNLESS_SAID | {name: program.params[name] for name in chosen if name in program.params})
 
 
