@@ -13,7 +13,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from functools import partial
-from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -94,11 +93,9 @@ class CurriculaStudy:
         missing = [plan for plan in planned if done.get(plan[:3], 0) < plan.settings["total_env_steps"]]
         print(f"{len(planned)} runs, {len(planned) - len(missing)} measured", file=how.messages, flush=True)
         with Deadline(self.config.hours) as stop:
-            for _, plans in groupby(missing, key=lambda plan: plan.seed):
-                opened = [(self.open(plan), plan.agent) for plan in plans]
-                runs, agents = [run for run, _ in opened], {run.path: agent for run, agent in opened}
-                if not train_and_measure(runs, how, stop, partial(self.measure, table, curves, agents)):
-                    break
+            opened = [(self.open(plan), plan.agent) for plan in missing]
+            agents = {run.path: agent for run, agent in opened}
+            train_and_measure([run for run, _ in opened], how, stop, partial(self.measure, table, curves, agents))
         if load(table):
             with redirect_stdout(how.messages):
                 tables.publish(self.places.results, self.name, self.places.page)

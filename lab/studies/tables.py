@@ -21,9 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lab.studies import budgets
+from lab.studies import budgets, goals
 from lab.studies.curricula import COMPARISONS
-from lab.studies.measuring import TEAM
 from lab.studies.rows import RESULTS, TRAIN, Point, Row, check_present, load, played_on
 from regista.experiments.run import arguments, significance
 from regista.experiments.run import results as estimate
@@ -32,7 +31,6 @@ from regista.experiments.run.errors import CommandError, UsageError, run_command
 from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import select, unique
-from regista.minigames.published import find_published
 from ued.config import setting
 from ued.statistics import Difference, Interval
 
@@ -118,7 +116,7 @@ def tables(rows: Sequence[Row], name: str) -> str:
         games = [[row for row in rows if row.game == game] for game in games_of(rows, name)]
         made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}{below(game, name)}" for game in games]
     else:
-        made = [as_markdown(goals_table(rows))]
+        made = [goals.section(rows)]
     unit = "Success rates" if name in COMPARISONS else "Goal differences per episode"
     about = f"{unit}. {NOTE}. Measured on {played_on(rows)}; `python -m lab.studies.tables {name}`."
     return "\n\n".join([*made, about])
@@ -263,21 +261,6 @@ def below(rows: Sequence[Row], name: str) -> str:
     legend = significance.legend([gain.p for gain in gains_of(scores).values()])
     said = significance.sentences(legend, significance.visible([size], counts, "{:.0f} points"))
     return f"\n\n{said}" if said else ""
-
-
-def goals_table(rows: Sequence[Row]) -> list[list[str]]:
-    """Return a row for each game, whom agents move, and method: goal differences, ours beside published ones."""
-    table = [["game", "moved", "method", "train", "published", "test", "published", "runs", "env steps"]]
-    for key in sorted({(row.game, row.control, row.agent) for row in rows}):
-        mine, cells = [row for row in rows if (row.game, row.control, row.agent) == key], []
-        for split in (TRAIN, "test"):
-            results = [row.result() for row in mine if row.scene == split]
-            cells.append(spell(estimate.mean_return(results), "{:+.2f}") if results else "")
-            told = find_published(key[0], key[2], split, key[1] if key[2].startswith(TEAM) else "")
-            known = "" if told is None or told.interval is None else f" ± {told.interval:.2f}"
-            cells.append("" if told is None else f"{told.goal_difference:+.2f}{known}")
-        table.append([*key, *cells, *_runs(mine, key[2])])
-    return table
 
 
 def _runs(rows: Sequence[Row], agent: str) -> list[str]:

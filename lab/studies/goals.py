@@ -1,0 +1,120 @@
+"""The thesis's benchmark as tables: goal differences per episode, ours beside those published of GRF.
+
+Read next: `minigames/published.csv`, the published numbers; `lab/studies/tables.py`, which puts tables onto pages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lab.studies.measuring import TEAM
+from lab.studies.rows import TRAIN, Row
+from regista.experiments.run import results as estimate
+from regista.experiments.run.progress import count
+from regista.experiments.run.report import as_markdown
+from regista.experiments.run.results import unique
+from regista.minigames.published import Published, find_published
+from ued.statistics import Interval, spearman
+
+SPLITS = (TRAIN, "test")
+RANDOM = "random"
+COMPARED = {  # policies whose numbers are compared with published ones in a sentence: agent, split
+    "one agent, training scenes": ("ppo", TRAIN),
+    "one agent, test scenes": ("ppo", "test"),
+    "teams, training scenes": (f"{TEAM}ppo", TRAIN),
+    "random policies, test scenes": (RANDOM, "test"),
+}
+FEWEST = 4  # games from which a correlation is told
+
+
+class Cell(NamedTuple):
+    """A policy on the training or test scenes of a game; `published` is None if nobody has published it."""
+
+    ours: Interval
+    published: Published | None
+
+
+def section(rows: Sequence[Row]) -> str:
+    """Return the tables of single agents and of teams, and sentences that compare them with published numbers."""
+    single = [row for row in rows if not row.agent.startswith(TEAM)]
+    controls = {row.control for row in rows if row.agent.startswith(TEAM)}
+    teams = [row for row in rows if row.agent.startswith(TEAM) or (row.agent == RANDOM and row.control in controls)]
+    parts = []
+    for heading, some in (("One agent", single), ("Teams", teams)):
+        table = goals_table(some)
+        if len(table) > 1:
+            parts.append(f"**{heading}**\n\n{as_markdown(table)}")
+    said = [text for name, (agent, split) in COMPARED.items() if (text := agreement(rows, name, agent, split))]
+    if said:
+        about = (
+            "Beside published numbers, by games that have both. *Rank correlation* is Spearman's; *apart* counts games "
+            "where the difference exceeds both half intervals, added as squares."
+        )
+        head = ["policies", "games", "rank correlation", "mean absolute difference", "apart"]
+        parts.append(f"{about}\n\n{as_markdown([head, *said])}")
+    return "\n\n".join(parts)
+
+
+def goals_table(rows: Sequence[Row]) -> list[list[str]]:
+    """Return a row for each game, whom agents move, and method; a random policy is a column."""
+    table = [["game", "moved", "method", TRAIN, "published", RANDOM, "test", "published", RANDOM, "runs", "env steps"]]
+    for key in sorted({(row.game, row.control, row.agent) for row in rows if row.agent != RANDOM}):
+        cells = []
+        for split in SPLITS:
+            mine = cell(rows, *key, split)
+            uniform = cell(rows, *key[:2], RANDOM, split)
+            cells += [
+                "" if mine is None else spelled(mine.ours),
+                "" if mine is None or mine.published is None else told(mine.published),
+                "" if uniform is None else f"{uniform.ours.estimate:+.2f}",
+            ]
+        mine = [row for row in rows if (row.game, row.control, row.agent) == key]
+        steps = unique([count(steps) for steps in sorted({row.env_steps for row in mine})])
+        table.append([*key, *cells, str(len({row.seed for row in mine})), " to ".join(steps)])
+    return table
+
+
+def cell(rows: Sequence[Row], game: str, control: str, agent: str, split: str) -> Cell | None:
+    """Return the estimate of a policy, and what is published of it; None if it was not played there."""
+    key = (game, control, agent, split)
+    found = [row.result() for row in rows if (row.game, row.control, row.agent, row.scene) == key]
+    if not found:
+        return None
+    return Cell(estimate.mean_return(found), find_published(game, agent, split, control if agent[:5] == TEAM else ""))
+
+
+def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[str]:
+    """Return a row that compares a policy with published numbers over games; an empty one below `FEWEST` games."""
+    keys = sorted({(row.game, row.control) for row in rows if row.agent == agent})
+    cells = [found for game, control in keys if (found := cell(rows, game, control, agent, split)) is not None]
+    pairs = [(mine.ours, mine.published) for mine in cells if mine.published is not None]
+    if len(pairs) < FEWEST:
+        return []
+    ours, theirs = [mine.estimate for mine, _ in pairs], [known.goal_difference for _, known in pairs]
+    apart = [
+        abs(mine.estimate - known.goal_difference) > np.hypot((mine.high - mine.low) / 2, known.interval)
+        for mine, known in pairs
+        if mine.known and known.interval is not None
+    ]
+    difference = float(np.mean(np.abs(np.subtract(ours, theirs))))
+    return [
+        name,
+        str(len(pairs)),
+        f"{spearman(ours, theirs):.2f}",
+        f"{difference:.2f}",
+        f"{sum(apart)} of {len(apart)}" if apart else "",
+    ]
+
+
+def told(known: Published) -> str:
+    """Return a published number with half of its interval, if that is known."""
+    return f"{known.goal_difference:+.2f}" + ("" if known.interval is None else f" ± {known.interval:.2f}")
+
+
+def spelled(interval: Interval) -> str:
+    """Return a goal difference with its interval, if it has one."""
+    low, high = f"{interval.low:+.2f}", f"{interval.high:+.2f}"
+    return f"{interval.estimate:+.2f}" + (f" [{low}, {high}]" if interval.known else "")
