@@ -266,7 +266,8 @@ class Report:
 
 def as_markdown(rows: list[list[str]]) -> str:
     """Return a table in Markdown; the first row is its header."""
-    lines = [f"| {' | '.join(row)} |" for row in rows]
+    safe = [[cell.replace("|", r"\|") for cell in row] for row in rows]
+    lines = [f"| {' | '.join(row)} |" for row in safe]
     return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
 
 

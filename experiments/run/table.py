@@ -184,4 +184,4 @@ def _number(text: str) -> float:
 
 def quoted(text: str) -> str:
     """Return a cell, in quotes if it needs them."""
-    return f'"{text}"' if "," in text or '"' in text else text
+    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text

@@ -27,6 +27,7 @@ from ued.adapters.level_env import (
     check_apply,
     check_luck,
     level_in_words,
+    name_of,
 )
 from ued.adapters.observations import as_array
 from ued.core.episode_limit import episode_limit
@@ -307,6 +308,9 @@ class GymUPOMDP(UPOMDP):
         """Return the whole state; the environments are Python objects, copied deeply."""
         if self.vectorization == "async":
             raise NotImplementedError('environments in other processes support no state; use vectorization="sync"')
+        for env in self.vector.envs:
+            if isinstance(env.unwrapped, gymnasium.utils.EzPickle):  # Box2D, MuJoCo: a copy is made anew, without level
+                raise NotImplementedError(f"{name_of(env)} cannot be copied: it is a gymnasium.utils.EzPickle")
         try:
             envs = copy.deepcopy(self.vector)
         except Exception as error:  # whatever the environments hold: windows, clocks, connections

@@ -6,8 +6,7 @@ Read next: `adapters.gym`, which makes UPOMDPs of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -54,26 +53,36 @@ class LevelEnv(gymnasium.Wrapper):
     def begin(self, start: Start, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         """Start an episode; `options` are the user's own for `reset`."""
         self.start = start
-        with self._level_errors("the function that applies levels", self.apply):
+        try:
             values = self.theta_map.values(start.theta)
             returned = None if self.apply is None else self.apply(self.env, values)
+        except Exception as error:
+            raise self._failed("the function that applies levels", error, self.apply) from error
         if isinstance(returned, dict):
             options = {**returned, **options}
         if isinstance(self.luck, str):
             options = {**options, self.luck: start.luck}
         rule, seed = self.seed_episodes, start.luck if self.luck is True else start.seed
         given = rule(seed) if callable(rule) else seed if rule else None
-        with self._level_errors("reset"):
+        try:
             observation, info = self.env.reset(seed=given, options=options or None)
             if callable(self.luck):
                 seen = self.luck(self.env, start.luck)
                 observation = observation if seen is None else in_form(self.env, seen)
             return self._checked(observation), info
+        except Exception as error:
+            raise self._failed("reset", error) from error
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        with self._level_errors("step"):
+        try:
             observation, reward, terminated, truncated, info = self.env.step(action)
+            _check_number("the reward", reward)
+            for name in SUCCESS:
+                if name in info:
+                    _check_number(f"info[{name!r}]", info[name])
             return self._checked(observation), reward, terminated, truncated, info
+        except Exception as error:
+            raise self._failed("step", error) from error
 
     def _checked(self, observation: Any) -> Any:
         """Return an observation. Raises `ValueError` unless it has the shape of the space."""
@@ -82,21 +91,17 @@ class LevelEnv(gymnasium.Wrapper):
             raise ValueError(f"the observation has shape {shape}, observation_space has {self._shape}")
         return observation
 
-    @contextmanager
-    def _level_errors(self, what: str, function: Any = None) -> Iterator[None]:
-        """Raise any exception as a `LevelError` with the line in the file of the user's `function`.
+    def _failed(self, what: str, error: Exception, function: Any = None) -> LevelError:
+        """Return an error as a `LevelError` with the line in the file of the user's `function`.
 
         None: the environment's method of this name.
         """
-        try:
-            yield
-        except LevelError:
-            raise
-        except Exception as error:
-            level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
-            function = function or getattr(self.env.unwrapped, what, None)
-            failed = f"{name_of(self.env)} failed in {what}{line_in(function, error)}"
-            raise LevelError(f"{failed}: {type(error).__name__}: {error} ({level})") from error
+        if isinstance(error, LevelError):
+            raise error
+        level = level_in_words(self.theta_map, self.start.theta, self.start.seed)
+        function = function or getattr(self.env.unwrapped, what, None)
+        failed = f"{name_of(self.env)} failed in {what}{line_in(function, error)}"
+        return LevelError(f"{failed}: {type(error).__name__}: {error} ({level})")
 
 
 def name_of(env: gymnasium.Env) -> str:
@@ -129,6 +134,14 @@ def check_apply(apply: Any, theta_map: ThetaMap) -> None:
 
 
 SUCCESS = ("success", "is_success")  # names in the info of Meta-World and Gymnasium-Robotics
+
+
+def _check_number(what: str, value: Any) -> None:
+    """Raise `ValueError` unless a value of an environment is a single number or truth value; None is not known."""
+    if isinstance(value, float | int | np.number | np.bool_ | None):
+        return
+    if np.ndim(value) or np.asarray(value).dtype.kind not in "biuf":
+        raise ValueError(f"{what} must be a number, got {value!r}")
 
 
 def success_from_info(info: Mapping[str, Any]) -> Any:

@@ -109,6 +109,8 @@ class VectorUPOMDP(UPOMDP):
         values = [self.theta_map.values(theta.copy()) for theta in self.levels["theta"][where]]
         try:
             self._reset(where, values, seeds)
+        except LevelError:
+            raise
         except Exception as error:  # whatever the user's code raises
             raise self._failed(f"a reset{line_in(self.apply, error)}", where, error) from error
         self._over[where] = False
@@ -144,6 +146,7 @@ class VectorUPOMDP(UPOMDP):
             int(seed) if chosen and self.seed_episodes else None for seed, chosen in zip(seeds, mask, strict=True)
         ]
         seen = np.array(self.vector.reset(seed=given, options={**options, "reset_mask": mask})[0])
+        self._check_shape("observations", seen.shape, self.observation_space.shape)
         if self._its_own is None:
             self._observations = seen.copy()
         else:
@@ -165,6 +168,9 @@ class VectorUPOMDP(UPOMDP):
         except Exception as error:  # whatever the user's code raises
             raise self._failed("a step", np.arange(self.num_envs), error) from error
         terminated, truncated = np.array(terminated, bool), np.array(truncated, bool)
+        for name, column in {"rewards": rewards, "terminated": terminated, "truncated": truncated}.items():
+            self._check_shape(name, np.shape(column), (self.num_envs,))
+        self._check_shape("observations", np.shape(seen), self.observation_space.shape)
         ended, observations = terminated | truncated, np.array(seen)
         self._over = ended
         self._its_own = observations.copy()
@@ -191,9 +197,19 @@ class VectorUPOMDP(UPOMDP):
         success = np.full(self.num_envs, np.nan)
         for name in reversed(SUCCESS):
             if name in infos:
+                try:
+                    values = np.asarray(infos[name], float)
+                except (TypeError, ValueError) as error:
+                    raise LevelError(f"{self.vector}: info[{name!r}] must be numbers, got {infos[name]!r}") from error
+                self._check_shape(f"info[{name!r}]", values.shape, (self.num_envs,))
                 reported = ended & infos.get(f"_{name}", np.ones(self.num_envs, bool))
-                success[reported] = np.asarray(infos[name], float)[reported]
+                success[reported] = values[reported]
         return success
+
+    def _check_shape(self, what: str, shape: tuple[int, ...], expected: tuple[int, ...] | None) -> None:
+        """Raise `LevelError` for a part of a step or a reset of another shape."""
+        if shape != expected:
+            raise LevelError(f"{self.vector}: {what} must have shape {expected}, got {shape}")
 
     def _check_finite(self, what: str, numbers: np.ndarray) -> None:
         """Raise `LevelError` if an environment returned NaN or infinity in its part of `[N, ...]`."""

@@ -54,6 +54,12 @@ def cut(count: int, weights: Sequence[float] = (), ordered: bool = False, names:
     return Cells(count, np.concatenate([[-1.0], 2 * ends / ends[-1] - 1]), ordered, tuple(names))
 
 
+def names_of(values: Sequence[Any]) -> list[str]:
+    """Return a name on one line for each option; options with the same text also have their index."""
+    names = [" ".join(str(value).split()) for value in values]
+    return [f"{name} [{index}]" if names.count(name) > 1 else name for index, name in enumerate(names)]
+
+
 def index_in(theta: np.ndarray | float, num_bins: np.ndarray | int) -> np.ndarray:
     """Return the index of the value of each entry of θ `[..., D]`, for cells of equal width: int `[..., D]`."""
     return np.minimum(np.asarray((theta + 1) / 2 * num_bins).astype(np.int64), num_bins - 1)

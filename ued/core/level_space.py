@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ued.core import parameters
+from ued.core.own_code import call
 from ued.core.parameters import LevelFamily, Parameter, Seeds, ThetaProgram
 
 MAX_TRIES = 4096  # draws per valid row before `sample_theta` fails
@@ -183,8 +184,9 @@ class LevelSpace:
         """Sample θ `[count, D]` without a check of validity, which is that of the quantized θ."""
         if self.level_family is None:
             return parameters.quantize(self._stream.uniform(-1.0, 1.0, (count, self.theta_dim)), self.parameters)
-        levels = (self.level_family.sample(self._stream) for _ in range(count))
-        return check_theta([self.level_family.encode(level) for level in levels], self.theta_dim)
+        family = self.level_family
+        levels = (call("sample", family.sample, self._stream) for _ in range(count))
+        return check_theta([call("encode", family.encode, level) for level in levels], self.theta_dim)
 
     def edit_theta(self, theta: np.ndarray, num_edits: int, edit_size: float, rng: np.random.Generator) -> np.ndarray:
         """Return edited copies of θ `[k, D]`, which may be invalid; see `parameters.edit`.
@@ -193,12 +195,12 @@ class LevelSpace:
         """
         if self.level_family is None:
             return parameters.edit(theta, self.parameters, num_edits, edit_size, rng)
-        edited = theta.copy()
+        edited, family = theta.copy(), self.level_family
         for row, code in enumerate(theta):
-            level = self.level_family.decode(code)
+            level = call("decode", family.decode, code)
             for _ in range(num_edits):
-                level = self.level_family.mutate(level, rng)
-            edited[row] = self.level_family.encode(level)
+                level = call("mutate", family.mutate, level, rng)
+            edited[row] = call("encode", family.encode, level)
         return check_theta(edited, theta.shape[1])
 
 

@@ -105,6 +105,19 @@ def line_in(function: Any, error: BaseException) -> str:
     return f" ({code.co_filename}:{lines[-1]})" if lines else ""
 
 
+def call(what: str, function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a user's function, named `what` in errors. Raises `OwnCodeError`, with line and arguments, for any error."""
+    try:
+        return function(*arguments)
+    except OwnCodeError:
+        raise
+    except Exception as error:
+        given = ", ".join(map(str, arguments))
+        shown = given if len(given) < 300 else given[:300] + " …"
+        kind = type(error).__name__
+        raise OwnCodeError(f"{what} failed{line_in(function, error)}: {kind}: {error} (called with {shown})") from error
+
+
 def module_of(place: str) -> ModuleType:
     """Return the module of a file `.py`, which must exist, or of a dotted name; importing executes its code."""
     if not place.endswith(".py"):

@@ -14,13 +14,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from numbers import Real
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from ued.core.cells import Cells, bin_center, cut, index_in
+from ued.core.cells import Cells, bin_center, cut, index_in, names_of
 from ued.core.families import LevelFamily
+from ued.core.own_code import call
 
 MOST_CATEGORIES = 32  # an `Integer` with more values is treated as a range in steps
 
@@ -242,7 +244,7 @@ class ThetaMap:
         self.seeds = theta if isinstance(theta, Seeds) else None
         if valid is not None and not callable(valid):
             raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
-        self._valid = valid
+        self._valid = None if valid is None else partial(call, "valid", valid)
         if isinstance(theta, int):
             if theta < 0:
                 raise ValueError(f"theta_dim must be 0 or more, got {theta}")
@@ -252,11 +254,9 @@ class ThetaMap:
         elif isinstance(theta, Mapping):
             self.draws = columns_of(theta)
         elif isinstance(theta, LevelFamily):
-            self.level_family = theta
-            self.draws = numbered("code", theta.size)
+            self.level_family, self.draws = theta, numbered("code", theta.size)
         elif hasattr(theta, "draws"):
-            self.program = theta
-            self.draws = theta.draws
+            self.program, self.draws = theta, theta.draws
         else:
             raise ValueError(
                 f"theta must be a number of dimensions, a mapping from name to parameter, a program, a LevelFamily or "
@@ -313,7 +313,7 @@ def numbered(name: str, count: int) -> tuple[Column, ...]:
 
 
 def columns_of(kinds: Mapping[str, Any]) -> tuple[Column, ...]:
-    """Return columns of these names and kinds. Raises `ValueError` for an invalid kind."""
+    """Return columns of these names and kinds. Raises `ValueError` for an invalid name or kind."""
     return tuple(Column(name, _kind(name, about)) for name, about in kinds.items())
 
 
@@ -322,8 +322,7 @@ def family_columns(family: LevelFamily) -> tuple[Column, ...] | None:
 
     Raises `ValueError` if their number is not the length of a code.
     """
-    declared = getattr(family, "parameters", None)
-    if declared is None:
+    if (declared := getattr(family, "parameters", None)) is None:
         return None
     columns = columns_of(declared)
     if len(columns) != family.size:
@@ -335,6 +334,8 @@ def family_columns(family: LevelFamily) -> tuple[Column, ...] | None:
 
 
 def _kind(name: str, about: Any) -> Kind:
+    if not (isinstance(name, str) and name.isprintable() and name.strip()):
+        raise ValueError(f"the name of a parameter must be a line of text, got {name!r}")
     if isinstance(about, Range | LogRange | Integer | Choice):
         return about
     try:
@@ -385,7 +386,7 @@ def cells_in(draw: Parameter) -> Cells | None:
     if isinstance(kind, Integer):
         return Cells(kind.num_bins, None, True)
     if isinstance(kind, Choice):
-        return cut(kind.num_bins, kind.weights, names=[str(value) for value in kind.values])
+        return cut(kind.num_bins, kind.weights, names=names_of(kind.values))
     if weights:
         return cut(len(weights), weights, names=getattr(draw, "options", ()))
     if isinstance(kind, str) and kind == "integers" and math.isfinite(draw.low) and math.isfinite(draw.high):
