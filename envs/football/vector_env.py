@@ -297,6 +297,7 @@ class FootballVectorEnv(UPOMDP):
         check_state(state, pairs)
         for name, limits in self._limits.items():
             limits.check(state[name], name)
+        self._engine.check_state(state, self.num_envs)
         self.set_level_state(state)
         for name, array in pairs.items():
             bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
