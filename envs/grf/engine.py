@@ -105,7 +105,8 @@ class GrfEngine:
         for name, array in arrays.items():
             shape = (*actions.shape[:1], ROWS) if array is actions else (len(np.atleast_1d(matches)),)
             if array.dtype.kind not in "iu" or array.shape != shape or array.min(initial=0) < 0:
-                raise StateError(f"{name} of a state must be {list(shape)} integers from 0, got {state.get(name)!r:.100}")
+                got = f"got {state.get(name)!r:.100}"
+                raise StateError(f"{name} of a state must be {list(shape)} integers from 0, {got}")
         if len(set(matches.tolist())) < len(matches) or matches.max(initial=0) >= count:
             raise StateError(f"grf_matches of a state must be different numbers below {count}, got {matches!r:.100}")
         if arrays["grf_lengths"].sum() != len(actions):

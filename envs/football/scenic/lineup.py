@@ -134,7 +134,7 @@ class Lineup:
 
     @cached_property
     def longest_game(self) -> int | None:
-        """The `game_duration` in steps; the longest if it is random, None unless it follows from the column named so."""
+        """The `game_duration` in steps, the longest if it is random; None unless the column named so decides it."""
         if "game_duration" not in self.random_settings:
             return int(self.config.game_duration)  # type: ignore[arg-type]
         draws = self.program.draws
