@@ -42,8 +42,8 @@ class FootballEnv(gymnasium.Env):
         engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
 
     `info["theta"]` after a reset is the θ played, `info["replaced"]` whether it replaces an invalid one.
-    `info["ended"]` after a step is why the episode ended ("" while it runs), `info["agent_rewards"]` `[A]` the reward of
-    each of several agents, `info["records"]`, of a program with `record`, the values recorded in the step, by name.
+    `info["ended"]` after a step is why the episode ended ("" while it runs), `info["agent_rewards"]` `[A]` the reward
+    of each of several agents, `info["records"]`, of a program with `record`, the values recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
