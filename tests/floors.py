@@ -114,6 +114,7 @@ FLOORS = {
         "core.parameters",  # what the columns of theta are
         "core.level_space",  # levels, and which there are
         "core.compiled",  # what rollouts in one kernel are given
+        "core.begun",  # which environments have been reset
         "core.upomdp",  # the seam
         "core.episode_limit",
         "core.curriculum",

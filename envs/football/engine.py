@@ -33,8 +33,11 @@ class Engine(Protocol):
     def get_state(self) -> dict[str, np.ndarray]:
         """Return the state outside the batch."""
 
+    def check_state(self, state: dict[str, Any], count: int) -> None:
+        """Raise `limits.StateError` unless the state fits this engine and `count` matches."""
+
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Restore what `get_state` returned; the batch has been restored already."""
+        """Restore what `get_state` returned, which `check_state` has checked; the batch has been restored already."""
 
     def close(self) -> None:
         """Free the engine's resources."""
@@ -78,6 +81,9 @@ class Simulator:
     def get_state(self) -> dict[str, np.ndarray]:
         """Return an empty state."""
         return {}
+
+    def check_state(self, state: dict[str, Any], count: int) -> None:
+        """Do nothing: the state is in the batch."""
 
     def set_state(self, state: dict[str, Any], batch: Batch) -> None:
         """Do nothing: the state is in the batch."""

@@ -41,9 +41,9 @@ class FootballEnv(gymnasium.Env):
         dialect: of a program given as text or path, 2 or 3; None: detected (see `scenic_lite.load`).
         engine: "regista", or "grf" for Google Research Football, by the Python `grf_python` (see `FootballConfig`).
 
-    `info["theta"]` after a reset is the θ played, `info["ended"]` after a step why the episode ended ("" while it
-    runs), `info["agent_rewards"]` `[A]` the reward of each of several agents, `info["records"]`, of a program with
-    `record`, the values recorded in the step, by name.
+    `info["theta"]` after a reset is the θ played, `info["replaced"]` whether it replaces an invalid one.
+    `info["ended"]` after a step is why the episode ended ("" while it runs), `info["agent_rewards"]` `[A]` the reward
+    of each of several agents, `info["records"]`, of a program with `record`, the values recorded in the step, by name.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
@@ -76,18 +76,23 @@ class FootballEnv(gymnasium.Env):
 
         Raises:
             ued.core.upomdp.ThetaError: an invalid θ.
+            ValueError: other options.
         """
         super().reset(seed=seed)
-        options = options or {}
-        if "theta" in options:
-            observations, info = self.batch.reset(seed=seed, options={"theta": [options["theta"]]})
-        else:
-            observations, info = self.batch.reset(seed=seed)
+        given = {**(options or {})}
+        if "theta" in given:
+            given["theta"] = [given["theta"]]
+        observations, info = self.batch.reset(seed=seed, options=given)
         return self._first(observations), {"theta": info["levels"]["theta"][0], "replaced": bool(info["replaced"][0])}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Step the match by 0.1 s."""
-        observations, rewards, terminated, truncated, info = self.batch.advance(np.array([action], np.int64))
+        """Step the match by 0.1 s.
+
+        Raises:
+            ValueError: unless the action, or each of several agents' actions, is a whole number from 0 to 18.
+            RuntimeError: before `reset`.
+        """
+        observations, rewards, terminated, truncated, info = self.batch.advance(np.array([action]))
         own: dict[str, Any] = {"ended": ENDINGS[int(info["ended"][0])]}
         if self.batch.num_agents > 1:
             own["agent_rewards"] = info["agent_rewards"][0]

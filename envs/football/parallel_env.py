@@ -38,8 +38,9 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
 
     Agents are "agent_0", "agent_1", ... in the order of the vector environment's agent axis, left ones first. An
     observation belongs to the player that the agent's next action moves. All agents' episodes end in the same step.
-    `infos` are the same for all agents: `theta` `[D]`, and `ended`, why the episode ended in this step,
-    `constants.RUNNING` to `REJECTED`; for a program with `record` also `records`, as in `FootballEnv`.
+    `infos` are the same for all agents: `theta` `[D]`, the level played; `replaced`, whether a random valid level has
+    replaced an invalid one; `ended`, why the episode ended in this step, `constants.RUNNING` to `REJECTED`; for a
+    program with `record` also `records`, as in `FootballEnv`.
 
     Attributes:
         teams: "left" or "right" by agent.
@@ -65,6 +66,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         self.action_spaces: dict[str, Space] = {agent: Discrete(NUM_ACTIONS) for agent in self.possible_agents}
         self.state_space = joined_space(spaces[0], count)
         self._seen: list[Any] = []
+        self._replaced = False
 
     def observation_space(self, agent: str) -> Space:
         """Return the observation space of an agent."""
@@ -75,12 +77,14 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start a match.
+        """Start a match. Other options than `theta` are ignored, as PettingZoo's API test requires.
 
         Raises:
             ued.core.upomdp.ThetaError: an invalid θ.
         """
-        observation, _ = self.match.reset(seed=seed, options=options)
+        given = {"theta": options["theta"]} if options and "theta" in options else None
+        observation, info = self.match.reset(seed=seed, options=given)
+        self._replaced = info["replaced"]
         self.agents = list(self.possible_agents)
         return self._apart(observation), self._infos({"ended": ""})
 
@@ -129,7 +133,7 @@ class FootballParallelEnv(ParallelEnv, EzPickle):
     def _infos(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
         """Return the same info for each agent."""
         theta = self.match.batch.levels["theta"][0]
-        shared = {**info, "theta": theta.copy(), "ended": REASONS[info["ended"]]}
+        shared = {**info, "theta": theta.copy(), "replaced": self._replaced, "ended": REASONS[info["ended"]]}
         return {agent: dict(shared) for agent in self.possible_agents}
 
     def _apart(self, observation: Any) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from scenic_lite import ScenicError
 KIND = "regista match record"
 LARGEST = 2**31  # bytes of a record, uncompressed
 FORMAT = f"{KIND} 4"
+MIXED = "a record holds whole matches, by step(), or one episode of each, by advance(); make another Recorder(env)"
 _TEXTS = ("format", "program", "program_file", "config", "np_random")
 _STATE = ("matches", "starts", "registers", "start_registers", "minimap_places", "minimap_agents")
 _LEVELS = ("levels", "visits", "episodes")
@@ -92,7 +93,7 @@ class Record:
 
 
 class Recorder:
-    """Steps an environment and records the actions.
+    """Steps an environment and records the actions, by `step` alone or by `advance` alone.
 
     Raises ValueError for an environment that draws new levels by itself (`level_sampler`), or that is not reset.
     """
@@ -100,30 +101,40 @@ class Recorder:
     def __init__(self, env: FootballVectorEnv) -> None:
         if env.level_sampler is not None:
             raise ValueError("a record needs matches that play their level again; set env.level_sampler = None")
+        if not env.matches["num_players"].all():
+            raise ValueError("a record begins with matches under way; call env.reset() before Recorder(env)")
         self.env, self._state = env, env.get_state()
         self._actions: list[np.ndarray] = []
         self._single = False
         self._lengths, self._over = np.zeros(env.num_envs, np.int64), np.zeros(env.num_envs, bool)
 
     def step(self, actions: Any) -> Any:
-        """Step the environment; return the result of `env.step`."""
+        """Step the environment; return the result of `env.step`. Raises ValueError after `advance`."""
+        if self._single:
+            raise ValueError(MIXED)
         result = self.env.step(actions)
-        self._actions.append(np.array(actions, np.int64))
+        self._note(actions, result[4])
         return result
 
     def advance(self, actions: Any) -> Any:
         """Step the environment without restarting ended matches; return the result of `env.advance`.
 
-        From then on the record has one episode per match: an ended match is idle in the replay.
+        The record has one episode per match: an ended match is idle in the replay. Raises ValueError after `step`.
         """
+        if self._actions and not self._single:
+            raise ValueError(MIXED)
         self.env.idle[:] = self._over
         result = self.env.advance(actions)
         self.env.idle[:] = False
-        self._actions.append(np.array(actions, np.int64))
+        self._note(actions, result[4])
         self._lengths += ~self._over
         self._over |= result[2] | result[3]
         self._single = True
         return result
+
+    def _note(self, actions: Any, info: dict[str, Any]) -> None:
+        """Keep the actions of a step: where the program plays the agents' players, those that it has chosen."""
+        self._actions.append(np.array(info["agent_actions"] if self.env.scripted else actions, np.int64))
 
     def record(self) -> Record:
         """Return the record so far."""
@@ -135,7 +146,7 @@ class Recorder:
         file = "" if folder is None else str((folder / program.file).resolve())
         lengths = self._lengths if self._single else None
         last = np.asarray(self.env.matches)
-        return Record(program.source, file, self.env.config, self._state, actions, last, lengths=lengths)
+        return Record(program.source, file, self.env.config, self._state, actions, last, self.env.scripted, lengths)
 
     def save(self, path: str | Path) -> None:
         """Write the record to a `.npz` file."""

@@ -36,6 +36,7 @@ from regista.envs.football.state import WHO
 from regista.kernels.calls import compiles
 from regista.kernels.rng import stream
 from scenic_lite import Program, load
+from ued.core.begun import check_begun
 from ued.core.compiled import CompiledRollout
 from ued.core.level_space import as_void_view
 from ued.core.upomdp import UPOMDP, check_count
@@ -120,7 +121,7 @@ class FootballVectorEnv(UPOMDP):
         self._limits = {"matches": match, "starts": match, "registers": registers, "start_registers": registers}
         seen = self._batch.minimap_agents[:1].size
         self._limits["minimap_agents"] = Limits.of_array(seen, dict.fromkeys(range(seen), WHO), self.lineup.counts)
-        self._started = False
+        self._begun = np.zeros(num_envs, bool)
         self.scripted = False  # the program plays the agents' players: see `with_scripted_policy`
 
     @property
@@ -140,11 +141,8 @@ class FootballVectorEnv(UPOMDP):
 
     @property
     def max_episode_steps(self) -> int | None:  # type: ignore[override]
-        """The program's `game_duration`; its maximum if it is random, None if it has no bound."""
-        if "game_duration" in self.lineup.random_settings:
-            named = [draw for draw in self.parameters if draw.name == "game_duration"]
-            return int(named[0].high) if named and np.isfinite(named[0].high) else None
-        return int(self.lineup.config.game_duration)  # type: ignore[arg-type]
+        """The program's `game_duration`; its maximum if it is a column of θ or follows from one, else None."""
+        return self.lineup.longest_game
 
     @property
     def defending(self) -> bool:
@@ -178,6 +176,7 @@ class FootballVectorEnv(UPOMDP):
 
     def play_again(self, where: np.ndarray | None = None) -> Any:
         chosen = np.flatnonzero(self._mask(where))  # their initial states are in the batch
+        check_begun(self._begun[chosen], "starting another episode")
         self.episodes[chosen] += 1
         self._begin(chosen)
         return self.observe()
@@ -186,11 +185,10 @@ class FootballVectorEnv(UPOMDP):
         """Begin episodes in the environments `where` `[k]`, whose initial states are in the batch."""
         luck = np.array([stream(seed) for seed in self.luck_seeds(where).tolist()], np.uint64)
         self._engine.begin(self._batch, where, luck, self._settings)
-        self._started = True
+        self._begun[where] = True
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        if not self._started:
-            raise RuntimeError("call reset() before step()")
+        check_begun(self._begun | self.idle, "step()")
         self._batch.idle[:] = self.idle
         out, seen = self._outcome, self._observer.allocate(self.num_envs)
         chosen = np.full_like(out.agent_actions, BY_PROGRAM) if self.scripted else self._checked(actions)
@@ -299,11 +297,12 @@ class FootballVectorEnv(UPOMDP):
         check_state(state, pairs)
         for name, limits in self._limits.items():
             limits.check(state[name], name)
+        self._engine.check_state(state, self.num_envs)
         self.set_level_state(state)
         for name, array in pairs.items():
             bytes_of(array)[:] = bytes_of(state[name])  # field by field it would take ten times as long
         self._engine.set_state(state, batch)
-        self._started = True
+        self._begun[:] = np.asarray(batch.matches)["num_players"] > 0
         return self.observe()
 
     def with_scripted_policy(self) -> FootballVectorEnv:

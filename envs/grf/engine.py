@@ -13,6 +13,7 @@ Read next: `grf.workers`.
 from __future__ import annotations
 
 import os
+import warnings
 import weakref
 from typing import Any
 
@@ -22,9 +23,11 @@ from regista.envs.football.batch import Batch, BatchSettings, Outcome, begin
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import ACTIVE, GK, LEFT, MAX_PLAYERS, NO_AGENTS, RIGHT
 from regista.envs.football.kick_off import MatchConfig
+from regista.envs.football.limits import StateError
 from regista.envs.football.observation.observe import View
 from regista.envs.football.observation.units import UNIT_X, UNIT_Y
 from regista.envs.football.scenic.compiled_behaviors import CompiledBehaviors
+from regista.envs.football.scenic.domain import FACTORS
 from regista.envs.football.scenic.lineup import Lineup, NotAMatchError, refusal
 from regista.envs.football.state import MATCH
 from regista.envs.grf.observed_batch import begin_rows, finish_rows, read_starts, read_steps, write_seeds
@@ -40,6 +43,9 @@ SETTINGS = (
 )
 
 
+EPISODES = ("grf_matches", "grf_seeds", "grf_checks", "grf_lengths", "grf_actions")  # of a state
+
+
 class GrfEngine:
     """N matches in Google Research Football. Raises GrfError if it is not installed."""
 
@@ -52,6 +58,7 @@ class GrfEngine:
         self._sizes = [int(np.count_nonzero(teams == team)) for team in (LEFT, RIGHT)]
         check_keepers(lineup)
         check_settings(lineup)
+        warn_of_factors(lineup)
         self._commanded = commanded_teams(lineup, behaviors)
         self._controllers = np.zeros((count, 2), np.int64)  # number of GRF agents per team, for each match
         python = grf_python(config.grf_python)
@@ -89,10 +96,26 @@ class GrfEngine:
             "grf_actions": np.array(actions, np.int64).reshape(len(actions), ROWS),
         }
 
-    def set_state(self, state: dict[str, Any], batch: Batch) -> None:
-        """Restore episodes; each is replayed when next stepped. Raises ValueError for a state of our simulator."""
+    def check_state(self, state: dict[str, Any], count: int) -> None:
+        """Raise StateError for a state of our simulator, and for episodes that do not fit `count` matches."""
         if "grf_matches" not in state:
-            raise ValueError("this state was saved by our simulator, not by Google Research Football")
+            raise StateError("this state was saved by our simulator, not by Google Research Football")
+        arrays = {name: np.asarray(state.get(name)) for name in EPISODES}
+        matches, actions = arrays["grf_matches"], arrays["grf_actions"]
+        for name, array in arrays.items():
+            shape = (*actions.shape[:1], ROWS) if array is actions else (len(np.atleast_1d(matches)),)
+            if array.dtype.kind not in "iu" or array.shape != shape or array.min(initial=0) < 0:
+                got = f"got {state.get(name)!r:.100}"
+                raise StateError(f"{name} of a state must be {list(shape)} integers from 0, {got}")
+        if len(set(matches.tolist())) < len(matches) or matches.max(initial=0) >= count:
+            raise StateError(f"grf_matches of a state must be different numbers below {count}, got {matches!r:.100}")
+        if arrays["grf_lengths"].sum() != len(actions):
+            raise StateError(
+                f"grf_lengths of a state give {arrays['grf_lengths'].sum()} steps, and grf_actions has {len(actions)}"
+            )
+
+    def set_state(self, state: dict[str, Any], batch: Batch) -> None:
+        """Restore episodes; each is replayed when next stepped."""
         self._forget(range(len(batch.matches)))
         lengths = np.asarray(state["grf_lengths"])
         parts = np.split(np.asarray(state["grf_actions"]), np.cumsum(lengths)[:-1]) if len(lengths) else []
@@ -172,6 +195,13 @@ def check_settings(lineup: Lineup) -> None:
     if "agents_only" in lineup.random_settings:
         message = "param agents_only must be fixed for Google Research Football, not a random value"
         raise refusal(lineup.program, message, lineup.program.param_places["agents_only"])
+
+
+def warn_of_factors(lineup: Lineup) -> None:
+    """Warn of parameters that vary our simulator; only `sticky_noise`, which repeats actions, varies GRF, too."""
+    for name in sorted((FACTORS | {"engine_spread"}) - {"sticky_noise"}):
+        if name in lineup.program.param_places:
+            warnings.warn(f"param {name} of {lineup.program.file} has no effect in GRF", stacklevel=2)
 
 
 def check_keepers(lineup: Lineup) -> None:

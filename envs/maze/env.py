@@ -29,6 +29,7 @@ from regista.envs.maze.picture import draw_maze, view_entries
 from regista.envs.maze.rollout import play_mazes
 from regista.envs.maze.view import CELLS, CHANNELS, IMAGE_SCALE, VIEW, image_shape, observe_all, write_images
 from regista.kernels.calls import compiles
+from ued.core.begun import check_begun
 from ued.core.compiled import CompiledRollout
 from ued.core.level_space import check_theta
 from ued.core.parameters import ThetaMap
@@ -82,7 +83,7 @@ class Mazes(UPOMDP):
         self._agents = Agents(self._layouts.start.copy(), *(np.zeros(count, np.int64) for _ in range(2)))
         self._outcome = Outcome(np.zeros(count), *(np.zeros(count, np.bool_) for _ in range(2)))
         self._pool = empty_layouts(0, config.side)
-        self._started = False
+        self._begun = np.zeros(count, bool)
 
     @property
     def layouts(self) -> Layouts:
@@ -144,6 +145,7 @@ class Mazes(UPOMDP):
 
     def play_again(self, where: np.ndarray | None = None) -> np.ndarray:
         chosen = np.flatnonzero(self._mask(where))  # their mazes are in the batch
+        check_begun(self._begun[chosen], "starting another episode")
         self.episodes[chosen] += 1
         return self._begin(chosen)
 
@@ -152,12 +154,11 @@ class Mazes(UPOMDP):
         agents, layouts = self._agents, self._layouts
         agents.at[where], agents.direction[where] = layouts.start[where], layouts.direction[where]
         agents.clock[where] = 0
-        self._started = True
+        self._begun[where] = True
         return self.observe()
 
     def _advance(self, actions: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
-        if not self._started:
-            raise RuntimeError("call reset() before step()")
+        check_begun(self._begun | self.idle, "step()")
         seen, out = np.empty((self.num_envs, self._size), np.float32), self._outcome
         step_mazes(self._layouts, self._agents, self._settings, self._checked(actions), out, seen)
         success = {"success": out.terminated.astype(float)}
@@ -239,7 +240,7 @@ class Mazes(UPOMDP):
             target[:] = source
         for name, array in agents.items():
             getattr(self._agents, name)[:] = array
-        self._started = True
+        self._begun[:] = True
         return self.observe()
 
     def _check_agents(self, name: str, array: Any) -> None:
@@ -255,9 +256,9 @@ class Mazes(UPOMDP):
 
     def copy(self) -> Mazes:
         """Return an independent environment in the same state."""
-        twin = Mazes(self.num_envs, self.config)
+        twin = Mazes(self.num_envs, self.config, self.render_mode)
         twin.set_state(self.get_state())
-        twin._started = self._started
+        twin._begun[:] = self._begun
         return twin
 
 

@@ -24,7 +24,8 @@ class MazeEnv(gymnasium.Env):
         render_mode: None or "rgb_array".
         settings: those of `MazeConfig`.
 
-    `info["theta"]` after a reset is the maze played, `info["success"]` after a step 1 if the agent is at the goal.
+    `info["theta"]` after a reset is the maze played, `info["replaced"]` whether it replaces an invalid one;
+    `info["success"]` after a step is 1 if the agent is at the goal.
     Raises ValueError for another render mode or for values of settings outside their bounds.
     """
 
@@ -45,7 +46,7 @@ class MazeEnv(gymnasium.Env):
         if "theta" in given:
             given["theta"] = [given["theta"]]
         seen, info = self.batch.reset(seed=seed, options=given)
-        return seen[0], {"theta": info["levels"]["theta"][0]}
+        return seen[0], {"theta": info["levels"]["theta"][0], "replaced": bool(info["replaced"][0])}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Let the agent act: 0 turn left, 1 turn right, 2 forward."""

@@ -210,9 +210,28 @@ class ScenicUPOMDP(UPOMDP):
     def _start(self, levels: np.ndarray, where: np.ndarray) -> np.ndarray:
         for level, luck, index in zip(levels, self.luck_seeds(where), where, strict=True):
             self.workers[index].begin(level["theta"].copy(), int(level["seed"]), int(luck))
-        for index in where:
-            self._observations[index] = self.workers[index].answer()
+        for index, seen in zip(where, self._answers(where), strict=True):
+            self._observations[index] = seen
         return self._observations.copy()
+
+    def _answers(self, where: Any) -> list[Any]:
+        """Return the answers of the workers `where`, all of which are read even if some fail; raise the first failure.
+
+        A pending answer would be taken for that of the next request.
+        """
+        answers, failures = [], []
+        try:
+            for index in where:
+                try:
+                    answers.append(self.workers[index].answer())
+                except LevelError as error:
+                    failures.append(error)
+        except BaseException:  # the wait was interrupted
+            self.close_extras()
+            raise
+        if failures:
+            raise failures[0]
+        return answers
 
     def _advance(self, actions: Any) -> tuple[Any, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         rewards, success = np.zeros(self.num_envs), np.full(self.num_envs, np.nan)
@@ -221,8 +240,8 @@ class ScenicUPOMDP(UPOMDP):
         playing = np.flatnonzero(~self.idle)
         for index in playing:
             self.workers[index].step(actions[index])
-        for index in playing:
-            seen, rewards[index], terminated[index], truncated[index], result = self.workers[index].answer()
+        for index, answer in zip(playing, self._answers(playing), strict=True):
+            seen, rewards[index], terminated[index], truncated[index], result = answer
             self._observations[index] = seen
             success[index], endings[index] = float(result.get("success", np.nan)), result.get("ending", "")
         info: dict[str, Any] = {"success": success}
@@ -246,8 +265,8 @@ class ScenicUPOMDP(UPOMDP):
         rows = zip(self.workers, self.levels, luck, state["actions"], strict=True)
         for worker, level, seed, actions in rows:
             worker.begin(level["theta"].copy(), int(level["seed"]), int(seed), list(actions))
-        for index, worker in enumerate(self.workers):
-            answer = worker.answer()
+        answers = self._answers(range(self.num_envs))
+        for index, (worker, answer) in enumerate(zip(self.workers, answers, strict=True)):
             self._observations[index] = answer[0] if worker.actions else answer
         return self._observations.copy()
 

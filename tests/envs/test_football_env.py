@@ -352,6 +352,34 @@ def test_a_step_before_the_first_reset_is_refused():
         FootballVectorEnv(FREE).step(np.zeros(1, int))
 
 
+def test_matches_that_were_never_reset_are_not_played():
+    never = FootballVectorEnv(FREE, 2)
+    for env in (never, never.copy()):
+        with pytest.raises(RuntimeError, match=r"^call reset\(\) before step\(\)$"):
+            env.step(np.zeros(2, int))
+        with pytest.raises(RuntimeError, match=r"^call reset\(\) before starting another episode$"):
+            env.reset_agent()
+    never.reset(seed=0, options={"reset_mask": np.array([True, False])})
+    with pytest.raises(RuntimeError, match="1 of 2 environments were never reset"):
+        never.step(np.zeros(2, int))
+    never.idle[1] = True
+    never.step(np.zeros(2, int))
+
+
+@pytest.mark.parametrize("action", [2.9, np.float32(3), True, [1]])
+def test_the_single_environment_takes_whole_numbers_only(action):
+    env = FootballEnv(FREE)
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match="actions must be 1 whole numbers"):
+        env.step(action)
+
+
+def test_the_single_environment_refuses_other_options():
+    env = FootballEnv(FREE)
+    with pytest.raises(ValueError, match="reset has no option 'Theta'; its options are 'theta' and 'reset_mask'"):
+        env.reset(options={"Theta": np.zeros(env.theta_space.shape)})
+
+
 @pytest.mark.parametrize(
     ("config", "message"),
     [

@@ -276,6 +276,22 @@ def test_a_maze_that_does_not_exist_has_no_code(change, message):
 # ---------------------------------------------------------------- states
 
 
+def test_mazes_that_were_never_reset_are_not_played():
+    never = Mazes(2, FIVE)
+    for mazes in (never, never.copy()):
+        with pytest.raises(RuntimeError, match=r"^call reset\(\) before step\(\)$"):
+            mazes.step(np.zeros(2, int))
+    never.reset(options={"reset_mask": np.array([True, False])})
+    with pytest.raises(RuntimeError, match="1 of 2 environments were never reset"):
+        never.step(np.zeros(2, int))
+
+
+def test_a_copy_is_drawn_as_the_original():
+    mazes = Mazes(2, FIVE, "rgb_array")
+    mazes.reset(seed=0)
+    np.testing.assert_array_equal(mazes.copy().render(), mazes.render())
+
+
 def test_a_state_that_is_put_back_goes_on_alike():
     rng = np.random.default_rng(0)
     mazes, twin = Mazes(8, OPAQUE), Mazes(8, OPAQUE)

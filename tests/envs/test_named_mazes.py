@@ -317,7 +317,9 @@ def test_gymnasium_makes_mazes():
         check_env(env.unwrapped)
     assert env.reset(seed=3)[0].shape == (54,)
     given = env.reset(seed=3)[1]["theta"]
-    assert (env.reset(options={"theta": given})[1]["theta"] == given).all()
+    played = env.reset(options={"theta": given})[1]
+    assert (played["theta"] == given).all() and played["replaced"] is False
+    assert env.reset(options={"theta": np.zeros(len(given))})[1]["replaced"] is True  # start and goal in one cell
     assert (env.reset()[1]["theta"] != given).any()
     assert env.render().shape[2] == 3
     batch = gymnasium.make_vec(name, num_envs=4, max_steps=5)

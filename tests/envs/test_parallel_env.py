@@ -31,6 +31,7 @@ RightCM at 40 @ 0
 RightGK at 99 @ 0
 ball = Ball at 5 @ 0
 """
+NAMES = frozenset(("theta", "replaced", "ended"))
 
 
 def walk(env: FootballParallelEnv, steps: int, seed: int = 0, **options: object) -> list[tuple]:
@@ -125,11 +126,21 @@ def test_theta_is_an_option() -> None:
     assert all(infos[agent]["theta"].tolist() == [0.5, -0.5] for agent in env.agents)
 
 
+def test_an_invalid_theta_is_reported() -> None:
+    """A match whose players overlap is replaced by a random valid one."""
+    program = "ego = LeftCM at Range(-9, 9) @ 3\nLeftCM at 5 @ 3\nRightGK at 99 @ 0\nball = Ball at 0 @ 0\n"
+    env = FootballParallelEnv(program, "all")
+    for theta, replaced in ((5 / 9, True), (0.0, False)):
+        _, infos = env.reset(options={"theta": [theta]})
+        assert all(infos[agent]["replaced"] is replaced for agent in env.agents)
+        assert (infos["agent_0"]["theta"] != theta) == replaced
+
+
 def test_infos_are_numbers_under_the_same_names_throughout() -> None:
     env = FootballParallelEnv(MATCH, "all")
     _, infos = env.reset(seed=0)
     steps = [step[4] for step in walk(env, 100)]
-    assert {frozenset(info[agent]) for info in [infos, *steps] for agent in info} == {frozenset(("theta", "ended"))}
+    assert {frozenset(info[agent]) for info in [infos, *steps] for agent in info} == {NAMES}
     reasons = [info["agent_2"]["ended"] for info in steps]
     assert not any(reasons[:-1]) and reasons[-1] in (GOAL, OUT_OF_PLAY, POSSESSION, DURATION)
 

@@ -75,6 +75,22 @@ def test_matches_of_different_durations_end_each_at_its_own():
     assert ends == [(5, 0), (9, 1)]
 
 
+@pytest.mark.parametrize(
+    ("duration", "longest"),
+    [
+        ("param game_duration = 30", 30),
+        ("param game_duration = DiscreteRange(5, 9)", 9),
+        ("param game_duration = Uniform(5, 70, 30)", 70),
+        ("param game_duration = Discrete({5: 3, 12: 1})", 12),
+        ("game_duration = DiscreteRange(5, 9)\nparam game_duration = 2 * game_duration", 18),
+        ("game_duration = DiscreteRange(5, 9)\nparam game_duration = 20 - game_duration", 15),
+        ("param game_duration = 3 * DiscreteRange(5, 9)", None),
+    ],
+)
+def test_the_longest_episode_is_that_of_the_values(duration, longest):
+    assert make(duration).max_episode_steps == longest
+
+
 def test_observations_tell_the_share_of_the_own_duration_that_is_left():
     env = make("param game_duration = DiscreteRange(5, 9)\n", theta=[[-1], [1]])
     seen = env.step(np.zeros(2, int))[0]

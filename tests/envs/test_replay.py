@@ -59,6 +59,31 @@ def test_a_record_of_single_episodes_stands_still_at_their_ends(tmp_path):
     assert same(last, env.matches) and len(set(load_record(tmp_path / "match.npz").lengths.tolist())) > 1
 
 
+@pytest.mark.parametrize("control", ["closest1", "all"])
+def test_a_program_that_plays_for_the_agents_does_so_in_the_replay(tmp_path, control):
+    env = FootballVectorEnv(PROGRAM, 2, config=FootballConfig(control=control))
+    env.reset(seed=1)
+    scripted = env.with_scripted_policy()
+    recorder, course, actions = Recorder(scripted), [scripted.matches], []
+    for _ in range(40):
+        actions.append(recorder.step(np.zeros(scripted.action_space.shape, int))[4]["agent_actions"])
+        course.append(scripted.matches)
+    recorder.save(tmp_path / "match.npz")
+    record = load_record(tmp_path / "match.npz")
+    assert record.scripted and (record.actions.reshape(40, 2, -1) == actions).all() and (record.actions > 0).any()
+    assert all(same(*pair) for pair in zip(course, replay(record), strict=True))
+
+
+def test_a_record_has_whole_matches_or_single_episodes():
+    for first, second in (("step", "advance"), ("advance", "step")):
+        env = FootballVectorEnv(ALONE, 1)
+        env.reset(seed=0)
+        recorder = Recorder(env)
+        getattr(recorder, first)(np.zeros(1, int))
+        with pytest.raises(ValueError, match="a record holds whole matches"):
+            getattr(recorder, second)(np.zeros(1, int))
+
+
 def test_foreign_and_damaged_files_are_refused(tmp_path):
     recorded(tmp_path / "match.npz", ALONE, 20)
     data = (tmp_path / "match.npz").read_bytes()
@@ -108,6 +133,11 @@ def test_a_replay_that_comes_out_differently_says_so(tmp_path):
 def test_what_is_wrong_in_a_record_is_named(tmp_path, changes, message):
     with pytest.raises(RecordError, match=message):
         list(replay(changed(tmp_path, **changes)))
+
+
+def test_matches_that_were_never_reset_cannot_be_recorded():
+    with pytest.raises(ValueError, match=r"call env\.reset\(\) before Recorder\(env\)"):
+        Recorder(FootballVectorEnv(ALONE, 2))
 
 
 def test_matches_that_draw_their_own_levels_cannot_be_recorded():

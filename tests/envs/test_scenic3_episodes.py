@@ -249,6 +249,18 @@ def test_a_mistake_tells_the_level(make):
 
 
 @needed
+def test_a_mistake_leaves_no_answer_for_the_next_request(make):
+    """Both workers fail, or one: what the others answered is not taken for their next observation."""
+    upomdp = make(STILL)
+    upomdp.role.mistaken = True
+    upomdp.reset(seed=3)
+    with pytest.raises(LevelError, match="my mistake"):
+        upomdp.step(np.zeros((2, 1)))
+    observations, _ = upomdp.reset(seed=4)
+    np.testing.assert_array_equal(observations, make(STILL).reset(seed=4)[0])
+
+
+@needed
 def test_what_is_drawn_outside_changes_nothing(load):
     program = load(STILL)
     simulator = program.scenario.getSimulator()

@@ -278,7 +278,7 @@ class UPOMDP(LevelSpace, VectorEnv):
         return np.array([luck_seed(*row) for row in rows], np.uint64)
 
     def copy(self) -> UPOMDP:
-        """Return an independent UPOMDP of the same kind in the same state."""
+        """Return an independent UPOMDP of the same kind in the same state; it has no `level_sampler`."""
         raise NotImplementedError(f"{type(self).__name__} does not support copy")
 
     def with_scripted_policy(self) -> UPOMDP:

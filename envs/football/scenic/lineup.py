@@ -19,6 +19,7 @@ from regista.envs.football.scenic.domain import FACTORS, ONE_FOR_ALL, SETTINGS
 from regista.envs.football.scenic.world_table import THE_BALL
 from regista.envs.football.state import MATCH, TABLES
 from scenic_lite import Program, Scenes, SourceSpan
+from ued.core.parameters import choice_in
 
 ROLES = {name: role for role, name in enumerate(("GK", "CB", "LB", "RB", "DM", "CM", "LM", "RM", "AM", "CF"))}
 TEAMS = {"left": LEFT, "right": RIGHT}
@@ -130,6 +131,21 @@ class Lineup:
         any_match = placed(self._unplaced, np.zeros((1, self.num_players, 2)), np.zeros((1, 2)), [0], self.config)
         random = [f".players[{place}].role" for place, _ in self._random_roles]
         return Limits(list(fields_of(MATCH, TABLES)), self.counts, any_match.view(np.int64), random)
+
+    @cached_property
+    def longest_game(self) -> int | None:
+        """The `game_duration` in steps, the longest if it is random; None unless the column named so decides it."""
+        if "game_duration" not in self.random_settings:
+            return int(self.config.game_duration)  # type: ignore[arg-type]
+        draws = self.program.draws
+        column = next((k for k, draw in enumerate(draws) if draw.name == "game_duration"), None)
+        if column is None or not np.isfinite(draws[column].high):
+            return None
+        options = choice_in(draws[column])
+        ends = np.array([-1.0, 1.0]) if options is None else options.middle(np.arange(options.count))
+        theta = np.repeat([np.full(len(draws), -1.0), np.full(len(draws), 1.0)], len(ends), axis=0)
+        theta[:, column] = np.tile(ends, 2)  # the other columns at both ends: options may be random, too
+        return int(np.max(self.program.instantiate(theta).params["game_duration"]))
 
     def starts(self, theta: np.ndarray, seeds: np.ndarray) -> np.ndarray:
         """Make the matches MATCH `[N]` that θ `[N, D]` describes, with streams from `seeds` `[N]`."""

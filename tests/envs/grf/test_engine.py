@@ -6,6 +6,7 @@ import pytest
 from regista.envs.football.config import FootballConfig
 from regista.envs.football.constants import DURATION, GK, SHOT
 from regista.envs.football.gym_env import FootballEnv
+from regista.envs.football.limits import StateError
 from regista.envs.football.replay import Recorder, load_record, replay, same
 from regista.envs.football.scenic.lineup import NotAMatchError
 from regista.envs.football.vector_env import FootballVectorEnv
@@ -110,10 +111,36 @@ def test_episodes_of_a_level_differ_but_for_the_same_seed(python):
 
 
 def test_a_state_of_the_simulator_is_refused(python):
-    ours = make(python, engine="regista")
+    ours, real = make(python, engine="regista"), make(python)
     ours.reset(seed=0)
-    with pytest.raises(ValueError, match="saved by our simulator, not by"):
-        make(python).set_state(ours.get_state())
+    real.reset(seed=1)
+    before = real.matches
+    with pytest.raises(StateError, match="saved by our simulator, not by"):
+        real.set_state(ours.get_state())
+    assert same(real.matches, before)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"grf_matches": np.array([0, 2])}, "grf_matches of a state must be different numbers below 2"),
+        ({"grf_matches": np.array([0, 0])}, "grf_matches of a state must be different numbers below 2"),
+        ({"grf_matches": np.array([0, -1])}, r"grf_matches of a state must be \[2\] integers from 0"),
+        ({"grf_seeds": None}, r"grf_seeds of a state must be \[2\] integers from 0, got None"),
+        ({"grf_lengths": np.array([3, 2])}, "grf_lengths of a state give 5 steps, and grf_actions has 6"),
+        ({"grf_actions": np.zeros((6, 3), int)}, r"grf_actions of a state must be \[6, 22\] integers"),
+        ({"grf_actions": np.full((6, 22), -1)}, r"grf_actions of a state must be \[6, 22\] integers from 0"),
+    ],
+)
+def test_episodes_that_do_not_fit_are_refused(python, change, message):
+    env = make(python)
+    env.reset(seed=0)
+    for actions in keys(env, 0, 3):
+        env.step(actions)
+    state = env.get_state()
+    with pytest.raises(StateError, match=message):
+        env.set_state(state | change)
+    env.set_state(state)
 
 
 @pytest.mark.parametrize(
@@ -307,3 +334,9 @@ def test_random_settings_are_those_of_the_own_match(python):
 def test_a_random_setting_that_decides_who_has_an_agent_is_refused(python):
     with pytest.raises(NotAMatchError, match="agents_only must be fixed for Google Research Football"):
         make(python, "param agents_only = Uniform(True, False)\n" + PROGRAM)
+
+
+def test_factors_of_our_simulator_are_warned_of(python):
+    with pytest.warns(UserWarning) as warned:
+        make(python, "param keeper_speed = Range(0.9, 1.1), sticky_noise = 0.1, engine_spread = 0.1\n" + PROGRAM)
+    assert [str(one.message).split(" of ")[0] for one in warned] == ["param engine_spread", "param keeper_speed"]
