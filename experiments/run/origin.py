@@ -6,7 +6,7 @@ A run saves its initial student, so that it can resume even if the other run has
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -74,7 +74,7 @@ def of_seed(path: Path, seed: int) -> Path:
 def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuningConfig) -> None:
     """Set the initial student of new runs, by seed; None: random initialization.
 
-    Raises `CommandError` if a run has started from another student.
+    Raises `CommandError` if a run has started from another student, or with another KL regularizer.
     """
     from ued.core import checkpoint
 
@@ -86,10 +86,24 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
                 check(origin, run.config)
             save(run, origin, settings)
             continue
-        began = checkpoint.load_entry(saved, "source") if saved.exists() else None
+        state = checkpoint.load(saved) if saved.exists() else {}
+        began = state.get("source")
         if began != (str(source.absolute()) if source else None):
             other = source or "a new student"
             raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
+        if source:
+            _check_kl(run, state, settings)
+
+
+def _check_kl(run: RunFolder, state: Mapping[str, Any], settings: FineTuningConfig) -> None:
+    """Raise `CommandError` if a run has started with another KL regularizer; older files lack its `kl_share`."""
+    coef = state.get("kl_coef")
+    share = state.get("kl_share", settings.kl_share) if coef else settings.kl_share  # without weight, of no effect
+    if (coef, share) != (settings.kl_to_clone, settings.kl_share):
+        raise CommandError(
+            f"{run.path} started with --kl-to-clone {coef} --kl-share {share}; it cannot continue with "
+            f"{settings.kl_to_clone} and {settings.kl_share}"
+        )
 
 
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:
@@ -139,6 +153,7 @@ def save(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> N
         return
     fades = int(settings.kl_share * run.config.total_env_steps)
     saved = {"student": origin.student, "kl_coef": settings.kl_to_clone, "kl_env_steps": fades}
+    saved |= {"kl_share": settings.kl_share}
     checkpoint.save(path, saved | {"source": str(origin.path.absolute()), "minigame": origin.config.minigame})
 
 
