@@ -196,7 +196,8 @@ def _restore(run: RunFolder, cloner: Cloner, data: CloningData) -> tuple[bool, f
     saw = state.get("episodes", data.episodes)  # unknown in older files
     if saw != data.episodes:
         raise CommandError(
-            f"{run.path} was cloned from {saw} episodes, {data.demos.path} now has {data.episodes}; choose another --out"
+            f"{run.path} was cloned from {saw} episodes, {data.demos.path} now has {data.episodes}; choose another "
+            "--out"
         )
     with read_from(f"{path} is"):
         cloner.load_state_dict(state["cloner"])

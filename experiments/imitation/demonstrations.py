@@ -109,8 +109,8 @@ class Demonstrations:
             before = configs.about(path / "demonstrations.json").get(TRAINED, env_steps)  # older folders lack it
             if before != env_steps:
                 raise CommandError(
-                    f"{path} holds episodes of {config.source} at {before} env_steps, which now has {env_steps}; choose "
-                    "another --out"
+                    f"{path} holds episodes of {config.source} at {before} env_steps, which now has {env_steps}; "
+                    "choose another --out"
                 )
             if (path / "program.scenic").read_text(errors="replace") != program:
                 raise CommandError(f"the program has changed since {path} was created, see its program.scenic")

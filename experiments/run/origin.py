@@ -76,23 +76,44 @@ def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuning
 
     Raises `CommandError` if a run has started from another student, or with another KL regularizer.
     """
-    from ued.core import checkpoint
-
-    for run in runs:
-        source, saved = of_seed(path, run.config.seed) if path else None, run.path / "origin.pt"
+    sources = [of_seed(path, run.config.seed) if path else None for run in runs]
+    begun: dict[Path | None, dict[str, Any]] = {}  # the content of origin.pt of a run that has begun, by source
+    for run, source in zip(runs, sources, strict=True):
+        if run.begun():
+            begun[source] = _began(run, source, settings)
+    for run, source in zip(runs, sources, strict=True):
         if not run.begun():
             origin = load(source) if source else None
             if origin is not None:
                 check(origin, run.config)
+                _check_unchanged(origin, begun.get(source, {}).get("student"))
             save(run, origin, settings)
-            continue
-        state = checkpoint.load(saved) if saved.exists() else {}
-        began = state.get("source")
-        if began != (str(source.absolute()) if source else None):
-            other = source or "a new student"
-            raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
-        if source:
-            _check_kl(run, state, settings)
+
+
+def _began(run: RunFolder, source: Path | None, settings: FineTuningConfig) -> dict[str, Any]:
+    """Return the content of a run's origin.pt, empty without one; see `begin_all` for errors."""
+    from ued.core import checkpoint
+
+    saved = run.path / "origin.pt"
+    state = checkpoint.load(saved) if saved.exists() else {}
+    began = state.get("source")
+    if began != (str(source.absolute()) if source else None):
+        other = source or "a new student"
+        raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
+    if source:
+        _check_kl(run, state, settings)
+    return state
+
+
+def _check_unchanged(origin: Origin, student: Mapping[str, Any] | None) -> None:
+    """Raise `CommandError` unless `student`, from which other runs started, is the one of the origin now."""
+    import torch
+
+    if student is not None and not all(torch.equal(student[name], now) for name, now in origin.student.items()):
+        raise CommandError(
+            f"{origin.path} has been trained since other runs started from it: runs of one comparison start from the "
+            "same student; choose another --out"
+        )
 
 
 def _check_kl(run: RunFolder, state: Mapping[str, Any], settings: FineTuningConfig) -> None:

@@ -150,6 +150,6 @@ def warn_of_annealing(config: Any) -> None:
     annealed, total = config.ppo.anneal_env_steps, config.total_env_steps
     if 0 < annealed < total:
         warn(
-            f"warning: students do not learn from {annealed:_} of {total:_} env_steps on, where --anneal-env-steps ends "
-            "with a learning rate of 0"
+            f"warning: students do not learn from {annealed:_} of {total:_} env_steps on, where --anneal-env-steps "
+            "ends with a learning rate of 0"
         )

@@ -79,7 +79,9 @@ def warn_of_origin(typed: Mapping[str, Any]) -> None:
     file = (path if path.is_dir() else path.parent) / "origin.pt"
     if file.exists():
         source = checkpoint.load_entry(file, "source")
-        warn(f"warning: {file.parent} started from {source}; this run starts from a new student without --from {source}")
+        warn(
+            f"warning: {file.parent} started from {source}; this run starts from a new student without --from {source}"
+        )
 
 
 def preset_of(argv: Sequence[str]) -> str:
