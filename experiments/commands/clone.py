@@ -102,6 +102,7 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
             f"{demos.path} holds observations {list(seen)} of {demos.config.minigame}; {minigame} has "
             f"{list(space.shape or ())}: the demonstrations belong to another game"
         )
+    data.opponents = upomdp.individual_rewards
     stem = Path(minigame).stem if minigame.endswith(".scenic") else minigame
     path = config.out or Path("runs") / f"{stem}-clone-{config.seed}"
     asked = configs.to_dict(replace(config, out=None))
@@ -136,7 +137,7 @@ def clone(
     from ued.learning.cloning import Cloner
 
     cloner = Cloner(method.student, config.cloning, torch_generator(config.seed))
-    table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner)
+    table, goes_on, elapsed = Table(run.path / "cloning.csv"), *_restore(run, cloner, data)
     lines = table.until(cloner.epoch)  # read everything before writing anything
     run.save_source(source)
     table.replace(lines)
@@ -150,7 +151,7 @@ def clone(
         goes_on = cloner.keep_if_best(agreement.loss)
         elapsed += time.perf_counter() - began
         table.append([_row(cloner, losses, agreement) | {"time/elapsed": elapsed}])
-        _save(run, cloner, goes_on, elapsed)
+        _save(run, cloner, data, goes_on, elapsed)
         progress.show(cloner.epoch, {"loss": agreement.loss, "accuracy": agreement.accuracy})
     if stop and goes_on:
         return
@@ -181,23 +182,33 @@ def _row(cloner: Cloner, losses: dict[str, float], agreement: Agreement) -> dict
     }
 
 
-def _restore(run: RunFolder, cloner: Cloner) -> tuple[bool, float]:
-    """Restore the last saved epoch, if any; return whether training continues, and the seconds spent so far."""
+def _restore(run: RunFolder, cloner: Cloner, data: CloningData) -> tuple[bool, float]:
+    """Restore the last saved epoch, if any; return whether training continues, and the seconds spent so far.
+
+    Raises `CommandError` if episodes were added since: some of those learned from would now be held out.
+    """
     from ued.core import checkpoint
 
     path = run.path / "cloning.pt"
     if not path.exists():
         return True, 0.0
     state = checkpoint.load(path)
+    saw = state.get("episodes", data.episodes)  # unknown in older files
+    if saw != data.episodes:
+        raise CommandError(
+            f"{run.path} was cloned from {saw} episodes, {data.demos.path} now has {data.episodes}; choose another "
+            "--out"
+        )
     with read_from(f"{path} is"):
         cloner.load_state_dict(state["cloner"])
         return bool(state["goes_on"] or not cloner.best), float(state["elapsed"])
 
 
-def _save(run: RunFolder, cloner: Cloner, goes_on: bool, elapsed: float) -> None:
+def _save(run: RunFolder, cloner: Cloner, data: CloningData, goes_on: bool, elapsed: float) -> None:
     from ued.core import checkpoint
 
-    checkpoint.save(run.path / "cloning.pt", {"cloner": cloner.state_dict(), "goes_on": goes_on, "elapsed": elapsed})
+    progress = {"goes_on": goes_on, "elapsed": elapsed, "episodes": data.episodes}
+    checkpoint.save(run.path / "cloning.pt", {"cloner": cloner.state_dict(), **progress})
 
 
 def write_accuracies(path: Path, agreement: Agreement) -> None:

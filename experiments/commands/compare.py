@@ -161,6 +161,7 @@ def _read(argv: Sequence[str]) -> tuple[CompareConfig, Game]:
     others = {case: [CompareConfig(train=t) for t in trains] for case, trains in starting.other_settings(argv).items()}
     typed = arguments.typed_settings(known, argv, "compare", DESCRIPTION, others)
     game, start = starting.start_of(typed, typed.get("minigame"), CompareConfig().minigame)
+    starting.warn_of_origin(typed)
     if "from_" in typed:
         seed = typed.get("first_seed", CompareConfig().first_seed)
         start = origin.like(origin.load(origin.of_seed(typed["from_"], seed)), start)

@@ -69,11 +69,12 @@ def main(argv: Sequence[str]) -> int:
     for name in sorted(SET_BY_RUN & given.keys()) if typed.run else ():
         raise UsageError(f"{arguments.flag_name(name)} and --run exclude each other: a run has its training settings")
     check_installed()
-    config, program, student = _policy_of(typed)
+    config, program, student, env_steps = _policy_of(typed)
     # before the folder, so that an error leaves no folder
     env = build.make_matches(program, config.part, config.env, config.seed, typed.threads)
     stem = Path(config.minigame).stem if config.minigame.endswith(".scenic") else config.minigame
-    demos = Demonstrations.create_or_continue(typed.out or Path("demos") / stem, config, program.source)
+    out = typed.out or Path("demos") / stem
+    demos = Demonstrations.create_or_continue(out, config, program.source, env_steps)
     if student is None:
         if not env.behaviors.is_live:
             warn(f"note: {program.file} has no behaviors; the built-in AI acts for its agents")
@@ -83,8 +84,12 @@ def main(argv: Sequence[str]) -> int:
     return stop.exit_code
 
 
-def _policy_of(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None]:
-    """Return the settings of the folder, the program, and for a student a function that makes its policy by seed."""
+def _policy_of(
+    typed: DemonstrateConfig,
+) -> tuple[DemonstrationsConfig, Any, Callable[[int], Choose] | None, int | None]:
+    """Return the settings of the folder and the program; for a student, a function that makes its policy by seed, and
+    the env_steps of its training.
+    """
     from regista.envs.football.config import FootballConfig
 
     chosen = {name: getattr(typed, name) for name in ("keep", "success_above", "greedy", "seed")}
@@ -102,7 +107,7 @@ def _policy_of(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
             raise UsageError(str(error)) from error
         alone = env.control in ("active", "closest1", "1")
         program = load_program((game.expert if alone else game.team_expert) or game.program, None)
-        return DemonstrationsConfig(minigame=found.name, part=part, env=env, **chosen), program, None
+        return DemonstrationsConfig(minigame=found.name, part=part, env=env, **chosen), program, None, None
     if typed.minigame:
         raise UsageError(f"{typed.minigame} and --run exclude each other: a run plays its own minigame")
     run = RunFolder.open(typed.run)
@@ -113,16 +118,16 @@ def _policy_of(typed: DemonstrateConfig) -> tuple[DemonstrationsConfig, Any, Cal
     config = DemonstrationsConfig(
         minigame=run.config.minigame, source=str(typed.run.resolve()), part=part, env=env, **chosen
     )
-    return config, program, _student(run, played, typed.greedy)
+    return config, program, *_student(run, played, typed.greedy)
 
 
-def _student(run: RunFolder, game: Game, greedy: bool) -> Callable[[int], Choose]:
+def _student(run: RunFolder, game: Game, greedy: bool) -> tuple[Callable[[int], Choose], int]:
     from regista.experiments.run.evaluator import load_student
     from ued.core.seeding import torch_generator
     from ued.learning.student import Player
 
-    student, _ = load_student(run, game)
-    return lambda seed: Player(student, torch_generator(seed), greedy)
+    student, (env_steps, _) = load_student(run, game)
+    return lambda seed: Player(student, torch_generator(seed), greedy), env_steps
 
 
 def _fill(

@@ -110,6 +110,7 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
     progress = Progress(config.total_env_steps, method.env_steps)
     reporters = open_reporters(run, task, method, progress, connect)
     outlook.tell(config, method, progress.say)
+    outlook.warn_of_annealing(config)
 
     with stop, telling_warnings():
         while method.env_steps < config.total_env_steps and not stop:
@@ -244,6 +245,7 @@ def _settings(typed: dict[str, Any]) -> tuple[TrainFlags, origin.Origin | None, 
     if path is not None and "seeds" in typed:  # a folder may hold a student for each seed; all have the same network
         path = origin.of_seed(path, int(typed.get("config.seed", 0)))
     source = origin.load(path) if path is not None else None
+    starting.warn_of_origin(typed)
     usual = source.config.minigame if source else TrainConfig().minigame
     game, start = starting.start_of(typed, typed.get("config.minigame"), usual)
     base = TrainFlags(config=origin.like(source, start) if source else start)

@@ -23,11 +23,14 @@ CHUNK_BYTES = 256 * 2**20
 class CloningData:
     """The steps of all saved episodes. `validation` is the held-out share of episodes, sampled with `seed`.
 
+    Attributes:
+        opponents: whether agents are opponents, each with its own returns; see `UPOMDP.individual_rewards`.
+
     Raises `CommandError` for a folder with missing or damaged files, or with fewer than two episodes.
     """
 
     def __init__(self, demos: Demonstrations, gamma: float, validation: float, seed: int) -> None:
-        self.demos, self.gamma = demos, gamma
+        self.demos, self.gamma, self.opponents = demos, gamma, False
         self.episodes = demos.num_episodes()
         summaries = list(demos.summaries())
         saved = sum(int(summary.kept.sum()) for summary in summaries)
@@ -108,9 +111,10 @@ class CloningData:
         Raises `ValueError` for arrays of inconsistent shapes or invalid values.
         """
         group = file[f"episode_{episode}"]
-        actions, mask, rewards = (group[name][()] for name in ("actions", "infos/told", "rewards"))
+        paid, by_agent = ("infos/agent_rewards", self._shapes[1]) if self.opponents else ("rewards", ())
+        actions, mask, rewards = (group[name][()] for name in ("actions", "infos/told", paid))
         seen = group["observations"][: len(actions)]
-        shapes = seen.shape == (len(actions), *self._shapes[0]) and rewards.shape == (len(actions),)
+        shapes = seen.shape == (len(actions), *self._shapes[0]) and rewards.shape == (len(actions), *by_agent)
         if not shapes or actions.shape[1:] != self._shapes[1] or mask.shape != actions.shape:
             raise ValueError("its arrays have inconsistent shapes")
         whole = mask.dtype == bool and actions.dtype.kind == "i" and ((actions >= 0) & (actions < NUM_ACTIONS)).all()

@@ -1,6 +1,7 @@
 """The folder of `regista demonstrate`: episodes in parts, each complete or absent, and a Minari dataset of them.
 
-    demonstrations.json     the `DemonstrationsConfig`; `about`: the version of the simulator
+    demonstrations.json     the `DemonstrationsConfig`; `about`: the version of the simulator,
+                            and the env_steps of the student's training
     program.scenic          the text of the program
     records/0000.npz        the saved episodes of a part, for `regista play --replay`
     data/part-0000.hdf5     their observations and actions
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 EXTRA = "pip install 'regista[demonstrations]'"
 COMPRESSION = {"compression": "gzip", "compression_opts": 1}  # planes are mostly zeros
+TRAINED = "env_steps"  # key of the length of the student's training, in `about`
 SMALL = 8192  # bytes, below which arrays are not compressed
 
 
@@ -91,13 +93,25 @@ class Demonstrations:
         return versions.saved_version(self.config, configs.about(file), f"{file}: '{configs.ABOUT}'")
 
     @classmethod
-    def create_or_continue(cls, path: Path, config: DemonstrationsConfig, program: str) -> Demonstrations:
-        """Create a folder, or continue one that has the same settings and program."""
+    def create_or_continue(
+        cls, path: Path, config: DemonstrationsConfig, program: str, env_steps: int | None = None
+    ) -> Demonstrations:
+        """Create a folder, or continue one that has the same settings and program.
+
+        `env_steps` are those of the student's training, None for a program. Raises `CommandError` for a folder that
+        differs in one of these.
+        """
         if (path / "demonstrations.json").exists():
             found = cls.open(path)
             versions.check_present(found.simulator, f"{path} was recorded on", "nothing can be added to it")
             for name, (old, new) in configs.differences(found.config, config).items():
                 raise CommandError(f"{path} was made with {name} = {old}; it cannot continue with {new}")
+            before = configs.about(path / "demonstrations.json").get(TRAINED, env_steps)  # older folders lack it
+            if before != env_steps:
+                raise CommandError(
+                    f"{path} holds episodes of {config.source} at {before} env_steps, which now has {env_steps}; "
+                    "choose another --out"
+                )
             if (path / "program.scenic").read_text(errors="replace") != program:
                 raise CommandError(f"the program has changed since {path} was created, see its program.scenic")
             return found
@@ -107,7 +121,8 @@ class Demonstrations:
             for folder in ("records", "data"):
                 (path / folder).mkdir(parents=True, exist_ok=True)
             write_whole(path / "program.scenic", program)
-            configs.save(config, path / "demonstrations.json", versions.stamp(config))
+            trained = {} if env_steps is None else {TRAINED: env_steps}
+            configs.save(config, path / "demonstrations.json", versions.stamp(config) | trained)
         except OSError as error:
             raise cannot_write(path, error) from error
         return cls(path, config)

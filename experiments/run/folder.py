@@ -128,12 +128,15 @@ class RunFolder:
         """Change the budget or logging settings; settings that affect results must not differ.
 
         `save_config` writes the change, so a folder that turns out to be damaged stays unchanged. Raises `CommandError`
-        for a run of another simulator version.
+        for a run of another simulator version, and for a budget that the run has exceeded.
         """
         if self.begun():
             versions.check_present(self.simulator, f"{self.path} was trained on", EVALUATED_ALONE)
         elif self.simulator != versions.present_version(self.config):
             self.about, self._saved = {**self.about, **versions.stamp(self.config)}, None
+        done, total = self.env_steps(), config.total_env_steps
+        if total < min(done, self.config.total_env_steps):
+            raise ConfigError(f"{self.path} has {done:_} env_steps; it cannot continue with total_env_steps = {total}")
         others = {row.group for row in METHODS.values()} - {METHODS[self.config.method].group}
         for name, (old, new) in configs.differences(self.config, config).items() if self.begun() else ():
             of_others = name.partition(".")[0] in others

@@ -6,7 +6,7 @@ A run saves its initial student, so that it can resume even if the other run has
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -74,22 +74,57 @@ def of_seed(path: Path, seed: int) -> Path:
 def begin_all(runs: Sequence[RunFolder], path: Path | None, settings: FineTuningConfig) -> None:
     """Set the initial student of new runs, by seed; None: random initialization.
 
-    Raises `CommandError` if a run has started from another student.
+    Raises `CommandError` if a run has started from another student, or with another KL regularizer.
     """
-    from ued.core import checkpoint
-
-    for run in runs:
-        source, saved = of_seed(path, run.config.seed) if path else None, run.path / "origin.pt"
+    sources = [of_seed(path, run.config.seed) if path else None for run in runs]
+    begun: dict[Path | None, dict[str, Any]] = {}  # the content of origin.pt of a run that has begun, by source
+    for run, source in zip(runs, sources, strict=True):
+        if run.begun():
+            begun[source] = _began(run, source, settings)
+    for run, source in zip(runs, sources, strict=True):
         if not run.begun():
             origin = load(source) if source else None
             if origin is not None:
                 check(origin, run.config)
+                _check_unchanged(origin, begun.get(source, {}).get("student"))
             save(run, origin, settings)
-            continue
-        began = checkpoint.load_entry(saved, "source") if saved.exists() else None
-        if began != (str(source.absolute()) if source else None):
-            other = source or "a new student"
-            raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
+
+
+def _began(run: RunFolder, source: Path | None, settings: FineTuningConfig) -> dict[str, Any]:
+    """Return the content of a run's origin.pt, empty without one; see `begin_all` for errors."""
+    from ued.core import checkpoint
+
+    saved = run.path / "origin.pt"
+    state = checkpoint.load(saved) if saved.exists() else {}
+    began = state.get("source")
+    if began != (str(source.absolute()) if source else None):
+        other = source or "a new student"
+        raise CommandError(f"{run.path} started from {began or 'a new student'}; it cannot continue with {other}")
+    if source:
+        _check_kl(run, state, settings)
+    return state
+
+
+def _check_unchanged(origin: Origin, student: Mapping[str, Any] | None) -> None:
+    """Raise `CommandError` unless `student`, from which other runs started, is the one of the origin now."""
+    import torch
+
+    if student is not None and not all(torch.equal(student[name], now) for name, now in origin.student.items()):
+        raise CommandError(
+            f"{origin.path} has been trained since other runs started from it: runs of one comparison start from the "
+            "same student; choose another --out"
+        )
+
+
+def _check_kl(run: RunFolder, state: Mapping[str, Any], settings: FineTuningConfig) -> None:
+    """Raise `CommandError` if a run has started with another KL regularizer; older files lack its `kl_share`."""
+    coef = state.get("kl_coef")
+    share = state.get("kl_share", settings.kl_share) if coef else settings.kl_share  # without weight, of no effect
+    if (coef, share) != (settings.kl_to_clone, settings.kl_share):
+        raise CommandError(
+            f"{run.path} started with --kl-to-clone {coef} --kl-share {share}; it cannot continue with "
+            f"{settings.kl_to_clone} and {settings.kl_share}"
+        )
 
 
 def like(origin: Origin, config: TrainConfig) -> TrainConfig:
@@ -139,6 +174,7 @@ def save(run: RunFolder, origin: Origin | None, settings: FineTuningConfig) -> N
         return
     fades = int(settings.kl_share * run.config.total_env_steps)
     saved = {"student": origin.student, "kl_coef": settings.kl_to_clone, "kl_env_steps": fades}
+    saved |= {"kl_share": settings.kl_share}
     checkpoint.save(path, saved | {"source": str(origin.path.absolute()), "minigame": origin.config.minigame})
 
 

@@ -143,3 +143,13 @@ def tell(config: Any, method: Any, say: Any) -> None:
     for shortcoming in found.shortcomings():
         name = METHODS[config.method].title
         warn(f"warning: the budget may be too small for {name}: about {found.levels:_} levels; {shortcoming}")
+
+
+def warn_of_annealing(config: Any) -> None:
+    """Warn if the learning rate reaches 0 before the end of the run, as that of a run whose budget was extended."""
+    annealed, total = config.ppo.anneal_env_steps, config.total_env_steps
+    if 0 < annealed < total:
+        warn(
+            f"warning: students do not learn from {annealed:_} of {total:_} env_steps on, where --anneal-env-steps "
+            "ends with a learning rate of 0"
+        )

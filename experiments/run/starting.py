@@ -13,6 +13,7 @@ from typing import Any
 from regista.experiments.run.build import find_game
 from regista.experiments.run.errors import UsageError
 from regista.experiments.run.games import all_starts
+from regista.experiments.run.notes import warn
 
 TAKING_TEXT = (  # flags of train and compare whose value may look like a game
     *("--out", "--from", "--resume", "--config", "--rrd", "--connect", "--scenario", "--model", "-m", "--param", "-p"),
@@ -66,6 +67,21 @@ def start_of(typed: Mapping[str, Any], minigame: str | None, usual: str) -> tupl
     if minigame and type(game.start("fast")) is not type(start):
         raise UsageError(f"--config {path} has settings for {start.minigame}, which do not apply to {game.short}")
     return game, start
+
+
+def warn_of_origin(typed: Mapping[str, Any]) -> None:
+    """Warn if `--config` names a run that started from a student, and `--from`, which is no setting, is missing."""
+    from ued.core import checkpoint
+
+    path = typed.get("config_")
+    if path is None or "from_" in typed:
+        return
+    file = (path if path.is_dir() else path.parent) / "origin.pt"
+    if file.exists():
+        source = checkpoint.load_entry(file, "source")
+        warn(
+            f"warning: {file.parent} started from {source}; this run starts from a new student without --from {source}"
+        )
 
 
 def preset_of(argv: Sequence[str]) -> str:

@@ -1,12 +1,17 @@
 """From demonstrations to a clone to a training that begins with it, by the command line."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
 import torch
 
 from regista.experiments.__main__ import main
+from regista.experiments.imitation.cloning_data import CloningData
+from regista.experiments.imitation.demonstrations import Demonstrations
+from regista.experiments.run.build import find_game
+from regista.experiments.run.evaluator import load_method
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.table import read_columns, read_rows
 from tests.experiments.test_demonstrate import PAIR, RUN
@@ -135,6 +140,31 @@ def test_cloning_goes_on_where_it_was_killed(demos, tmp_path, monkeypatch, capsy
     assert "holds a clone with other settings" in capsys.readouterr().err
 
 
+def test_a_clone_of_fewer_episodes_is_not_continued_on_more(demos, tmp_path, capsys):
+    grown, clone = tmp_path / "demos", tmp_path / "clone"
+    shutil.copytree(demos / "one", grown)
+    words = ["clone", str(grown), "--out", str(clone), *FEW]
+    assert main(words) == 0
+    before = (clone / "accuracy.csv").read_text()
+    more = ["demonstrate", str(demos / "one.scenic"), "--control", "1", "--episodes", "120", "--out", str(grown)]
+    assert main(more) == 0
+    said = refused(capsys, *words)
+    assert f"{clone} was cloned from 100 episodes, {grown} now has 120; choose another --out" in said
+    assert (clone / "accuracy.csv").read_text() == before
+
+
+def test_critics_of_opponents_learn_the_returns_of_their_own_side(tmp_path):
+    program, out = tmp_path / "against.scenic", tmp_path / "demos"
+    program.write_text(RUN + "RightCB at -80 @ 30\n")
+    play = ["demonstrate", str(program), "--control", "1", "--right-control", "1", "--episodes", "30"]
+    assert main([*play, "--out", str(out)]) == 0
+    assert main(["clone", str(out), "--out", str(tmp_path / "clone"), "--epochs", "30", "--ppo.hidden-size", "16"]) == 0
+    method, _ = load_method(RunFolder.open(tmp_path / "clone"), find_game(str(program)))
+    data = CloningData(Demonstrations.open(out), 0.995, 0.1, 0)
+    value = method.student(next(data.chunks(held_out=False)).observation)[1].mean(0)  # [2] in successful episodes
+    assert value[0] > 0.5 and value[1] < -0.5
+
+
 def test_demonstrations_that_do_not_fit_into_memory_are_read_in_chunks(demos, tmp_path, monkeypatch):
     from regista.experiments.imitation import cloning_data
 
@@ -182,8 +212,6 @@ def test_what_does_not_fit_is_refused_in_a_sentence(demos, tmp_path, capsys):
 
 
 def test_a_truncated_data_set_is_refused(demos, tmp_path, capsys):
-    import shutil
-
     import h5py
 
     for number, damage in enumerate(("cut", "part", "unfinished", "actions", "summary")):

@@ -41,6 +41,27 @@ def test_a_run_of_the_same_settings_gives_the_same_numbers(run, name, tmp_path):
     assert rows[0] == rows[1]
 
 
+def test_a_run_that_started_from_a_student_warns_that_the_settings_do_not_hold_it(run, tmp_path, capsys):
+    tuned = tmp_path / "tuned"
+    assert main(["train", GAME, "--method", "dr", *SMALL, "--from", str(run), "--out", str(tuned)]) == 0
+    capsys.readouterr()
+    again = ["train", "--config", str(tuned), "--out"]
+    assert main([*again, str(tmp_path / "new")]) == 0
+    assert f"warning: {tuned} started from {run}; this run starts from a new student without --from {run}" in (
+        capsys.readouterr().err
+    )
+    assert main([*again, str(tmp_path / "same"), "--from", str(run)]) == 0
+    assert "started from" not in capsys.readouterr().err
+
+
+def test_a_budget_below_what_a_run_has_done_is_refused(run, capsys):
+    before = (run / "config.json").read_bytes()
+    assert main(["train", "--resume", str(run), "--total-env-steps", "128"]) == 1
+    assert f"{run} has 256 env_steps; it cannot continue with total_env_steps = 128" in capsys.readouterr().err
+    assert (run / "config.json").read_bytes() == before
+    assert main(["train", "--resume", str(run), "--total-env-steps", "256"]) == 0
+
+
 def test_flags_win(run, tmp_path):
     words = ["--seed", "4", "--learning-rate", "0.001", "--out", str(tmp_path / "out")]
     typed = train._typed(["--config", str(run), *words])

@@ -235,7 +235,12 @@ def test_a_trained_student_demonstrates(program, tmp_path, capsys):
     record = load_record(out / "records" / "0000.npz")
     assert not record.scripted and len(list(replay(record))) == record.lengths.max() + 1
     assert len(np.unique(record.actions)) > 5
+    assert main(["train", "--resume", str(run), "--total-env-steps", "1024"]) == 0
     capsys.readouterr()
+    more = ["demonstrate", "--run", str(run), "--keep", "all", "--out", str(out), "--episodes"]
+    assert main([*more, "300"]) == 1
+    said = f"{out} holds episodes of {run} at 512 env_steps, which now has 1024; choose another --out"
+    assert said in capsys.readouterr().err
     assert main(["demonstrate", str(program), "--run", str(run)]) == 2
     assert "exclude each other" in capsys.readouterr().err
     assert main(["demonstrate", "--run", str(run), "--control", "all"]) == 2

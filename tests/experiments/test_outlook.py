@@ -8,7 +8,7 @@ import pytest
 from regista.experiments.__main__ import main
 from regista.experiments.run import build
 from regista.experiments.run.config import task_presets
-from regista.experiments.run.outlook import outlook, tell
+from regista.experiments.run.outlook import outlook, tell, warn_of_annealing
 from regista.experiments.run.table import read_columns, read_rows
 from ued.config import (
     ACCELConfig,
@@ -92,6 +92,14 @@ def test_a_limit_that_nobody_knows_is_said(capsys):
     (line,) = said
     assert line.startswith("the environment declares no step limit, so the number of levels in this run is unknown")
     assert line.endswith("TimeLimit, or, in a UPOMDP class of your own, set self.max_episode_steps")
+
+
+def test_a_run_that_goes_on_at_a_learning_rate_of_0_is_warned_of(capsys):
+    config = task_presets()["fast"]
+    for annealed, total in ((0, 3_000), (3_000, 3_000), (3_000, 4_321)):
+        warn_of_annealing(replace(config, total_env_steps=total, ppo=replace(config.ppo, anneal_env_steps=annealed)))
+    said = capsys.readouterr().err
+    assert said.startswith("warning: students do not learn from 3_000 of 4_321 env_steps on") and said.count("\n") == 1
 
 
 def trained(tmp_path, limit, *words):

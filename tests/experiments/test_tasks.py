@@ -203,6 +203,9 @@ def test_a_comparison_begins_with_students_of_the_same_seeds(task, trained_here,
     assert main([*command, "--from", str(out)]) == 1
     assert "holds 2 runs of seed 0: --from takes a run, or a comparison of one method" in capsys.readouterr().err
     assert main([*command, "--kl-to-clone", "1"]) == 2
+    assert main([*command, "--from", str(start), "--kl-to-clone", "1"]) == 1
+    said = capsys.readouterr().err
+    assert "dr-0 started with --kl-to-clone 0.0 --kl-share 0.5; it cannot continue with 1.0 and 0.5" in said
 
 
 @pytest.mark.slow

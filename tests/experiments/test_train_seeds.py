@@ -267,3 +267,22 @@ def test_policies_evaluated_in_parallel_have_the_same_numbers(apart: Path, monke
     one, other = reports
     assert repr(one.results) == repr(other.results) and len(one.results) > 2
     assert repr(one.levels) == repr(other.levels) and len(one.levels) > 2
+
+
+def test_runs_of_one_folder_start_from_one_student_in_one_way(
+    trained_here: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    start, tuned, length = tmp_path / "start", tmp_path / "tuned", ["--total-env-steps", "256", "--eval-every", "0"]
+    assert main(["train", *TASK, *length, "--out", str(start)]) == 0
+    command = ["train", *TASK, *length, "--from", str(start), "--out", str(tuned), "--seeds"]
+    assert main([*command, "1"]) == 0
+    capsys.readouterr()
+    assert main([*command, "2", "--kl-to-clone", "1"]) == 1
+    said = f"{tuned}/plr-0 started with --kl-to-clone 0.0 --kl-share 0.5; it cannot continue with 1.0 and 0.5"
+    assert said in capsys.readouterr().err
+    assert main(["train", "--resume", str(start), "--total-env-steps", "512"]) == 0
+    assert main([*command, "1"]) == 0  # it keeps its student
+    capsys.readouterr()
+    assert main([*command, "2"]) == 1
+    assert f"{start} has been trained since other runs started from it" in capsys.readouterr().err
+    assert not (tuned / "plr-1" / "metrics.csv").exists()

@@ -88,6 +88,19 @@ def test_the_critic_learns_what_came_of_it():
     assert discounted(np.array([0.0, 0.0, 1.0]), 0.5).tolist() == [0.25, 0.5, 1.0]
 
 
+def test_critics_of_opponents_learn_what_each_of_them_gets():
+    data = steps(500, agents=2)
+    rewards = np.array([[0.0, 0.0], [1.0, -1.0]])
+    assert discounted(rewards, 0.5).tolist() == [[0.5, -0.5], [1.0, -1.0]]
+    returns = torch.tensor([1.0, -1.0]).expand(500, 2)
+    cloner = Cloner(student(2), CloningConfig(learning_rate=5e-3), torch_generator(1))
+    cloner.look_through([data])
+    for _ in range(30):
+        cloner.learn([Demonstrated(data.observation, data.action, data.mask, returns)])
+    value = cloner.student(data.observation)[1].mean(0)
+    assert value.tolist() == pytest.approx([1.0, -1.0], abs=0.1)
+
+
 def test_it_goes_on_as_if_it_had_never_stopped():
     def epochs(cloner, count):
         return [cloner.learn([data]) for _ in range(count)]

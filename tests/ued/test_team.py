@@ -9,7 +9,7 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete
 from probes import Follow, Probe
 
 from ued.adapters.mixture import Mixture
-from ued.config import PPOConfig
+from ued.config import PairedConfig, PPOConfig
 from ued.core.seeding import torch_generator
 from ued.learning.networks import Categorical, Linears
 from ued.learning.ppo import PPO
@@ -19,6 +19,7 @@ from ued.learning.value_stats import EpisodeValues, scored_agents
 from ued.methods import METHODS
 from ued.methods.dr import DR
 from ued.methods.paired import Paired
+from ued.methods.paired_literal import PairedLiteral
 
 QUICK = PPOConfig(num_steps=16, learning_rate=3e-3, num_minibatches=4, hidden_size=32, gamma=0.9, ent_coef=0.0)
 ARRANGEMENTS = [(team, critic) for team in ("independent", "shared") for critic in ("own", "central")]
@@ -183,6 +184,14 @@ def test_only_a_central_critic_knows_what_no_agent_sees_alone(team):
     assert value.shape == (1, 2) and value[0, 0] == value[0, 1]
 
 
+def test_nothing_is_told_of_what_a_script_did_for_a_team():
+    env = Roles()
+    env.with_scripted_policy = env.copy
+    metrics = Paired(env, QUICK, PairedConfig(antagonist="scripted"), seed=1).update()
+    told = {name.partition("/")[0] for name in metrics if "/action_" in name}
+    assert told == {"protagonist"}  # the rollout of a script holds no actions
+
+
 def test_what_a_team_did_is_told_by_agent():
     metrics = DR(Roles(), arranged("shared", "own"), seed=1).update()
     by_agent = [[metrics[f"student/agent_{agent}/action_{action}"] for action in range(2)] for agent in range(3)]
@@ -341,6 +350,12 @@ def test_opponents_learn_each_from_what_it_is_paid(team):
     assert rollout.reward.shape == rollout.value.shape and (rollout.reward.sum(-1) == 0).all()
     with pytest.raises(ValueError, match="critic = own"):
         DR(Opponents(), dataclasses.replace(QUICK, team=team, critic="central"))
+
+
+def test_opponents_do_not_learn_from_regret_which_only_the_first_side_has():
+    with pytest.raises(ValueError, match="opponents cannot learn from it: use method = paired"):
+        PairedLiteral(Opponents(), QUICK)
+    Paired(Opponents(), QUICK).update()
 
 
 def test_opponents_score_levels_by_the_critic_of_the_first_side():

@@ -36,7 +36,7 @@ class Demonstrated:
         observation: `[B, ...]` or `[B, A, ...]`, images as uint8.
         action: int64 `[B]` or `[B, A]`.
         mask: bool, like `action`: False for unknown actions; these steps are not used.
-        returns: `[B]`, discounted return from this step on.
+        returns: discounted return from this step on: `[B]` of all agents, or of opponents `[B, A]`.
     """
 
     observation: Tensor
@@ -181,8 +181,8 @@ class Cloner(Resumable):
 
 
 def value_error(value: Tensor, returns: Tensor) -> Tensor:
-    """Return half the squared errors of values `[B]` or `[B, A]` for returns `[B]` of all agents."""
-    return 0.5 * (value - returns.reshape(-1, *(1,) * (value.ndim - 1))) ** 2
+    """Return half the squared errors of values `[B]` or `[B, A]` for returns `[B]` of all agents, or `[B, A]`."""
+    return 0.5 * (value - (returns if returns.ndim == value.ndim else returns[:, None])) ** 2
 
 
 def num_actions(student: Student) -> int:
@@ -194,8 +194,8 @@ def num_actions(student: Student) -> int:
 
 
 def discounted(rewards: np.ndarray, gamma: float) -> np.ndarray:
-    """Return the discounted return from each step `[T]` of an episode with these rewards `[T]`."""
-    returns, running = np.zeros(len(rewards)), 0.0
+    """Return the discounted return from each step of an episode with these rewards `[T]`, or `[T, A]`."""
+    returns, running = np.zeros(rewards.shape), np.zeros(rewards.shape[1:])
     for step in reversed(range(len(rewards))):
         running = rewards[step] + gamma * running
         returns[step] = running

@@ -140,7 +140,8 @@ class Learner:
         self.recent = np.append(self.recent, ended.returns)[-RECENT:]
         episodes = episode_metrics(self.name, ended, self.recent)
         episodes[f"open/{self.name}"] = float(self.worker.lengths.max())
-        losses |= action_shares(self.rollout, self.upomdp)
+        if self.student is not None:  # a rollout has no actions of a scripted policy
+            losses |= action_shares(self.rollout, self.upomdp)
         losses |= {} if self.rewards is None else {"reward_scale": self.rewards.scale}
         return episodes | {f"{self.name}/{loss}": value for loss, value in losses.items()}
 

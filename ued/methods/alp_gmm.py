@@ -6,6 +6,8 @@
         play an episode; absolute learning progress ALP(θ) = |return - return of the nearest previous θ|
         every 250 episodes: fit Gaussian mixtures to the last 250 (θ, ALP), keep the best by Akaike's criterion
 
+In a fit, ALP is divided by half the range of these returns, so that it has the scale of θ: the authors scale returns by
+bounds that the user gives. The nearest θ is that of the last 10,000 episodes. An invalid θ is drawn again.
 Read next: `levels.gaussian_mixture`, then `methods.paired`.
 """
 

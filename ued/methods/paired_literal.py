@@ -29,12 +29,15 @@ class PairedLiteral(Method):
     """Trains a protagonist on -regret, an antagonist and an adversary on regret; see `Method` for the arguments.
 
     Raises:
-        ValueError: where the environment has no free parameters, and for normalized rewards.
+        ValueError: where the environment has no free parameters, for normalized rewards, and for opponents, whose
+            second side has no regret.
     """
 
     def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:
         if self.ppo.norm_reward:
             raise ValueError("students learn from regret, not from rewards: use norm_reward = off, or method = paired")
+        if self.upomdp.individual_rewards:
+            raise ValueError("regret is that of the first side, so opponents cannot learn from it: use method = paired")
         self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="dennis2020")
         self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout
