@@ -118,9 +118,7 @@ def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str],
     every = [name for name in columns if name.startswith("theta/")]
     theta = np.stack([columns[name][chosen] for name in every], 1) if every else np.zeros((len(chosen), 0))
     whole = [cells_in(draw) is not None for draw, _ in _drawn(stage)]  # rounding could change their value
-    told["theta"] = {
-        name: theta[:, d].tolist() if whole[d] else _plain(theta[:, d]) for d, name in enumerate(names)
-    }
+    told["theta"] = {name: theta[:, d].tolist() if whole[d] else _plain(theta[:, d]) for d, name in enumerate(names)}
     if stage.painter is not None:
         told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)))
     return told

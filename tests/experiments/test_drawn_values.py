@@ -25,7 +25,12 @@ OPTIONS = SimpleNamespace(
     name="kind", kind="choice", low=0.0, high=2.0, options=("car", "bus", "van"), weights=(8.0, 1.0, 1.0)
 )
 WHOLE = SimpleNamespace(name="lanes", kind="integers", low=1.0, high=3.0, options=(), weights=())
-DISCRETE = [Column("ground", Choice("ice", "mud", "sand", weights=(8, 1, 1))), OPTIONS, Column("legs", Integer(1, 3)), WHOLE]
+DISCRETE = [
+    Column("ground", Choice("ice", "mud", "sand", weights=(8, 1, 1))),
+    OPTIONS,
+    Column("legs", Integer(1, 3)),
+    WHOLE,
+]
 
 
 def log_of(draws):
