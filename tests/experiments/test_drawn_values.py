@@ -8,7 +8,7 @@ import pytest
 from regista.experiments.pictures import gallery
 from regista.experiments.run.recording import endings
 from regista.experiments.run.replays import MAX_STEPS, Replay, Stage, came_out_alike
-from tests.experiments.probe import DRAWS, batch
+from tests.experiments.probe import DRAWS, ProbePainter, batch
 from ued.core.level_space import level_dtype
 from ued.core.parameters import Choice, Column, Integer, Range
 from ued.levels.batch import LevelBatch
@@ -19,6 +19,7 @@ from ued.recorder.shades import student_colour, unit
 rerun = pytest.importorskip("rerun")
 
 from ued.recorder.recorder import CurriculumRecorder, Recording  # noqa: E402
+from ued.recorder.scene_log import SceneLog  # noqa: E402
 from ued.recorder.theta_log import MAP_WIDTH, ThetaLog  # noqa: E402
 
 OPTIONS = SimpleNamespace(
@@ -153,3 +154,22 @@ def test_scores_of_several_visits_of_a_level_are_not_confused(monkeypatch):
     update = SimpleNamespace(levels=levels, number=1, env_steps=10)
     recording.RunRecorder._show(recorder, [replay_of(2, 1)[0]], update)
     assert "score 0.90" in shown[0].outcome
+
+
+def test_episodes_are_marked_at_what_moves():
+    painter = ProbePainter()
+    log = SceneLog(SimpleNamespace(), painter)
+    still, moving = np.zeros((4, 1, 2)), np.cumsum(np.ones((4, 1, 2)), 0)
+    assert log._marked([np.concatenate([moving, still], 1)]) == painter.focus == 0
+    assert log._marked([np.concatenate([still, moving], 1)]) == 1  # as in a maze, whose focus is the goal
+    assert log._marked([np.concatenate([still, still], 1)]) == 0
+
+
+def test_ticks_of_updates_stand_at_their_updates():
+    log, written = log_of([Column("x", Range(0, 1))])
+    log.expect(6)
+    log.open()
+    (axis,) = written["theta/over_time/axis"]
+    texts, places = axis.labels.as_arrow_array().to_pylist(), axis.positions.as_arrow_array().to_pylist()
+    ticks = [(int(text[1:]), x) for text, (x, _) in zip(texts, places, strict=True) if text.startswith("#")]
+    assert len(ticks) == 5 and all(x == pytest.approx(update / 6 * MAP_WIDTH) for update, x in ticks)

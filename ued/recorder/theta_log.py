@@ -141,7 +141,7 @@ class ThetaLog:
                 text = axis_label(name, self.low[d], self.high[d])
                 ticks.append([-MAP_GAP - LABEL_CHARACTER * (len(text) + 2) / 2, (d + 0.5) * band - LABEL_BELOW])
                 texts.append(text)
-        for mark in np.linspace(0, self._horizon, 5):
+        for mark in np.unique(np.linspace(0, self._horizon, 5).round()):
             ticks.append([mark / self._horizon * MAP_WIDTH, MAP_HEIGHT])
             texts.append(f"#{mark:.0f}")
         axis = rerun.Points2D(ticks, labels=texts, radii=0.001, colors=(205, 210, 215), show_labels=True)

@@ -171,7 +171,9 @@ def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: 
     import imageio_ffmpeg
 
     height, width = _even(first).shape[:2]
-    writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2, output_params=["-f", "mp4"])
+    writer = imageio_ffmpeg.write_frames(
+        str(path), (width, height), fps=rate, macro_block_size=2, output_params=["-f", "mp4"]
+    )
     writer.send(None)
     try:
         writer.send(_even(first))
