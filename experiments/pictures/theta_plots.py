@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -94,5 +94,5 @@ def _draw(
     if values:
         every = -(-len(values) // MOST_NAMES)
         names = [name[:14] for name in values[::every]]
-        turned = {"rotation": 20, "ha": "right"} if max(map(len, names)) > 3 else {}
+        turned: dict[str, Any] = {"rotation": 20, "ha": "right"} if max(map(len, names)) > 3 else {}
         axes.set_xticks(((edges[1:] + edges[:-1]) / 2)[::every], names, **turned)
