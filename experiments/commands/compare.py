@@ -150,7 +150,7 @@ def draw(comparison: Comparison, folder: Path, kind: plots.PictureFormat = "png"
     curves.learning_curves(comparison.runs, folder / f"learning_curves.{kind}")
     levels = folder / f"levels.{kind}"
     if comparison.painter is None:
-        return theta_plots.levels(comparison.runs, levels)
+        return theta_plots.levels(comparison.runs, levels, comparison.draws)
     level_plots.levels(comparison.runs, comparison.painter, levels, comparison.draws)
     overview(comparison, folder / f"overview.{kind}")
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 DESCRIPTION = "Show a program: its free parameters θ, its objects, its acceptance rate and scenes."
 DRAWS = 4096  # samples for the acceptance rate
 INDENT = "  "
+MOST_DRAWN = 100  # scenes in a picture; a picture of more is too large for its file
 
 
 @dataclass(frozen=True)
@@ -74,6 +75,8 @@ def main(argv: Sequence[str]) -> int:
             config = replace(config, png=in_format(config.png, config.format))
         except ValueError as error:
             raise UsageError(str(error)) from error
+        if config.n > MOST_DRAWN and not config.theta:
+            raise UsageError(f"--png draws at most {MOST_DRAWN} scenes, got --n {config.n}; --rrd records more")
     elif config.format is not None:
         raise UsageError("--format is of the picture that --png draws")
     if config.adversary is not None:

@@ -39,7 +39,8 @@ def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
 def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
     """Draw the return on every test scene, and return, success, regret and spread of θ on the training levels.
 
-    `runs` gives the run folders of each method. Curves are over env_steps, with gaps where no level was finished.
+    `runs` gives the run folders of each method. Curves are over env_steps; where no level was finished, a line joins
+    the updates before and after.
     Returns None without a finished update. The figure belongs to no window of pyplot.
     """
     import matplotlib
@@ -134,8 +135,15 @@ def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | 
     if not curves:
         return None
     steps = np.linspace(min(x[0] for x, _ in curves), max(x[-1] for x, _ in curves), points)
-    values = np.stack([np.interp(steps, x, _running_mean(y), left=np.nan, right=np.nan) for x, y in curves])
-    return Curve(steps, values)
+    return Curve(steps, np.stack([_on_axis(steps, x, _running_mean(y)) for x, y in curves]))
+
+
+def _on_axis(steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return a run's values `y` at `x` on the common axis `[X]`: NaN before the first and after the last one."""
+    values = np.interp(steps, x, y, left=np.nan, right=np.nan)
+    if not np.isfinite(values).any():  # all of them lie between two points of the axis
+        values[np.abs(steps - x[-1]).argmin()] = y[-1]
+    return values
 
 
 def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
@@ -147,11 +155,17 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
     if len(values) > 1:
         axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
         for row in values:
-            axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45)
+            axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45, marker=_mark_of(steps, row), markersize=2.5)
     label, dashes = label or plots.title(method), plots.line_style(method)
     of_all = np.isfinite(values).all(0)  # a shorter run ends the mean: it would jump to that of the others
     steps, mean = steps[of_all], values[:, of_all].mean(0)
-    axes.plot(steps, mean, color=shade, linewidth=2.0, linestyle=dashes, label=label, zorder=plots.ABOVE_AXES)
+    look = {"linestyle": dashes, "marker": _mark_of(steps, mean), "markersize": 5}
+    axes.plot(steps, mean, color=shade, linewidth=2.0, label=label, zorder=plots.ABOVE_AXES, **look)
+
+
+def _mark_of(steps: np.ndarray, values: np.ndarray) -> str:
+    """Return the marker of a curve: a dot where it is a single point, which no line shows."""
+    return "o" if len(np.unique(steps[np.isfinite(values)])) == 1 else ""
 
 
 def _running_mean(values: np.ndarray) -> np.ndarray:

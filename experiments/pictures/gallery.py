@@ -24,8 +24,8 @@ from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_rows
 from ued.core.files import write_whole
 from ued.core.painter import tiles_of, trails_of
-from ued.core.parameters import axis_of
-from ued.recorder.shades import SOURCE_COLOURS, STUDENT_COLOURS, unique_names
+from ued.core.parameters import axis_of, cells_in
+from ued.recorder.shades import SOURCE_COLOURS, student_colour, unique_names
 
 PAGE = Path(__file__).with_name("gallery.html")
 PLACE = "/*DATA*/null"  # placeholder of the data in the template
@@ -69,7 +69,7 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
         "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen, int)),
         "axes": {name: _axis(draw, name) for draw, name in _drawn(stage)},
         "sources": SOURCE_COLOURS,
-        "students": dict(zip(_students(columns), STUDENT_COLOURS, strict=False)),
+        "students": {name: student_colour(index) for index, name in enumerate(_students(columns))},
         "scene": _scene(stage),
         "replays": replays,
         "seconds": stage.step_seconds,
@@ -94,11 +94,14 @@ def _drawn(stage: Stage) -> list[tuple[Any, str]]:
 
 
 def _axis(draw: Any, name: str) -> dict[str, Any]:
-    """Return the names of a column's values, and its values at θ = -1 and 1."""
-    axis = axis_of(draw)
+    """Return the label of a column, its values at θ = -1 and 1, and of finitely many values their cells."""
+    axis, cells = axis_of(draw), cells_in(draw)
     finite = bool(np.isfinite((axis.low, axis.high)).all())
     low, high = (float(axis.low), float(axis.high)) if finite else (-1.0, 1.0)
-    return {"name": axis.note.format(name), "low": low, "high": high}
+    told = {"name": axis.note.format(name), "low": low, "high": high}
+    if cells is not None and finite:
+        told |= {"count": cells.count, "edges": [] if cells.edges is None else cells.edges[1:-1].tolist()}
+    return told
 
 
 def _students(columns: Mapping[str, Any]) -> list[str]:
@@ -114,7 +117,8 @@ def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str],
         told[kind] = {name: _plain(columns[f"{kind}/{name}"][chosen]) for name in _students(columns)}
     every = [name for name in columns if name.startswith("theta/")]
     theta = np.stack([columns[name][chosen] for name in every], 1) if every else np.zeros((len(chosen), 0))
-    told["theta"] = {name: _plain(theta[:, d]) for d, name in enumerate(names)}
+    whole = [cells_in(draw) is not None for draw, _ in _drawn(stage)]  # rounding could change their value
+    told["theta"] = {name: theta[:, d].tolist() if whole[d] else _plain(theta[:, d]) for d, name in enumerate(names)}
     if stage.painter is not None:
         told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)))
     return told

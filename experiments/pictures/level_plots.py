@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 CELL = 1.0  # m, on a pitch
 CELL_PIXELS = 24  # of a side of a square cell
-PANEL_WIDTH = 3.3  # inches
+PANEL_WIDTH, TITLE_GAP = 3.3, 0.45  # inches; between the titles of neighbors
 CELLS = 100  # along the longer side of other painters' bounds
 MOST_LEVELS = 5000  # of a run and period
 MOST_CHOICES = 2  # bar charts next to the pitches
@@ -73,7 +73,9 @@ def levels(runs: Mapping[str, Sequence[Path]], painter: Any, path: Path, draws: 
             found = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
             for axes, period, thetas in zip(line, PERIODS, found, strict=False):
                 draw_levels(axes, painter, thetas)
-                axes.set_title(textwrap.fill(f"{plots.title(method)}: {period}", plots.fitting(PANEL_WIDTH)))
+                axes.set_title(
+                    textwrap.fill(f"{plots.title(method)}: {period}", plots.fitting(PANEL_WIDTH - TITLE_GAP))
+                )
         figure.tight_layout(rect=(0, keys.SCALE_HEIGHT / figure.get_figheight(), 1, 1))
         draw_scales(figure, painter)
         plots.save(figure, path)

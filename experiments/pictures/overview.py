@@ -38,7 +38,7 @@ GAINS_LENGTH = 160  # characters per line of the differences below it
 GAINS_LINE = 0.19  # inches
 ALL = "all scenes"  # the mean over them, as in the tables
 
-Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading, runs, period of training
+Panel = tuple[str, Sequence[Path], tuple[float, float]]  # heading that ends in ", period", runs, period of training
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,7 @@ def _draw_levels(below: Any, comparison: Comparison) -> None:
     for line, panels in zip(grid, rows, strict=True):
         for axes, (title, _, _), thetas in zip(line, panels, _read_panels(panels), strict=True):
             draw_levels(axes, comparison.painter, thetas)
-            lines = textwrap.wrap(title, fitting, max_lines=2, placeholder=" …")
-            axes.set_title("\n".join(lines), fontsize=LEVELS_TITLE)
+            axes.set_title(_shortened(title, fitting), fontsize=LEVELS_TITLE)
     below.subplots_adjust(
         left=0.01,
         right=0.99,
@@ -113,6 +112,15 @@ def _draw_levels(below: Any, comparison: Comparison) -> None:
         hspace=0.16,
     )
     draw_scales(below, comparison.painter)
+
+
+def _shortened(title: str, fitting: int) -> str:
+    """Return the heading of a pitch in two lines of this many characters; the name is shortened, not its period."""
+    lines = textwrap.wrap(title, fitting)
+    if len(lines) > 2:
+        name, _, period = title.rpartition(", ")
+        lines = [f"{name[: fitting - 2].rstrip()} …,", period]
+    return "\n".join(lines)
 
 
 def _handles(comparison: Comparison, learning: Mapping[str, curves.Curve]) -> list[Any]:
@@ -148,7 +156,8 @@ def _level_rows(runs: Mapping[str, Sequence[Path]]) -> list[list[Panel]]:
     rows = []
     for method in others:
         panels = [(f"{plots.title(method)}, {period}", runs[method], span) for period, span in PERIODS.items()]
-        rows.append(([*uniform, *panels] + panels)[:COLUMNS] if uniform else [panels[0], *panels])
+        whole = (f"{plots.title(method)}, all of training", runs[method], (0.0, 1.0))
+        rows.append([*(uniform or [whole]), *panels])
     return rows
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,23 +15,32 @@ from regista.experiments.pictures import plots
 from regista.experiments.pictures.level_plots import read_periods
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS
+from ued.core.cells import Cells
+from ued.core.parameters import Parameter, choice_in
+from ued.recorder.shades import unique_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_COLUMNS = 8  # drawn columns of θ
 BINS = 20
+MOST_NAMES = 8  # of the values of a choice; more would overlap
 
 
-def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training."""
+def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Parameter] = ()) -> None:
+    """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training.
+
+    A column that `draws` describe as a choice, or as a few integers, has a bar for each value.
+    """
     import matplotlib.pyplot as plt
 
     nothing = np.zeros(0, np.int64)  # names alone
     tables = (read_levels(run, "theta/", rows=nothing) for paths in runs.values() for run in paths)
-    names = next((_names(table) for table in tables if table), [])[:MOST_COLUMNS]
+    known = next((_names(table) for table in tables if table), [])
+    names, choices = known[:MOST_COLUMNS], _choices(draws)
     if not names:
         return
+    more = f" (the first {len(names)} of {len(known)} parameters)" if len(known) > len(names) else ""
     with plots.style():
         size = (2.6 * len(names) + 0.6, 1.9 * len(runs) + 0.5)
         figure, grid = plt.subplots(
@@ -41,15 +50,15 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
             thetas = zip(*(read_periods(run, PERIODS.values()) for run in paths), strict=True)
             found = dict(zip(PERIODS, thetas, strict=True))
             for column, (axes, name) in enumerate(zip(line, names, strict=True)):
-                _draw(axes, column, found)
+                _draw(axes, column, found, choices.get(name))
                 plots.heading(axes, f"{plots.title(method)}: {name}")
             line[0].set_ylabel("share of levels")
-        for axes in grid[-1]:
-            axes.set_xlabel("θ (lowest to highest value)")
+        for axes, name in zip(grid[-1], names, strict=True):
+            axes.set_xlabel("value" if name in choices else "θ (lowest to highest value)")
             axes.set_ylim(bottom=0)  # of the whole column, after all of it is drawn
         handles, labels = grid[0][0].get_legend_handles_labels()
         figure.legend(
-            handles, labels, loc="outside lower center", ncols=4, fontsize=8, title="levels of", title_fontsize=8
+            handles, labels, loc="outside lower center", ncols=4, fontsize=8, title=f"levels of{more}", title_fontsize=8
         )
         plots.save(figure, path)
 
@@ -58,12 +67,32 @@ def _names(table: Mapping[str, np.ndarray]) -> list[str]:
     return [name.removeprefix("theta/") for name in table if name.startswith("theta/")]
 
 
-def _draw(axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]]) -> None:
+def _choices(draws: Sequence[Parameter]) -> dict[str, tuple[Cells, list[str]]]:
+    """Return the cells of the columns of finitely many values, and the names of these values, by column."""
+    found = {}
+    for name, draw in zip(unique_names(draws), draws, strict=True):
+        cells = choice_in(draw)
+        if cells is not None:
+            found[name] = cells, [*(cells.names or (f"{draw.low + k:g}" for k in range(cells.count)))]
+    return found
+
+
+def _draw(
+    axes: Axes, column: int, found: Mapping[str, Sequence[np.ndarray]], choice: tuple[Cells, list[str]] | None = None
+) -> None:
     """Draw the histogram of a column in each period; `found` has θ `[L, D]` of each run and period."""
+    cells, values = choice or (Cells(BINS), [])
+    edges = np.linspace(-1, 1, cells.count + 1)
     for shade, (period, thetas) in zip(plots.sequence(len(found)), found.items(), strict=True):
         known = [theta[:, column] for theta in thetas if len(theta)]
         if known:
-            share, edges = np.histogram(np.concatenate(known), BINS, (-1, 1))
-            axes.stairs(share / share.sum(), edges, color=shade, linewidth=1.3, label=f"the {period} of training")
-    axes.axhline(1 / BINS, color=plots.FAINT, linestyle=":", linewidth=0.8, label="a uniform distribution")
+            count = np.bincount(cells.index(np.concatenate(known)), minlength=cells.count)
+            axes.stairs(count / count.sum(), edges, color=shade, linewidth=1.3, label=f"the {period} of training")
+    label = "random levels"
+    axes.stairs(cells.shares, edges, color=plots.FAINT, linestyle=":", linewidth=0.8, baseline=None, label=label)
     axes.set_xlim(-1, 1)
+    if values:
+        every = -(-len(values) // MOST_NAMES)
+        names = [name[:14] for name in values[::every]]
+        turned: dict[str, Any] = {"rotation": 20, "ha": "right"} if max(map(len, names)) > 3 else {}
+        axes.set_xticks(((edges[1:] + edges[:-1]) / 2)[::every], names, **turned)

@@ -16,7 +16,7 @@ from regista.experiments.run import build, replays, versions
 from regista.experiments.run import config as configs
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
-from regista.experiments.run.replays import Replay, Stage
+from regista.experiments.run.replays import Played, Replay, Stage
 from regista.experiments.run.reporting import Update
 from regista.experiments.run.table import read_columns
 from ued.config import PairedConfig, PairedLiteralConfig
@@ -95,10 +95,10 @@ class RunRecorder:
     def _show(self, saved: Sequence[Replay], update: Update) -> None:
         """Record the replayed episodes of all students on one level."""
         assert update.levels is not None and self.recorder is not None
-        named = dict(zip(update.levels.records["id"].tolist(), titles(update.levels), strict=True))
+        named = dict(zip(update.levels.records["visit"].tolist(), titles(update.levels), strict=True))
         for replay in saved:
             played = self.stage.play(replay)
-            text = f"{replay.student} in update {update.number}\n{named[replay.id]}"
+            text = f"{replay.student} in update {update.number}\n{named[replay.visit]}"
             if not replays.came_out_alike(replay, played.returns):
                 text += "\nreplay differs from the recorded episodes: the environment uses randomness beyond its seed"
             episodes = Episodes(
@@ -106,9 +106,16 @@ class RunRecorder:
                 [begin for begin in played.begins if begin < MAX_FRAMES],
                 self.stage.step_seconds,
                 text,
-                [f"return {value:+.2f}" for value in replay.returns],
+                endings(replay, played),
             )
             self.recorder.episodes(replay.student, update.number, update.env_steps, episodes)
+
+
+def endings(replay: Replay, played: Played) -> list[str]:
+    """Return the outcome of each episode in a few words; some are recorded only in part."""
+    lasts = [*(begin - 1 for begin in played.begins[1:]), len(played.frames) - 1]
+    whole = sum(last < MAX_FRAMES for last in lasts[: len(played.returns)])
+    return [f"return {value:+.2f}" + " (cut off)" * (k >= whole) for k, value in enumerate(replay.returns)]
 
 
 def score_rule(settings: Any) -> str:

@@ -92,3 +92,34 @@ def test_an_mp4_has_a_frame_per_step(tmp_path):
     frames = [draw_match(position(PLAYERS, (x, 20.0))[0]) for x in (0.0, 10.0, 20.0, 30.0)]
     write_video(tmp_path / "film.mp4", frames, speed=2.0)
     assert reader.count_frames_and_secs(str(tmp_path / "film.mp4")) == (4, pytest.approx(0.2, abs=0.01))
+
+
+def test_a_film_has_the_colors_of_all_frames_at_the_right_speed(tmp_path):
+    frames = [np.full((20, 30, 3), shade, np.uint8) for shade in ((0, 0, 0), (250, 0, 0), (0, 0, 0), (0, 200, 90))] * 3
+    write_video(tmp_path / "film.gif", frames, speed=3.0)
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 12
+        shown, duration = [], 0
+        for number in range(film.n_frames):
+            film.seek(number)
+            duration += film.info["duration"]
+            shown.append(np.asarray(film.convert("RGB"))[0, 0].tolist())
+    assert np.allclose(shown, [frame[0, 0] for frame in frames], atol=picture.FAR)
+    assert duration == 400  # 12 of 30 frames per second; each alone would be rounded to 30 ms
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp", ".mp4"])
+def test_a_film_that_ends_in_an_error_leaves_nothing_behind(tmp_path, suffix):
+    if suffix == ".mp4":
+        pytest.importorskip("imageio_ffmpeg")
+
+    def frames():
+        for shade in (0, 100, 200):
+            yield np.full((20, 30, 3), shade, np.uint8)
+        raise RuntimeError("the environment has failed")
+
+    path = tmp_path / f"film{suffix}"
+    path.write_bytes(b"an older film")
+    with pytest.raises(RuntimeError, match="has failed"):
+        write_video(path, frames())
+    assert [each.name for each in tmp_path.iterdir()] == [path.name] and path.read_bytes() == b"an older film"

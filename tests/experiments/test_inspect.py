@@ -178,6 +178,7 @@ def test_an_impossible_program_is_reported_not_drawn(tmp_path, capsys):
         (["--png", "/nowhere/scenes.png"], 1, "cannot write /nowhere/scenes.png: No such file or directory"),
         (["--rrd", "/nowhere/scenes.rrd"], 1, "cannot write /nowhere/scenes.rrd: No such file or directory"),
         (["--n", "0"], 2, "--n: must be at least 1"),
+        (["--n", "101", "--png", "scenes.png"], 2, "--png draws at most 100 scenes, got --n 101"),
     ],
 )
 def test_what_cannot_be_done_is_said_in_one_line(street, capsys, flags, code, message):

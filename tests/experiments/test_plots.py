@@ -11,6 +11,7 @@ import pytest
 from regista.envs.football.scenic.lineup import Lineup
 from regista.envs.football.view.render import NOSE, FootballPainter, pitch_lines
 from regista.experiments.pictures import curves, keys, level_plots, plots
+from regista.experiments.pictures import overview as pictures
 from regista.experiments.pictures.overview import Comparison, overview
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
@@ -180,7 +181,6 @@ def test_overview(runs, painter, tmp_path):
 @pytest.mark.drawn
 @pytest.mark.parametrize("evaluated", [True, False])
 def test_without_evaluations_in_training_there_is_no_panel_of_them(runs, painter, monkeypatch, tmp_path, evaluated):
-    from regista.experiments.pictures import overview as pictures
 
     drawn, long = [], "PAIRED-with-a-name-that-is-long"
     monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
@@ -206,8 +206,6 @@ def test_without_evaluations_in_training_there_is_no_panel_of_them(runs, painter
 def test_a_bar_without_results_is_absent(runs, painter):
     import matplotlib.pyplot as plt
 
-    from regista.experiments.pictures import overview as pictures
-
     results = [Result("dr", 0, "easy", 100, 0.5, 0.5, 50, 30.0, 1000, 10)]
     results += [Result("paired", 0, scene, 100, 0.5, 0.5, 50, 30.0, 1000, 10) for scene in ("easy", "hard")]
     figure, axes = plt.subplots()
@@ -219,8 +217,6 @@ def test_a_bar_without_results_is_absent(runs, painter):
 
 def test_the_mean_of_all_scenes_stands_first_and_differences_to_the_first_method_below_the_heading(runs, painter):
     import matplotlib.pyplot as plt
-
-    from regista.experiments.pictures import overview as pictures
 
     goals = {"dr": (20, 22, 24, 26, 28), "paired": (60, 62, 64, 66, 68), "plr": (5, 15, 24, 33, 43)}
     results = [

@@ -198,6 +198,7 @@ def test_densities_of_many_columns_have_a_height_and_few_labels(columns, labels)
     stream = SimpleNamespace(log=lambda entity, *parts, static=False: written.update({str(entity): parts}))
     draws = [DRAWS[0] for _ in range(columns)]
     log = ThetaLog(stream, SimpleNamespace(), draws)
+    log.expect(8)
     log.open()
     texts = written["theta/over_time/axis"][0].labels.as_arrow_array().to_pylist()
     assert sum(text.startswith("place.x") for text in texts) == labels and len(texts) == labels + 5

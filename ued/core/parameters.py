@@ -362,16 +362,16 @@ class Axis(NamedTuple):
 
 
 def axis_of(draw: Parameter) -> Axis:
-    """Return the axis of a column: logarithms for a `LogRange`, indices of the values for a `Choice`."""
-    kind = kind_of(draw)
+    """Return the axis of a column: logarithms for a `LogRange`, indices of the options for a choice."""
+    kind, cells = kind_of(draw), cells_in(draw)
     if isinstance(kind, LogRange):
         return Axis("log10 {}", math.log10(kind.low), math.log10(kind.high))
-    if isinstance(kind, Integer):
-        return Axis("{}", kind.low - 0.5, kind.high + 0.5)
-    if isinstance(kind, Choice):
-        listed = ", ".join(f"{index} {value}" for index, value in enumerate(kind.values[:8]))
-        return Axis("{} (" + listed.replace("{", "(").replace("}", ")") + ")", -0.5, kind.high + 0.5)
-    return Axis("{}", draw.low, draw.high)
+    if cells is None:
+        return Axis("{}", draw.low, draw.high)
+    if not cells.names:  # integers
+        return Axis("{}", draw.low - 0.5, draw.high + 0.5)
+    listed = ", ".join(f"{index} {name}" for index, name in enumerate(cells.names[:8]))
+    return Axis("{} (" + listed.replace("{", "(").replace("}", ")") + ")", -0.5, cells.count - 0.5)
 
 
 # ---------------------------------------------------------------- columns with finitely many values

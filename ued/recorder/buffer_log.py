@@ -11,6 +11,7 @@ import rerun
 from ued.levels.buffer import LevelBuffer
 from ued.recorder.layout import MAP_HEIGHT, MAP_WIDTH
 from ued.recorder.shades import CALM_TO_RED, ramp
+from ued.recorder.theta_log import bars_between
 
 BINS = 24
 EVERY = 10  # updates
@@ -56,7 +57,5 @@ class BufferLog:
 
     def _histogram(self, name: str, values: np.ndarray, colour: tuple[int, int, int]) -> None:
         counts, edges = np.histogram(values, bins=BINS)
-        chart = rerun.BarChart(
-            counts.astype(float), abscissa=(edges[1:] + edges[:-1]) / 2, widths=np.diff(edges) * 0.92, color=colour
-        )
+        chart = rerun.BarChart(counts.astype(float), color=colour, **bars_between(edges, 0.92))
         self.stream.log(f"buffer/{name}", chart)

@@ -44,7 +44,7 @@ from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import TOP_LEVELS, layout, shown
 from ued.recorder.rows import MOVIE_SECONDS, Rows
 from ued.recorder.scene_log import Episodes, SceneLog
-from ued.recorder.shades import SCENE_COLOURS, SCORE_COLOUR, SOURCE_COLOURS, STUDENT_COLOURS, Colour
+from ued.recorder.shades import SCENE_COLOURS, SCORE_COLOUR, SOURCE_COLOURS, Colour, student_colour
 from ued.recorder.theta_log import ThetaLog
 from ued.recorder.writer import Writer, compact
 
@@ -171,7 +171,7 @@ class CurriculumRecorder:
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
         for index, student in enumerate(students):
-            self._look(f"metrics/return_per_level/{student}", student, STUDENT_COLOURS[index])
+            self._look(f"metrics/return_per_level/{student}", student, student_colour(index))
         self._look("metrics/score_per_level", "score", SCORE_COLOUR)
         for source, colour in SOURCE_COLOURS.items():
             looks = rerun.SeriesLines(colors=[colour], names=[source], widths=[2.0])

@@ -136,8 +136,8 @@ class SceneLog:
         self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))
 
     def _log_marks(self, root: str, parts: Sequence[np.ndarray], ended: Sequence[str]) -> None:
-        """Write marks and labels at the focus: where each episode starts, and its outcome where it ends."""
-        focus, many = self.painter.focus, len(parts) > 1
+        """Write marks and labels at one point: where each episode starts, and its outcome where it ends."""
+        focus, many = self._marked(parts), len(parts) > 1
         starts: dict[tuple[float, float], list[str]] = {}
         for number, part in enumerate(parts, start=1):
             x, y = part[0, focus].tolist()
@@ -153,6 +153,12 @@ class SceneLog:
         leaders = np.stack([places, below], 1)[np.abs(places - below).max(1) > 0]  # [m, 2, 2], of those that moved
         lines = rerun.LineStrips2D(leaders, colors=(*MARK_COLOUR, 150), radii=0.1, draw_order=39)
         self.stream.log(f"{root}/leaders", lines)
+
+    def _marked(self, parts: Sequence[np.ndarray]) -> int:
+        """Return the index of the point that marks episodes: the focus, or if it stands still, what moves most."""
+        moved = np.sum([np.nan_to_num(np.abs(np.diff(part, axis=0))).sum((0, 2)) for part in parts], 0)  # [K]
+        moved *= self._trails
+        return int(moved.argmax()) if moved.any() and not moved[self.painter.focus] else self.painter.focus
 
     def record_movie(self, student: str, began: float, episodes: Episodes) -> None:
         """Write the moving points on timeline `movie` only, starting at second `began`."""

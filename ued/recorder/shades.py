@@ -44,6 +44,11 @@ INFERNO: tuple[Colour, ...] = (
 CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
 
 
+def student_colour(index: int) -> Colour:
+    """Return the color of a student by its number; those of large populations repeat."""
+    return STUDENT_COLOURS[index % len(STUDENT_COLOURS)]
+
+
 def unique_names(draws: Sequence[Any]) -> list[str]:
     """Return the names of the columns of θ; duplicates are numbered."""
     names = [parameter.name for parameter in draws]
@@ -70,6 +75,7 @@ def smooth(grid: np.ndarray, width: float = 1.5) -> np.ndarray:
 
 
 def unit(score: np.ndarray) -> np.ndarray:
-    """Scale scores `[L]` to [0, 1] by their maximum; nan becomes 0."""
-    known = np.nan_to_num(score)
-    return np.clip(known / max(known.max(initial=0.0), 1e-6), 0, 1)
+    """Scale scores `[L]` to [0, 1], from 0, or the lowest score if negative, to the highest; nan becomes 0."""
+    known = np.isfinite(score)
+    low, high = min(score[known].min(initial=0.0), 0.0), score[known].max(initial=-np.inf)
+    return np.where(known, np.clip((np.nan_to_num(score) - low) / max(high - low, 1e-6), 0, 1), 0.0)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import rerun
 
-from ued.core.parameters import Parameter, axis_of, choice_in
+from ued.core.parameters import Parameter, axis_of, cells_in, choice_in
 from ued.recorder.layout import MAP_GAP, MAP_HEIGHT, MAP_LEFT, MAP_WIDTH
 from ued.recorder.rows import Rows
 from ued.recorder.shades import smooth, unique_names
@@ -41,14 +41,18 @@ class ThetaLog:
         finite = np.isfinite(low) & np.isfinite(high)
         self.low, self.high = np.where(finite, low, -1.0), np.where(finite, high, 1.0)  # [D]; else θ is shown
         self._cells = [choice_in(draw) for draw in draws]
+        self._values = [cells_in(draw) for draw in draws]  # of columns with finitely many values
         self._horizon = 1  # estimated number of updates of the run
         self._density = np.zeros((len(self.names), 1, BINS))  # [D, columns, bins]
         self._mapped = 0  # the last update at which the densities were written
 
     def values(self, theta: np.ndarray) -> np.ndarray:
         """Return the shown columns of θ `[..., D]`, in the units of the parameters."""
-        theta = theta[..., : len(self.names)]
-        return self.low + (theta + 1) / 2 * (self.high - self.low)
+        share = (theta[..., : len(self.names)] + 1) / 2
+        for d, known in enumerate(self._values):  # cells of unequal width are not linear on the axis of their values
+            if known is not None:
+                share[..., d] = (known.index(theta[..., d]) + 0.5) / known.count
+        return self.low + share * (self.high - self.low)
 
     def expect(self, updates: int) -> None:
         """Allocate the densities for this many updates, before the first update."""
@@ -77,7 +81,7 @@ class ThetaLog:
     def note(self, update: int, theta: np.ndarray) -> None:
         """Add the levels `[L, D]` of an update to the densities over updates."""
         last = self._density.shape[1] - 1
-        column = min(update * (last + 1) // self._horizon, last)
+        column = min((update - 1) * (last + 1) // self._horizon, last)  # update 1 lies between #0 and #1
         for d in range(len(self.names)):
             self._density[d, column] += self._shade(d, theta[:, d])
 
@@ -88,15 +92,11 @@ class ThetaLog:
         for d, name in enumerate(self.names):
             self.rows.scalars(["theta", name, "quantiles"], quantiles[:, d])
             if update % HISTOGRAM_EVERY == 0 or update == 1:
-                known = self._cells[d]
-                counts = (
-                    np.histogram(values[:, d], bins=BINS, range=self._range(d))[0]
-                    if known is None
-                    else np.bincount(known.index(theta[:, d]), minlength=known.count)
-                )
+                known, column = self._cells[d], theta[:, d]
+                counts = binned(column) if known is None else np.bincount(known.index(column), minlength=known.count)
                 heights = (counts / len(values)).astype(np.float32)
                 self.stream.log(["theta", name, "histogram"], rerun.BarChart.from_fields(values=heights))
-        x = (update + 0.5) / self._horizon * MAP_WIDTH
+        x = (update - 0.5) / self._horizon * MAP_WIDTH
         cursor = rerun.LineStrips2D.from_fields(strips=[[[x, -2.0], [x, MAP_HEIGHT]]])
         self.stream.log("theta/over_time/cursor", cursor)
 
@@ -104,15 +104,14 @@ class ThetaLog:
         """Count the levels `[L]` in each bin of the densities; the options of a choice get equal numbers of bins."""
         known = self._cells[d]
         if known is None:
-            return np.bincount(np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1), minlength=BINS)
+            return binned(theta)
         options = np.bincount(known.index(theta), minlength=known.count)
         return options[np.arange(BINS) * known.count // BINS]
 
     def _bars(self, d: int, count: int, width: float, colour: tuple[int, ...]) -> dict[str, Any]:
         """Return places, widths and color of `count` bars of a column."""
         edges = np.linspace(*self._range(d), count + 1)  # for a choice, one bar per option
-        widths = (np.diff(edges) * width).astype(np.float32)
-        return {"abscissa": ((edges[1:] + edges[:-1]) / 2).astype(np.float32), "widths": widths, "color": colour}
+        return bars_between(edges, width) | {"color": colour}
 
     def record_densities(self, update: int, growth: float = MAP_GROWTH) -> None:
         """Write the densities of all columns of θ over updates, stacked in one view.
@@ -142,7 +141,7 @@ class ThetaLog:
                 text = axis_label(name, self.low[d], self.high[d])
                 ticks.append([-MAP_GAP - LABEL_CHARACTER * (len(text) + 2) / 2, (d + 0.5) * band - LABEL_BELOW])
                 texts.append(text)
-        for mark in np.linspace(0, self._horizon, 5):
+        for mark in np.unique(np.linspace(0, self._horizon, 5).round()):
             ticks.append([mark / self._horizon * MAP_WIDTH, MAP_HEIGHT])
             texts.append(f"#{mark:.0f}")
         axis = rerun.Points2D(ticks, labels=texts, radii=0.001, colors=(205, 210, 215), show_labels=True)
@@ -150,6 +149,21 @@ class ThetaLog:
 
     def _range(self, d: int) -> tuple[float, float]:
         return self.low[d], max(self.high[d], self.low[d] + 1e-9)
+
+
+def binned(theta: np.ndarray) -> np.ndarray:
+    """Count the entries of θ `[L]` in equal bins of [-1, 1]: `[BINS]`. No rounding loses one at an end."""
+    return np.bincount(np.clip(((theta + 1) / 2 * BINS).astype(int), 0, BINS - 1), minlength=BINS)
+
+
+def bars_between(edges: np.ndarray, width: float) -> dict[str, Any]:
+    """Return places and widths of bars in the middle between `edges` `[n + 1]`; `width`: their share of it.
+
+    The viewer draws a bar from its place on, to the right.
+    """
+    steps = np.diff(edges)
+    places, widths = edges[:-1] + (1 - width) / 2 * steps, width * steps
+    return {"abscissa": places.astype(np.float32), "widths": widths.astype(np.float32)}
 
 
 def axis_label(name: str, low: float, high: float) -> str:

@@ -7,10 +7,11 @@ meters from the middle of the pitch with +y up. Read next: `view.render`, the li
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.util import find_spec
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ from regista.envs.football.view.render import (
     Colour,
     pitch_lines,
 )
+from ued.core.files import partial_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 
 MODES = ("", "kick-off", "goal kick", "free kick", "corner", "throw-in", "penalty")
 FRAMES_PER_SECOND = round(1 / STEP)
+FAR = 32  # of a color from the nearest one of a palette, in steps of 255, beyond which it has none
+MOST_KEYS = 8  # pictures whose colors the palette of a film covers
 FASTEST = 50  # frames per second of .gif and .webp: viewers show faster ones slowly
 
 SHARPER = 2  # oversampling factor
@@ -87,7 +91,15 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], speed: float = 1
     first = next(rest, None)
     if first is None:
         raise ValueError(f"{path.name}: there is no frame to write")
-    (_write_mp4 if path.suffix == ".mp4" else _write_animation)(path, first, rest, rate)
+    partial = partial_of(path)  # an error in between leaves no file, or the one that was there
+    try:
+        if path.suffix == ".mp4":
+            _write_mp4(partial, first, rest, rate)
+        else:
+            _write_animation(partial, path.suffix[1:], first, rest, rate)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
 
 
 def check_film(path: Path) -> None:
@@ -100,30 +112,68 @@ def check_film(path: Path) -> None:
         raise ImportError("writing .mp4 needs imageio-ffmpeg: pip install 'regista[video]'; or choose .gif")
 
 
-def _write_animation(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
+def _write_animation(path: Path, kind: str, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
     """Write an animation; above FASTEST frames per second only every second, third, ... frame, at the same speed."""
     from PIL import Image
 
     every = math.ceil(rate / FASTEST)
     rest, rate = islice(rest, every - 1, None, every), rate / every
 
-    first_image = Image.fromarray(first)
-    # One palette for all frames, so that the pitch does not flicker, with room for rare colors such as the keepers'.
-    palette = first_image.quantize(256, Image.Quantize.MAXCOVERAGE)
+    if kind == "gif":
+        images = _timed(map(_Palette(first).paged, chain([first], rest)), rate)
+        next(images).save(path, kind, save_all=True, append_images=images, loop=0)
+    else:
+        more, duration = map(Image.fromarray, rest), round(1000 / rate)
+        Image.fromarray(first).save(path, kind, save_all=True, append_images=more, duration=duration, loop=0)
 
-    def paged(frame: np.ndarray) -> Image.Image:
-        image = Image.fromarray(frame)
-        return image.quantize(palette=palette, dither=Image.Dither.NONE) if path.suffix == ".gif" else image
 
-    more = (paged(frame) for frame in rest)
-    paged(first).save(path, save_all=True, append_images=more, duration=round(1000 / rate), loop=0)
+def _timed(images: Iterable[Image], rate: float) -> Iterator[Image]:
+    """Give each image its duration; GIF counts hundredths of a second, which rounded alone would change the speed."""
+    end = 0
+    for number, image in enumerate(images, start=1):
+        begin, end = end, round(100 * number / rate)
+        image.info["duration"] = 10 * (end - begin)
+        yield image
+
+
+class _Palette:
+    """One palette for all frames, so that the pitch does not flicker, with room for rare colors such as the keepers'.
+
+    It changes where a frame has colors that no frame before it has.
+    """
+
+    def __init__(self, first: np.ndarray) -> None:
+        self.keys = [first]
+        self.palette = self._of_keys()
+
+    def paged(self, frame: np.ndarray) -> Image:
+        """Return a frame in the colors of the palette."""
+        found = self._in_palette(frame)
+        if len(self.keys) < MOST_KEYS and np.abs(np.asarray(found.convert("RGB")) - frame.astype(int)).max() > FAR:
+            self.keys.append(frame)
+            self.palette = self._of_keys()
+            found = self._in_palette(frame)
+        return found
+
+    def _in_palette(self, frame: np.ndarray) -> Image:
+        from PIL import Image
+
+        return Image.fromarray(frame).quantize(palette=self.palette, dither=Image.Dither.NONE)
+
+    def _of_keys(self) -> Image:
+        from PIL import Image
+
+        colours = np.concatenate([key.reshape(1, -1, 3) for key in self.keys], 1)
+        return Image.fromarray(colours).quantize(256, Image.Quantize.MAXCOVERAGE)
 
 
 def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
     import imageio_ffmpeg
 
     height, width = _even(first).shape[:2]
-    writer = imageio_ffmpeg.write_frames(str(path), (width, height), fps=rate, macro_block_size=2)
+    writer = imageio_ffmpeg.write_frames(
+        str(path), (width, height), fps=rate, macro_block_size=2, output_params=["-f", "mp4"]
+    )
     writer.send(None)
     try:
         writer.send(_even(first))

@@ -1,0 +1,84 @@
+"""What figures of comparisons show is in the tables: single values, every period of training, values of choices."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from regista.envs.football.scenic.lineup import Lineup
+from regista.envs.football.view.render import FootballPainter
+from regista.experiments.pictures import curves, level_plots, plots, theta_plots
+from regista.experiments.pictures import overview as pictures
+from regista.experiments.run.games import find_minigame
+from regista.experiments.run.programs import load_program
+from regista.experiments.run.table import Table
+from ued.core.parameters import Choice, Column, Integer, Range
+
+pytestmark = pytest.mark.drawn
+THETA = [f"theta/{d}" for d in range(6)]
+
+
+def test_a_run_with_a_single_evaluation_is_a_dot(tmp_path):
+    rows = {"long": range(1, 9), "short": [3], "other": [3]}
+    for name, updates in rows.items():
+        (tmp_path / name).mkdir()
+        table = [{"update": k, "env_steps": 1000 * k + 7 * len(name), "eval/easy": 0.5} for k in updates]
+        Table(tmp_path / name / "metrics.csv").append(table)
+    figure = curves.learning_figure({"dr": [tmp_path / "long", tmp_path / "short"], "plr": [tmp_path / "other"]})
+    dots = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
+    assert len(dots) == 3 and {line.get_color() for line in dots} == {plots.colour("dr"), plots.colour("plr")}
+    shown = [np.asarray(line.get_xdata())[np.isfinite(line.get_ydata())] for line in dots]
+    assert all(len(places) and np.allclose(places, 3035, atol=50) for places in shown)
+    assert figure.axes[0].get_ylim()[0] == 0
+
+
+def test_no_period_of_training_is_shown_twice():
+    (rows,) = pictures._level_rows({"paired": [Path("a")]})
+    assert [title for title, _, _ in rows] == [f"PAIRED, {name}" for name in ("all of training", *level_plots.PERIODS)]
+    assert [span for *_, span in rows] == [(0.0, 1.0), *level_plots.PERIODS.values()]
+    for name in ("a variant with a very long name " * 3, "another_name_of_one_word" * 4):
+        lines = pictures._shortened(f"{name.strip()}, last tenth", 30).splitlines()
+        assert lines[1] == "last tenth" and len(lines) == 2 and max(map(len, lines)) <= 31
+    assert pictures._shortened("PAIRED, middle", 30) == "PAIRED, middle"
+
+
+def test_titles_of_levels_do_not_overlap(tmp_path, monkeypatch):
+    Table(tmp_path / "levels.csv").append([{"update": k} | dict.fromkeys(THETA, k / 9) for k in range(1, 9)])
+    painter = FootballPainter(Lineup(load_program(find_minigame("1v1Restricted").program, 2)))
+    found = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: found.append(figure))
+    level_plots.levels(
+        {"another_rather_long_variant_name_without_spaces": [tmp_path]}, painter, tmp_path / "levels.png"
+    )
+    found[0].canvas.draw()
+    extents = [axes._left_title.get_window_extent() for axes in found[0].axes[:3]]
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(extents, 2))
+
+
+def test_choices_have_a_bar_for_each_value_beside_its_weight(tmp_path, monkeypatch):
+    draws = [
+        Column("ground", Choice("ice", "mud", weights=(3, 1))),
+        Column("x", Range(0, 1)),
+        Column("legs", Integer(1, 2)),
+    ]
+    rows = [{"update": 1 + k // 4, "theta/ground": -0.25, "theta/x": 0.9, "theta/legs": -0.5} for k in range(40)]
+    Table(tmp_path / "levels.csv").append(rows)
+    found = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: found.append(figure))
+    theta_plots.levels({"dr": [tmp_path]}, tmp_path / "levels.png", draws)
+    ground, x, legs = found[0].axes
+    shares = [[patch.get_data().values.tolist() for patch in axes.patches] for axes in (ground, legs)]
+    assert shares == [[[1.0, 0.0]] * 3 + [[0.75, 0.25]], [[1.0, 0.0]] * 3 + [[0.5, 0.5]]]
+    assert [label.get_text() for label in (*ground.get_xticklabels(), *legs.get_xticklabels())] == [
+        "ice",
+        "mud",
+        "1",
+        "2",
+    ]
+    assert x.patches[-1].get_data().values.tolist() == [1 / 20] * 20 and x.patches[0].get_data().values[19] == 1.0
+    wide = [{"update": 1} | {f"theta/p{d}": 0.0 for d in range(40)}]
+    (tmp_path / "wide").mkdir()
+    Table(tmp_path / "wide" / "levels.csv").append(wide)
+    theta_plots.levels({"dr": [tmp_path / "wide"]}, tmp_path / "levels.png")
+    assert found[1].legends[0].get_title().get_text() == "levels of (the first 8 of 40 parameters)"
