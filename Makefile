@@ -15,7 +15,7 @@ USED   := import gymnasium, matplotlib.pyplot, numba, rerun, shapely, torch
 CACHED := PYTHONDONTWRITEBYTECODE=
 COMPILE := from regista.experiments.run.games import compile_football; compile_football()
 
-.PHONY: setup demo policies results transfer publish grf docs test test-quick torture lint format benchmark clean
+.PHONY: setup demo policies results transfer publish grf docs test test-quick test-long torture lint format benchmark clean
 
 setup: $(KERNELS)
 
@@ -71,6 +71,9 @@ docs: $(READY)
 WORKERS := --numprocesses auto --dist worksteal
 
 test: lint $(KERNELS)
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS) -m 'not long'
+
+test-long: lint $(KERNELS)
 	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS)
 
 test-quick: lint $(KERNELS)

@@ -89,6 +89,7 @@ def carry_out(page, folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PAGES)
+@pytest.mark.long
 def test_a_page_can_be_followed(name, checkout):
     assert carry_out((ROOT / "docs" / "howto" / f"{name}.md").read_text(), checkout) >= 4
     style = [sys.executable, "-m", "ruff"]

@@ -90,6 +90,7 @@ def test_the_checkout_is_not_what_runs(python, project):
     assert Path(file).is_relative_to(python.parents[1]) and str(ROOT) not in places
 
 
+@pytest.mark.long
 def test_a_killed_run_is_resumed_and_recorded(trained):
     with open(trained / "metrics.csv") as file:
         steps = [int(float(row["env_steps"])) for row in csv.DictReader(file)]
@@ -101,6 +102,7 @@ def test_a_run_is_evaluated(trained, regista):
     assert "easy" in regista("evaluate", str(trained), *FEW)
 
 
+@pytest.mark.long
 def test_a_shipped_policy_plays_and_is_evaluated(regista, project):
     regista("play", "--player", "shipped:maze", "--video", "maze.gif")
     assert (project / "maze.gif").stat().st_size > 1000
@@ -108,6 +110,7 @@ def test_a_shipped_policy_plays_and_is_evaluated(regista, project):
     assert "random" in regista("evaluate", "shipped:maze", "--episodes", "2", "--levels", "0")
 
 
+@pytest.mark.long
 def test_methods_are_compared(regista, project):
     regista(
         "compare", GAME, "--methods", "dr", "plr", "--seeds", "1", "--processes", "1", *FEW, *SHORT, "--out", "both"

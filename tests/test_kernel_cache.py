@@ -249,6 +249,7 @@ def faster(x):
         pytest.param("program.py", "return 0.5", "return 1.5", "8 0", marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.long
 def test_a_kernel_of_another_project_follows_all_files_that_it_sees(folder, file, old, new, printed):
     for name, text in {"program.py": CALLER, "helpers.py": HELPERS, "rules.py": "BONUS = 1\n"}.items():
         (folder / name).write_text(text)

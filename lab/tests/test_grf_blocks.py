@@ -27,6 +27,7 @@ def test_what_becomes_of_a_shot_is_seen_two_steps_after_it(speeds: list[float], 
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_every_row_holds() -> None:
     rows = blocks.measure()
     assert [row.name for row in rows] == ["a shot stopped", "a shot gets past"]

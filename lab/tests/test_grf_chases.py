@@ -19,6 +19,7 @@ def test_places_are_those_of_episodes_that_go_on_for_so_long():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_backs_and_chasers_run_where_the_original_s_run():
     rows = chases.measure()
     assert len(rows) == 8

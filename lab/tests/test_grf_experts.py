@@ -67,6 +67,7 @@ def test_rates_and_ranks_are_told_of_both_engines():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_command_tells_of_all_nine(engine, capsys):
     words = ["--suite", "grf", "--measure", "--family", "experts", "--effort", "0.02", *engine]
     assert main([*words, "--json"]) == 0

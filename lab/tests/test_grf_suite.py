@@ -99,6 +99,7 @@ def test_the_steady_speeds_are_the_originals():
 
 @pytest.mark.drawn
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_command_prints_json_and_draws(capsys, tmp_path):
     arguments = ["--suite", "grf", "--family", "motion", "--effort", "0.1", "--json"]
     assert main([*arguments, "--figures", str(tmp_path / "figures")]) == 0

@@ -49,6 +49,7 @@ def read(path):
 
 @pytest.mark.slow
 @pytest.mark.drawn
+@pytest.mark.long
 def test_a_small_study_is_trained_stored_and_tabulated(stored):
     tests, levels, curves = (read(stored / f"maze_{kind}.csv") for kind in ("tests", "levels", "curves"))
     trained = [row for row in tests if row["method"] in ("dr", "mine")]

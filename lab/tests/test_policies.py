@@ -27,6 +27,7 @@ def test_what_is_installed_is_what_is_made():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_policies_are_made_in_the_same_layout(tmp_path, capsys):
     page, out = tmp_path / "games.md", tmp_path / "out"
     page.write_text(PAGE)

@@ -117,6 +117,7 @@ def test_the_page_quotes_the_report():
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="the faults are a library in C")
+@pytest.mark.long
 def test_a_full_disk_an_io_error_and_a_kill_leave_a_run_that_goes_on(tmp_path):
     target = faults.attacked("train plr", tmp_path)
     changes = target.undisturbed.changes

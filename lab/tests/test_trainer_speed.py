@@ -26,6 +26,7 @@ def test_missing_packages_are_reported(monkeypatch, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_trainers_take_the_same_gradient_steps_with_as_many_weights(tmp_path, capsys):
     compared = [name for name in trainers.TRAINERS if not trainers.missing(name)]
     rows = tmp_path / "rows.csv"

@@ -150,6 +150,7 @@ def test_students_and_baselines_play_its_tests(run, tmp_path, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_methods_are_compared_on_mazes(tmp_path, trained_here):
     words = ["compare", "maze", "--methods", "dr", "plr", "robust_plr", "accel", "sfl", "--seeds", "1", *BRIEF]
     more = ["--eval-every", "0", "--no-record", "--episodes", "2", "--levels", "0", "--out", str(tmp_path / "c")]

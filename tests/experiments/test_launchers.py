@@ -64,6 +64,7 @@ def assert_same(one, other, count):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_command_lines_make_the_tables_that_a_machine_makes(words, trained_here, tmp_path, capfd):
     words += ["--total-env-steps", "512", "--seeds", "1"]
     alone, by_lines = tmp_path / "alone", tmp_path / "by lines"

@@ -114,6 +114,7 @@ def test_a_run_that_blocks_ends_and_is_resumed_to_the_same_numbers(tmp_path, alo
     assert rows_of(run) == rows_of(alone)
 
 
+@pytest.mark.long
 def test_learning_with_very_many_minibatches_ends_and_is_resumed_to_the_same_numbers(tmp_path):
     words = ["train", TASK, "--method", "dr", "--num-envs", "16", "--num-steps", "64", "--total-env-steps", "1"]
     words += ["--no-record", "--eval-every", "0"]
@@ -173,6 +174,7 @@ def test_a_comparison_whose_runs_are_not_heard_ends(tmp_path):
     ],
     ids=lambda words: " ".join(words[:1]),
 )
+@pytest.mark.long
 def test_long_work_ends(tmp_path, words):
     scene = tmp_path / "rare.scenic"
     scene.write_text("x = Range(0, 1)\nego = Object at x @ 0\nrequire x < 0.000001\n")

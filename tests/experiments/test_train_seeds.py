@@ -92,6 +92,7 @@ def apart(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_seeds_trained_in_parallel_equal_those_trained_one_by_one(apart: Path, tmp_path: Path) -> None:
     out = finish(["train", *TASK, *LENGTH, *SEEDS, "--out", str(tmp_path / "together")])
     assert f"regista evaluate {tmp_path / 'together' / 'plr'}-*" in out
@@ -118,6 +119,7 @@ def killed(words: list[str], folder: Path, number: int) -> int:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_runs_that_are_stopped_or_killed_go_on_to_the_same_numbers(apart: Path, tmp_path: Path) -> None:
     folder = tmp_path / "together"
     words = ["train", *TASK, *LENGTH, *SEEDS, "--out", str(folder)]

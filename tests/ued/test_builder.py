@@ -52,6 +52,7 @@ def settings_of(name, builder):
 @pytest.mark.slow
 @pytest.mark.parametrize("family, best", [(DeclaredWords, 4.0), (TypedWords, 3.5)])
 @pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.long
 def test_the_best_levels_are_found_within_3200_proposals(family, best, seed):
     curriculum = teacher(family(), seed)
     means = [lesson(curriculum)[0]["score"].mean() for _ in range(100)]

@@ -29,6 +29,7 @@ def test_ppo_solves_cartpole():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_paired_trains_both_students_on_poles_of_its_choice():
     method = Paired(cartpole(), PPO, PairedConfig(dr_fraction=0.25), seed=0)
     proposed = []

@@ -148,6 +148,7 @@ def test_the_gaussian_of_the_thesis_does_not_find_it_in_the_middle():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_band_is_found_alike_in_a_mirrored_range():
     one = curves(numbered("x", 2), lambda theta: ((theta[:, 0] > 0.5) & (theta[:, 0] < 0.6)).astype(float), 0)
     other = curves(numbered("x", 2), lambda theta: ((theta[:, 0] < -0.5) & (theta[:, 0] > -0.6)).astype(float), 100)
@@ -155,6 +156,7 @@ def test_a_band_is_found_alike_in_a_mirrored_range():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_band_is_found_alike_in_a_range_cut_in_two():
     """Range(-1, 1), and Discrete({Range(-1, 0): 1, Range(0, 1): 1}): columns half, lower, upper.
 

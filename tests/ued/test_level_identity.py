@@ -126,8 +126,13 @@ ADAPTERS = {
     "football": football,
 }
 QUICK = [(method, adapter) for method in ("dr", "plr", "paired") for adapter in ("gymnasium", "native")]
+LONG = [(method, "async") for method in METHODS if method not in ("plr", "paired")]  # a process for each environment
 CASES = [
-    pytest.param(method, adapter, marks=[] if (method, adapter) in QUICK else [pytest.mark.slow])
+    pytest.param(
+        method,
+        adapter,
+        marks=[pytest.mark.slow] * ((method, adapter) not in QUICK) + [pytest.mark.long] * ((method, adapter) in LONG),
+    )
     for method in METHODS
     for adapter in ADAPTERS
 ]

@@ -271,6 +271,7 @@ def test_students_are_kept_close_to_each_other(kl, regularized):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_regularizer_brings_policies_together():
     distances = []
     for coef in (0.0, 5.0):

@@ -112,6 +112,7 @@ def test_continuous_actions(make):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_ppo_learns_continuous_actions_on_levels_of_any_gravity():
     ppo = PPOConfig(num_steps=200, learning_rate=2e-3, gamma=0.95, num_minibatches=16, update_epochs=8, ent_coef=0.0)
     method = DR(pendulums(16), ppo, seed=1)

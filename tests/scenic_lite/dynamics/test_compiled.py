@@ -98,6 +98,7 @@ def test_generated_scenarios_give_the_same_commands(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1000, 1040))
+@pytest.mark.long
 def test_more_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
