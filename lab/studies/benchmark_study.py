@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 
 from lab.studies import measuring, tables
 from lab.studies.rows import Row, add, check_present, load, trained
-from lab.studies.runs import BOOKKEEPING, CHOSEN, Deadline, Places, StudyConfig, StudyRuns, training
+from lab.studies.runs import BOOKKEEPING, CHOSEN, ROOT, Deadline, Places, StudyConfig, StudyRuns, training
 from regista.experiments.commands import clone, demonstrate
 from regista.experiments.run import arguments, origin
 from regista.experiments.run.arguments import group
@@ -27,6 +27,7 @@ from regista.minigames.published import published
 from regista.minigames.suites import BENCHMARK
 from ued.config import FineTuningConfig, setting
 
+TEAMS_PAGE = "docs/benchmarks/teams.md"
 TEAMS = ("multi", "teams")  # studies of teams alone
 AGENTS = {  # of a study that trains several on each game, as in the tables
     "teams": ("ppo", "shared_ppo", "shared_mappo"),
@@ -131,6 +132,7 @@ class BenchmarkStudy:
         if rows:
             with redirect_stdout(how.messages):
                 tables.publish(self.places.results, self.config.preset, self.places.page)
+                tables.publish_teams(self.places.results, self.config.preset, self.places.page and ROOT / TEAMS_PAGE)
         go_on = ", continue with the same command" if stop else ""
         print(f"{table}: {len(rows)} rows{go_on}", file=how.messages)
         return stop.exit_code

@@ -37,16 +37,10 @@ class Cell(NamedTuple):
     published: Published | None
 
 
-def section(rows: Sequence[Row]) -> str:
-    """Return the tables of single agents and of teams, and sentences that compare them with published numbers."""
-    single = [row for row in rows if not row.agent.startswith(TEAM)]
-    controls = {row.control for row in rows if row.agent.startswith(TEAM)}
-    teams = [row for row in rows if row.agent.startswith(TEAM) or (row.agent == RANDOM and row.control in controls)]
-    parts = []
-    for heading, some in (("One agent", single), ("Teams", teams)):
-        table = goals_table(some)
-        if len(table) > 1:
-            parts.append(f"**{heading}**\n\n{as_markdown(table)}")
+def of_one_agent(rows: Sequence[Row]) -> str:
+    """Return the table of single agents, and one that compares all policies with published numbers."""
+    single = goals_table([row for row in rows if not row.agent.startswith(TEAM)])
+    parts = [as_markdown(single)]
     said = [text for name, (agent, split) in COMPARED.items() if (text := agreement(rows, name, agent, split))]
     if said:
         about = (
@@ -58,17 +52,23 @@ def section(rows: Sequence[Row]) -> str:
     return "\n\n".join(parts)
 
 
+def of_teams(rows: Sequence[Row]) -> str:
+    """Return the table of teams."""
+    controls = {row.control for row in rows if row.agent.startswith(TEAM)}
+    mine = [row for row in rows if row.agent.startswith(TEAM) or (row.agent == RANDOM and row.control in controls)]
+    return as_markdown(goals_table(mine))
+
+
 def goals_table(rows: Sequence[Row]) -> list[list[str]]:
     """Return a row for each game, whom agents move, and method; a random policy is a column."""
     table = [["game", "moved", "method", TRAIN, "published", RANDOM, "test", "published", RANDOM, "runs", "env steps"]]
     for key in sorted({(row.game, row.control, row.agent) for row in rows if row.agent != RANDOM}):
         cells = []
         for split in SPLITS:
-            mine = cell(rows, *key, split)
-            uniform = cell(rows, *key[:2], RANDOM, split)
+            found, uniform = cell(rows, *key, split), cell(rows, *key[:2], RANDOM, split)
             cells += [
-                "" if mine is None else spelled(mine.ours),
-                "" if mine is None or mine.published is None else told(mine.published),
+                "" if found is None else spelled(found.ours),
+                "" if found is None or found.published is None else told(found.published),
                 "" if uniform is None else f"{uniform.ours.estimate:+.2f}",
             ]
         mine = [row for row in rows if (row.game, row.control, row.agent) == key]

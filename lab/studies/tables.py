@@ -7,6 +7,7 @@ rows `fast` and `thesis` stand beside published results of Google Research Footb
     python -m lab.studies.tables curricula --summary                # a row for each game: differences to DR
     python -m lab.studies.tables tuning --results runs/curricula/results
     python -m lab.studies.tables fast --page BENCHMARK.md           # between <!-- study: fast --> and <!-- end -->
+    python -m lab.studies.tables fast --teams                       # of teams, which have a page of their own
 
 Read next: `lab/studies/rows.py`, what a row holds; `regista.experiments.run.results`, how intervals are estimated.
 """
@@ -48,6 +49,7 @@ class TablesConfig:
     results: Path = setting(RESULTS, "folder of the CSV files of studies")
     page: Path | None = setting(None, "write the tables into this page instead of printing them")
     summary: bool = setting(False, "of curricula: one table, a row for each game")
+    teams: bool = setting(False, "of fast and thesis: the table of teams")
 
 
 def main(argv: Sequence[str]) -> int:
@@ -58,7 +60,11 @@ def main(argv: Sequence[str]) -> int:
         raise UsageError(f"no stored rows '{config.name}'; there are {', '.join(names)}")
     if config.summary and config.name != "curricula":
         raise UsageError(f"--summary is of curricula, not of {config.name}")
-    if config.summary:
+    if config.teams and config.name in COMPARISONS:
+        raise UsageError(f"--teams is of fast and thesis, not of {config.name}")
+    if config.teams:
+        publish_teams(config.results, config.name, config.page)
+    elif config.summary:
         publish_summary(config.results, config.page)
     else:
         publish(config.results, config.name, config.page)
@@ -73,6 +79,16 @@ def publish_summary(results: Path, page: Path | None = None) -> None:
     if page is None:
         return print(text)
     put(page, "study: summary", text, "Football")
+
+
+def publish_teams(results: Path, name: str, page: Path | None = None) -> None:
+    """Print the table of teams of a benchmark study, or put it into its place on a page; see `publish`."""
+    rows = load(results / f"{name}.csv")
+    check_present(results / f"{name}.csv", rows)
+    text = f"{goals.of_teams(rows)}\n\n{about(rows, name, ' --teams')}"
+    if page is None:
+        return print(text)
+    put(page, f"study: {name}, teams", text, f"Teams, {name}")
 
 
 def publish(results: Path, name: str, page: Path | None = None) -> None:
@@ -116,10 +132,14 @@ def tables(rows: Sequence[Row], name: str) -> str:
         games = [[row for row in rows if row.game == game] for game in games_of(rows, name)]
         made = [f"**{game[0].game}**\n\n{as_markdown(success_table(game, name))}{below(game, name)}" for game in games]
     else:
-        made = [goals.section(rows)]
+        made = [goals.of_one_agent(rows)]
+    return "\n\n".join([*made, about(rows, name)])
+
+
+def about(rows: Sequence[Row], name: str, flag: str = "") -> str:
+    """Return what numbers a table holds, what was played, and the command."""
     unit = "Success rates" if name in COMPARISONS else "Goal differences per episode"
-    about = f"{unit}. {NOTE}. Measured on {played_on(rows)}; `python -m lab.studies.tables {name}`."
-    return "\n\n".join([*made, about])
+    return f"{unit}. {NOTE}. Measured on {played_on(rows)}; `python -m lab.studies.tables {name}{flag}`."
 
 
 def games_of(rows: Sequence[Row], name: str) -> list[str]:
@@ -153,13 +173,13 @@ def summary(rows: Sequence[Row]) -> str:
     runs = [len(each.rates) for mine in scores.values() for each in mine.values()]
     sizes = [100 * estimate.detectable_score(list(mine.values())) for mine in scores.values()]
     steps = unique([count(row.env_steps) for row in rows])
-    about = (
+    played = (
         f"Success on held-out scenes in percent, and differences in percentage points, after {' to '.join(steps)} "
         f"simulated steps; 95% bootstrap intervals over {significance.spread(runs)} runs."
     )
     legend = significance.legend([gain.p for gain in gains.values()])
     said = significance.sentences(legend, significance.visible(sizes, runs, "{:.0f} points", "game"))
-    below = [about, said, f"Measured on {played_on(rows)}; `python -m lab.studies.tables curricula --summary`."]
+    below = [played, said, f"Measured on {played_on(rows)}; `python -m lab.studies.tables curricula --summary`."]
     return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
 
 

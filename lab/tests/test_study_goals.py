@@ -31,7 +31,7 @@ def test_a_random_policy_is_a_column_and_published_numbers_stand_beside_ours():
 def test_teams_have_a_table_of_their_own_and_the_published_numbers_of_their_players():
     rows = [made(GAMES[3], 0.5), *(made(GAMES[3], 0.1, agent="team_ppo", control=control) for control in ("2", "3"))]
     rows.append(made(GAMES[3], 0.02, agent="random", control="2"))
-    one, teams = goals.section(rows).split("**Teams**")
+    one, teams = goals.of_one_agent(rows), goals.of_teams(rows)
     assert one.count("offense/11_vs_gk") == 1
     lines = [line.split(" | ") for line in teams.splitlines() if "11_vs_gk" in line]
     assert [(line[1], line[4], line[5]) for line in lines] == [
@@ -47,7 +47,7 @@ def test_agreement_with_published_numbers_is_told_over_games():
     assert (name, games, float(correlation)) == ("one agent", "4", 1.0)
     assert float(difference) == pytest.approx(0.155, abs=0.006) and apart == "1 of 4"
     assert goals.agreement(rows[:15], "one agent", "ppo", "train") == []
-    assert "one agent, training scenes | 4 | 1.00 |" in goals.section(rows)
+    assert "one agent, training scenes | 4 | 1.00 |" in goals.of_one_agent(rows)
 
 
 def test_a_difference_is_measured_against_both_intervals():
