@@ -77,7 +77,7 @@ test-long: lint $(KERNELS)
 	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS)
 
 test-quick: lint $(KERNELS)
-	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS) -m 'not slow'
+	$(CACHED) OMP_NUM_THREADS=1 $(BIN)/pytest $(WORKERS) -m 'not slow and not long'
 
 # Hostile states, code, files, programs, signals and matches, for MINUTES, with a report in runs/torture.json. It goes on
 # where it was stopped. With bounds checks in all kernels: make torture NUMBA_BOUNDSCHECK=1.

@@ -10,6 +10,7 @@ from ued.methods import METHODS
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.long
 def test_methods_and_teams_are_measured(monkeypatch, capsys):
     monkeypatch.setattr("lab.benchmarks.timing.WARM_UPDATES", 1)
     monkeypatch.setattr("lab.benchmarks.training.build.METHODS", {"dr": METHODS["dr"]})

@@ -12,6 +12,7 @@ BEGINS = {"svg": b"<?xml", "pdf": b"%PDF"}
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", BEGINS)
+@pytest.mark.long
 def test_pictures_of_a_training_and_a_comparison_have_the_format_that_is_asked_for(
     probe, trained_here, tmp_path, capsys, kind
 ):

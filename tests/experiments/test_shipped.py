@@ -56,6 +56,7 @@ def test_a_policy_plays_its_game(name, capsys):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.long
 def test_a_policy_beats_the_random_one(name):
     """By intervals that are apart, on levels of its game's training distribution."""
     run = RunFolder.open(shipped.located(name))

@@ -99,6 +99,7 @@ def test_an_error_of_the_disk_is_not_taken_for_one_of_the_terminal(capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_commands_are_interrupted(tmp_path: Path):
     for words in PREPARED:
         assert main([word.format(run=tmp_path / "run") for word in words]) == 0

@@ -101,6 +101,7 @@ def _alone(tmp_path_factory):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.long
 def test_a_run_that_blocks_ends_and_is_resumed_to_the_same_numbers(tmp_path, alone, number):
     run = tmp_path / "run"
     command = Command(tmp_path / "told", train(run))
@@ -147,6 +148,7 @@ def test_an_evaluation_within_training_ends(tmp_path):
     command.stop()
 
 
+@pytest.mark.long
 def test_a_comparison_ends_with_its_processes(tmp_path):
     command = Command(tmp_path, [*COMPARE, "plr", "--out", str(tmp_path / "all")])
     command.wait_for(tmp_path / "all" / "dr-0" / "checkpoint.pt")

@@ -155,6 +155,7 @@ def run(tmp_path_factory):
     return out
 
 
+@pytest.mark.long
 def test_the_command_tells_of_both_engines(run, engine, capsys, tmp_path):
     files = ["--csv", str(tmp_path / "t.csv"), "--traces", str(tmp_path / "t.rrd"), "--trace-episodes", "2"]
     words = ["transfer", str(run), "--episodes", "6", "--grf-episodes", "4", *engine, *files]

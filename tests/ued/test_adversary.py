@@ -90,6 +90,7 @@ def moved(draws, program_parameters=(), distribution="program"):
 @pytest.mark.parametrize(
     ("draws", "program_parameters"), [(numbered("x", 2), ()), (CHOICES, ()), (MIXED, ()), (MIXTURE, PROGRAMS)]
 )
+@pytest.mark.long
 def test_densities_are_those_of_what_is_drawn(draws, program_parameters):
     """The density of proposals is relative to the program's: under that, its mean is 1, and so is its inverse's."""
     network = moved(draws, program_parameters).network

@@ -58,5 +58,6 @@ def seconds(statement):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_package_is_there_hardly_later_than_torch():
     assert seconds("from ued import Paired") < 1.5 * seconds("import torch")

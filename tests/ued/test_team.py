@@ -302,6 +302,7 @@ class Contrary(Roles):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("team", "critic"), ARRANGEMENTS)
+@pytest.mark.long
 def test_a_team_learns_several_programs_in_one_batch(team, critic):
     env = Mixture([Roles(64), Contrary(64)], ["roles", "contrary"])
     assert env.num_agents == 3 and env.single_observation_space.shape == (3, 4)

@@ -90,6 +90,7 @@ def test_generated_programs_give_the_same_commands(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(40, quick=6))
+@pytest.mark.long
 def test_generated_scenarios_give_the_same_commands(seed):
     text = generated_scenarios(seed)
     found, _ = differences(text, range(seed, seed + 1), steps=18)
