@@ -83,7 +83,8 @@ def cell(rows: Sequence[Row], game: str, control: str, agent: str, split: str) -
     found = [row.result() for row in rows if (row.game, row.control, row.agent, row.scene) == key]
     if not found:
         return None
-    return Cell(estimate.mean_return(found), find_published(game, agent, split, control if agent[:5] == TEAM else ""))
+    moved = control if agent == RANDOM or agent.startswith(TEAM) else ""  # of programs the words differ
+    return Cell(estimate.mean_return(found), find_published(game, agent, split, moved))
 
 
 def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[str]:

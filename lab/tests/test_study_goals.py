@@ -50,6 +50,18 @@ def test_agreement_with_published_numbers_is_told_over_games():
     assert "one agent, training scenes | 4 | 1.00 |" in goals.of_one_agent(rows)
 
 
+def test_random_teams_are_not_compared_with_published_random_agents():
+    rows = [made(game, -0.5, "test", agent="random") for game in GAMES[:3]]
+    rows += [made(game, -0.9, "test", agent="random", control="all") for game in GAMES[:3]]
+    assert goals.agreement([*rows, *rows], "", "random", "test") == []
+    assert [
+        goals.cell(rows, GAMES[0], control, "random", "test").published is None for control in ("closest1", "all")
+    ] == [
+        False,
+        True,
+    ]
+
+
 def test_a_difference_is_measured_against_both_intervals():
     known = find_published(GAMES[3], "ppo")
     rows = [made(game, published(game), seed=seed) for game in GAMES[:3] for seed in range(5)]
