@@ -23,10 +23,11 @@ from typing import NamedTuple
 import numpy as np
 
 from lab import paired_football
+from lab.studies.cells import percent
 from lab.studies.curricula_study import PAGE
 from lab.studies.rows import add, check_present, load, played_on
 from lab.studies.runs import ROOT, StudyRuns
-from lab.studies.tables import percent, put
+from lab.studies.tables import put
 from lab.thesis import plan
 from regista.experiments.run import build, significance, versions
 from regista.experiments.run.config import EngineConfig

@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lab.studies.cells import runs_and_steps, spell
 from lab.studies.measuring import TEAM
 from lab.studies.rows import TRAIN, Row
 from regista.experiments.run import results as estimate
-from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown
-from regista.experiments.run.results import unique
 from regista.minigames.published import Published, find_published
 from ued.statistics import Interval, spearman
 
@@ -67,13 +66,12 @@ def goals_table(rows: Sequence[Row]) -> list[list[str]]:
         for split in SPLITS:
             found, uniform = cell(rows, *key, split), cell(rows, *key[:2], RANDOM, split)
             cells += [
-                "" if found is None else spelled(found.ours),
+                "" if found is None else spell(found.ours, "{:+.2f}"),
                 "" if found is None or found.published is None else told(found.published),
                 "" if uniform is None else f"{uniform.ours.estimate:+.2f}",
             ]
         mine = [row for row in rows if (row.game, row.control, row.agent) == key]
-        steps = unique([count(steps) for steps in sorted({row.env_steps for row in mine})])
-        table.append([*key, *cells, str(len({row.seed for row in mine})), " to ".join(steps)])
+        table.append([*key, *cells, *runs_and_steps(mine)])
     return table
 
 
@@ -113,9 +111,3 @@ def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[st
 def told(known: Published) -> str:
     """Return a published number with half of its interval, if that is known."""
     return f"{known.goal_difference:+.2f}" + ("" if known.interval is None else f" ± {known.interval:.2f}")
-
-
-def spelled(interval: Interval) -> str:
-    """Return a goal difference with its interval, if it has one."""
-    low, high = f"{interval.low:+.2f}", f"{interval.high:+.2f}"
-    return f"{interval.estimate:+.2f}" + (f" [{low}, {high}]" if interval.known else "")

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from lab.studies import budgets, goals
+from lab.studies.cells import percent, runs_and_steps
 from lab.studies.curricula import COMPARISONS
 from lab.studies.rows import RESULTS, TRAIN, Point, Row, check_present, load, played_on
 from regista.experiments.run import arguments, significance
@@ -33,7 +34,7 @@ from regista.experiments.run.progress import count
 from regista.experiments.run.report import as_markdown, write_text
 from regista.experiments.run.results import select, unique
 from ued.config import setting
-from ued.statistics import Difference, Interval
+from ued.statistics import Difference
 
 NOTE = (
     "95% intervals: bootstrap over runs and their episodes, for a single run over its episodes; none below 5 of either"
@@ -73,22 +74,15 @@ def main(argv: Sequence[str]) -> int:
 
 def publish_summary(results: Path, page: Path | None = None) -> None:
     """Print the summary of the study of methods, or put it into its place on a page; see `publish`."""
-    rows = load(results / "curricula.csv")
-    check_present(results / "curricula.csv", rows)
-    text = summary(rows) if rows else f"{results / 'curricula.csv'} has no rows."
-    if page is None:
-        return print(text)
-    put(page, "study: summary", text, "Football")
+    rows = stored(results, "curricula")
+    show(summary(rows) if rows else f"{results / 'curricula.csv'} has no rows.", page, "study: summary", "Football")
 
 
 def publish_teams(results: Path, name: str, page: Path | None = None) -> None:
     """Print the table of teams of a benchmark study, or put it into its place on a page; see `publish`."""
-    rows = load(results / f"{name}.csv")
-    check_present(results / f"{name}.csv", rows)
+    rows = stored(results, name)
     text = f"{goals.of_teams(rows)}\n\n{about(rows, name, ' --teams')}"
-    if page is None:
-        return print(text)
-    put(page, f"study: {name}, teams", text, f"Teams, {name}")
+    show(text, page, f"study: {name}, teams", f"Teams, {name}")
 
 
 def publish(results: Path, name: str, page: Path | None = None) -> None:
@@ -96,8 +90,7 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
 
     Raises `CommandError` for rows of another version of the simulator, and if the disk refuses.
     """
-    rows = load(results / f"{name}.csv")
-    check_present(results / f"{name}.csv", rows)
+    rows = stored(results, name)
     text = tables(rows, name) if rows else f"{results / name}.csv has no rows."
     points = load(results / f"{name}_curves.csv", Point) if name == "curricula" else []
     if points:
@@ -105,9 +98,22 @@ def publish(results: Path, name: str, page: Path | None = None) -> None:
         if page is not None:
             budgets.draw(points)
             text = f"{text}\n\n{budgets.LINK}"
+    show(text, page, f"study: {name}", f"Study {name}")
+
+
+def stored(results: Path, name: str) -> list[Row]:
+    """Return the rows of a study. Raises `CommandError` for rows of another version of the simulator."""
+    rows = load(results / f"{name}.csv")
+    check_present(results / f"{name}.csv", rows)
+    return rows
+
+
+def show(text: str, page: Path | None, mark: str, heading: str) -> None:
+    """Print a text, or put it into its place on a page; see `put`."""
     if page is None:
-        return print(text)
-    put(page, f"study: {name}", text, f"Study {name}")
+        print(text)
+    else:
+        put(page, mark, text, heading)
 
 
 def put(page: Path, mark: str, text: str, heading: str) -> None:
@@ -256,7 +262,15 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     for method, mine in scores.items():
         cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]
         gain = f"{percent(gains[method], '+')} {marks[method]}".rstrip() if method in gains else ""
-        table.append([method, *cells, percent(estimate.mean_score(mine)), gain, *_runs(rows, method)])
+        table.append(
+            [
+                method,
+                *cells,
+                percent(estimate.mean_score(mine)),
+                gain,
+                *runs_and_steps([row for row in rows if row.agent == method]),
+            ]
+        )
     return table
 
 
@@ -281,24 +295,6 @@ def below(rows: Sequence[Row], name: str) -> str:
     legend = significance.legend([gain.p for gain in gains_of(scores).values()])
     said = significance.sentences(legend, significance.visible([size], counts, "{:.0f} points"))
     return f"\n\n{said}" if said else ""
-
-
-def _runs(rows: Sequence[Row], agent: str) -> list[str]:
-    """Return how many runs of an agent there are, and after how many steps they were played."""
-    mine = sorted({(row.env_steps, row.seed) for row in rows if row.agent == agent})
-    steps = unique([count(env_steps) for env_steps, _ in mine])
-    return [str(len({seed for _, seed in mine})), " to ".join(steps)]
-
-
-def percent(interval: Interval | Difference, sign: str = "") -> str:
-    """Return a share, or a difference of shares, with its interval, in percent."""
-    return spell(Interval(*(100 * value for value in interval[:3])), f"{{:{sign}.0f}}", "%")
-
-
-def spell(interval: Interval, form: str, unit: str = "") -> str:
-    """Return an estimate with its interval, if it has one."""
-    middle, low, high = (form.format(value) for value in interval)
-    return f"{middle}{unit} [{low}, {high}]" if interval.known else f"{middle}{unit}"
 
 
 if __name__ == "__main__":

@@ -9,9 +9,10 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from lab.studies.cells import spell
 from lab.studies.rows import TRAIN, Row, played_on
 from lab.studies.runs import ROOT
-from lab.studies.tables import NOTE, spell
+from lab.studies.tables import NOTE
 from lab.thesis.plan import FIGURES, in_order
 from regista.experiments.run import results as estimate
 from regista.experiments.run import significance
