@@ -55,6 +55,25 @@ def test_a_signal_that_was_swallowed_still_counts(capsys):
     assert run_command(command, []) == 130
 
 
+def test_an_object_that_a_signal_left_half_made_says_nothing():
+    lines = """
+import os, signal
+from regista.experiments.run.errors import run_command
+
+class Half:
+    def __init__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+        self.handle = 1
+
+    def __del__(self):
+        self.handle
+
+raise SystemExit(run_command(lambda _: Half() and 0, [], for_good=True))
+"""
+    ended = subprocess.run([sys.executable, "-c", lines], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (ended.returncode, ended.stderr) == (143, "regista: terminated\n")
+
+
 def test_handlers_are_as_before(capsys):
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     run_command(lambda _: ask() or 0, [])

@@ -147,7 +147,8 @@ def interruptible(for_good: bool = False) -> Iterator[list[int]]:
         with _handled(stop):
             yield heard
     finally:
-        sys.unraisablehook = hook
+        if not (for_good and heard):  # a constructor that was cut off is deleted with the error, and complains
+            sys.unraisablehook = hook
         if for_good:  # cleanup at the end of the process is watched too
             with suppress(ValueError):  # no handlers are set in other threads
                 _listen(_leave)
