@@ -31,6 +31,7 @@ from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.games import single_game
 from regista.experiments.run.players import SCRIPTED, Actor, MatchStudent, scripted_player, task_player
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.rendering import fitted
 from regista.experiments.run.shipped import is_name as is_shipped
 from regista.experiments.run.shipped import located
 from regista.experiments.run.table import cannot_write
@@ -353,7 +354,8 @@ def _play_task(config: PlayConfig, stage: LevelStage) -> int:
 
 
 def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Tally) -> Iterator[np.ndarray]:
-    """Play the episodes of a task, print their results, and return their frames one by one."""
+    """Play the episodes of a task, print their results, and return their frames one by one, all of one size."""
+    first: np.ndarray | None = None
     for episode in range(config.episodes):
         if episode and config.level is None:
             stage = stage.on_next_level(config.seed + episode, episode)
@@ -365,7 +367,9 @@ def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Ta
         tally.add(played.total, played.success)
         end = f", ended {'with' if played.success else 'without'} success" if played.ended else ""
         print(f"{played.steps} steps by {player.name}, return {played.total:g}{end}")
-        yield from played.frames
+        for frame in played.frames:
+            first = frame if first is None else first
+            yield fitted(frame, first)
 
 
 def _save(record: Record, path: Path) -> None:

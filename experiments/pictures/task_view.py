@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.rendering import rendered
 from regista.experiments.run.results import align
 from ued.core.painter import Colour
 from ued.core.upomdp import UPOMDP
@@ -65,10 +66,7 @@ def draw_task(upomdp: UPOMDP, theta: np.ndarray, path: Path, markers: Sequence[M
     from regista.experiments.pictures import plots
 
     upomdp.reset(seed=0, options={"theta": theta})
-    try:
-        frames: Any = upomdp.render() if upomdp.render_mode == "rgb_array" else None
-    except Exception as error:  # any error of the environment
-        raise CommandError(f"the environment cannot render: {type(error).__name__}: {error}") from error
+    frames = rendered(upomdp)
     if frames is None:
         raise CommandError(CANNOT_DRAW)
     columns = min(len(frames), 4)

@@ -15,6 +15,7 @@ import numpy as np
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.rendering import rendered
 
 if TYPE_CHECKING:
     from regista.envs.football.config import FootballConfig
@@ -161,7 +162,6 @@ class LevelStage:
             from regista.envs.football.view.picture import draw_match
 
             return draw_match(self.env.matches[0])
-        images = self.env.render()
-        if images is None or images[0] is None:
-            raise CommandError(f"{self.game.short} rendered nothing: its render() must return a picture")
-        return np.asarray(images[0], np.uint8)
+        images = rendered(self.env)
+        assert images is not None, "see is_visible"
+        return images[0]

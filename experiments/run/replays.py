@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from regista.experiments.run.errors import CommandError
+from regista.experiments.run.rendering import fitted, rendered
 from ued.core.level_space import level_dtype
 from ued.core.painter import ScenePainter
 from ued.core.upomdp import UPOMDP
@@ -139,14 +140,16 @@ class Stage:
                 begins.append(len(frames))
                 frames.append(self._frame())
         shown = [frame for frame in frames if frame is not None]
+        if self.painter is None:
+            shown = [fitted(frame, shown[0]) for frame in shown]
         return Played(shown, begins if shown else [], np.array(returns))
 
     def _frame(self) -> np.ndarray | None:
         """Return a frame of the environment in its current state."""
         if self.painter is not None:
             return self.painter.frame(self.env)
-        images: Any = self.env.render() if self.env.render_mode == "rgb_array" else None
-        return None if images is None else np.asarray(images[0], np.uint8)
+        images = rendered(self.env)
+        return None if images is None else images[0]
 
 
 def came_out_alike(replay: Replay, returns: np.ndarray) -> bool:
