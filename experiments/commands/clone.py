@@ -94,6 +94,8 @@ def _begin(config: CloneConfig, demos: Demonstrations, data: CloningData) -> tup
     training = replace(
         base, minigame=minigame, method="dr", env=env, ppo=config.ppo, seed=config.seed, threads=config.threads
     )
+    if game.name == demos.config.minigame:
+        training = replace(training, program=demos.config.program)
     upomdp = build.make_upomdp(game.task(training).make, training.num_envs, training.seed)
     method = build.make_method(training, upomdp)
     seen, space = data.observation_shape, upomdp.single_observation_space

@@ -115,9 +115,8 @@ def _policy_of(
     env = replace(run.config.scored().env, pixels="dense")  # students also accept images
     part = SIDE_BY_SIDE.get(env.representation, 256)
     program = played.program(run.config)
-    config = DemonstrationsConfig(
-        minigame=run.config.minigame, source=str(typed.run.resolve()), part=part, env=env, **chosen
-    )
+    chosen |= {"minigame": run.config.minigame, "source": str(typed.run.resolve()), "program": run.config.program}
+    config = DemonstrationsConfig(part=part, env=env, **chosen)
     return config, program, *_student(run, played, typed.greedy)
 
 
@@ -196,4 +195,5 @@ def _gym_settings(env: FootballVectorEnv) -> dict[str, Any]:
         "rewards": config.rewards,
         "control": config.control,
         "right_control": config.right_control,
+        "dialect": config.dialect,
     }

@@ -58,6 +58,7 @@ class DemonstrationsConfig(Checked):
     seed: int = setting(0, "seed of levels and episodes", ">=0", most=LARGEST_SEED)
     part: int = setting(256, "episodes played in parallel", ">=1", most=100_000)
     env: FootballConfig = field(default_factory=FootballConfig)
+    program: configs.ProgramConfig = field(default_factory=configs.ProgramConfig)
 
 
 class Summary(NamedTuple):

@@ -236,6 +236,7 @@ OF_MACHINES = 1_024  # upper limit of threads on any machine
 ADDED: dict[str, Any] = {"ppo.team": "independent", "ppo.critic": "own", "ppo.bptt_steps": 0, "ppo.network": "auto"}
 ADDED |= {"ppo.head_size": 0, "ppo.norm_reward": False, "accel.new_levels": "random", "sfl.score": "learnability"}
 ADDED |= {"record_limit": 2_000, "report": [], "device": "cpu", "levels_format": "csv"}
+ADDED |= {"program": {"param": [], "scenario": None, "model": None}}  # of demonstrations
 ADDED |= {row: dataclasses.asdict(METHODS[row].settings()) for row in ("cenie", "ncc", "lessons")}
 WITH_ADVERSARY = [row.group for row in METHODS.values() if hasattr(row.settings(), "adversary")]
 ADDED |= {f"{method}.adversary.builder": "auto" for method in WITH_ADVERSARY} | {"env.pixels": "dense"}

@@ -16,6 +16,7 @@ from regista.experiments.run import config as configs
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from regista.experiments.run.folder import LARGEST, RunFolder
+from regista.experiments.run.notes import warn
 from ued.config import FineTuningConfig
 
 # Settings of `PPOConfig` that determine the network; `RunConfig.seen` determines observations and control
@@ -144,7 +145,7 @@ def check_needed(path: Path | None, settings: FineTuningConfig) -> None:
 def check(origin: Origin, config: TrainConfig) -> None:
     """Raise `CommandError` if the student has another network, other observations or other control.
 
-    Also if both runs use our simulator in different versions.
+    Also if both runs use our simulator in different versions. Warns if they play one program with other parameters.
     """
     if versions.present_version(config) is not None:
         versions.check_present(origin.simulator, f"{origin.path} was trained on", "no run can start from it")
@@ -157,6 +158,15 @@ def check(origin: Origin, config: TrainConfig) -> None:
                 f"{origin.path} holds a student with {name} = {value}; this run cannot start from it, since it has "
                 f"{ours[name]}"
             )
+    its_program, ours_program = getattr(origin.config, "program", None), getattr(config, "program", None)
+    if origin.config.minigame == config.minigame and its_program != ours_program:
+        differing = configs.differences(its_program, ours_program).items()
+        told = ", ".join(f"{name} = {_listed(old)} there and {_listed(new)} here" for name, (old, new) in differing)
+        warn(f"warning: {origin.path} was trained with other settings of the program: {told}")
+
+
+def _listed(value: Any) -> str:
+    return (", ".join(value) if isinstance(value, tuple) else value) or "none"
 
 
 def _student_settings(config: TrainConfig) -> dict[str, Any]:

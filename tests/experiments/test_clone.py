@@ -247,3 +247,23 @@ def test_a_clone_whose_table_is_damaged_is_refused_and_left_alone(demos, tmp_pat
     (out / "program.scenic").unlink()
     assert main(words) == 1 and "cloning.csv" in capsys.readouterr().err
     assert not (out / "program.scenic").exists()
+
+
+def test_parameters_of_the_program_are_kept_by_clones_and_missed_by_others(tmp_path, capsys):
+    program = tmp_path / "run.scenic"
+    program.write_text(RUN)
+    run, demos, clone = tmp_path / "run", tmp_path / "demos", tmp_path / "clone"
+    first = ["train", str(program), "--method", "dr", *SHORT, "--control", "1", "--param", "game_duration=7"]
+    assert main([*first, "--out", str(run)]) == 0
+    assert main(["demonstrate", "--run", str(run), "--episodes", "20", "--keep", "all", "--out", str(demos)]) == 0
+    assert main(["clone", str(demos), "--out", str(clone), *FEW]) == 0
+    assert RunFolder.open(clone).config.program.param == ("game_duration=7",)
+    capsys.readouterr()
+    second = ["train", str(program), "--method", "dr", *SHORT, "--from", str(clone)]
+    assert main([*second, "--param", "game_duration=7", "--out", str(tmp_path / "same")]) == 0
+    assert "other settings of the program" not in capsys.readouterr().err
+    assert main([*second, "--out", str(tmp_path / "other")]) == 0
+    said = (
+        f"warning: {clone} was trained with other settings of the program: param = game_duration=7 there and none here"
+    )
+    assert said in capsys.readouterr().err
