@@ -23,14 +23,13 @@ from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_rows
 from ued.core.files import write_whole
-from ued.core.painter import tiles_of, trails_of
+from ued.core.painter import ScenePainter, tiles_of, trails_of
 from ued.core.parameters import axis_of, cells_in
 from ued.recorder.shades import SOURCE_COLOURS, student_colour, unique_names
 
 PAGE = Path(__file__).with_name("gallery.html")
 PLACE = "/*DATA*/null"  # placeholder of the data in the template
 MOST_COLUMNS = 40  # of θ on the page
-CENTIMETRES = 100
 NOWHERE = -(2**15)  # marks a missing position
 MOST_IMAGES = 40  # rendered images per episode
 IMAGE_WIDTH = 240  # maximum, in pixels
@@ -120,7 +119,7 @@ def _levels(stage: Stage, columns: Mapping[str, np.ndarray], sources: list[str],
     whole = [cells_in(draw) is not None for draw, _ in _drawn(stage)]  # rounding could change their value
     told["theta"] = {name: theta[:, d].tolist() if whole[d] else _plain(theta[:, d]) for d, name in enumerate(names)}
     if stage.painter is not None:
-        told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)))
+        told["places"] = _pack(stage.painter.positions(np.clip(theta, -1, 1)), _unit(stage.painter))
     return told
 
 
@@ -136,9 +135,10 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
     return {
         "bounds": painter.bounds,
         "reach": painter.reach,
+        "unit": _unit(painter),
         "background": painter.background,
         "line": painter.line_colour,
-        "lines": [np.round(strip, 2).tolist() for strip in painter.lines()],
+        "lines": [np.round(strip, 4).tolist() for strip in painter.lines()],
         "markers": [painter.markers[index] for index in painter.classes],
         "tiles": tiles_of(painter).tolist(),
         "trails": trails_of(painter).tolist(),
@@ -158,7 +158,7 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
         frames, alike = played.frames, came_out_alike(replay, played.returns)
         otherwise += not alike
         if stage.painter is not None:
-            film: Any = _pack(np.array(frames))
+            film: Any = _pack(np.array(frames), _unit(stage.painter))
         else:
             film = [_image(frame) for frame in _spread(frames, MOST_IMAGES)]
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
@@ -167,9 +167,14 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
     return told, otherwise
 
 
-def _pack(places: np.ndarray) -> str:
-    """Return positions in meters, or nan, as base64 of int16 centimeters."""
-    whole = np.round(np.nan_to_num(places, nan=NOWHERE / CENTIMETRES) * CENTIMETRES)
+def _unit(painter: ScenePainter) -> float:
+    """Return the resolution of positions in meters, of which int16 reach to twice the size of the scene."""
+    return float(f"{2 * np.abs([*painter.bounds, *painter.reach]).max() / -NOWHERE:.3g}") or 1.0
+
+
+def _pack(places: np.ndarray, unit: float) -> str:
+    """Return positions in meters, or nan, as base64 of int16 multiples of `unit`."""
+    whole = np.round(np.nan_to_num(places / unit, nan=NOWHERE))
     return base64.b64encode(np.clip(whole, NOWHERE, -NOWHERE - 1).astype("<i2").tobytes()).decode()
 
 

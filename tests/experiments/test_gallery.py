@@ -1,5 +1,6 @@
 """replays.csv has the very episodes of a run, and the gallery shows them."""
 
+import base64
 import json
 import re
 import shutil
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from regista.experiments.__main__ import main
+from regista.experiments.pictures import gallery
 from regista.experiments.run import build
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
@@ -68,6 +70,19 @@ def levels_of(run):
 
 def data_of(page):
     return json.loads(re.search(r"^const data = (.*);$", page.read_text(), re.M)[1])
+
+
+@pytest.mark.parametrize("size", [0.02, 4.0, 5e4])
+def test_positions_are_kept_whatever_the_size_of_the_world(size):
+    class World:
+        bounds, reach = (-size, size, 0.0, size), (-size, 1.5 * size, 0.0, size)
+
+    unit = gallery._unit(World())
+    places = np.random.default_rng(0).uniform(-size, 1.5 * size, (50, 3, 2))
+    places[7, 1] = np.nan
+    packed = np.frombuffer(base64.b64decode(gallery._pack(places, unit)), "<i2").reshape(places.shape)
+    assert (packed[7, 1] == gallery.NOWHERE).all()
+    assert np.nanmax(np.abs(np.where(packed == gallery.NOWHERE, np.nan, packed * unit) - places)) < size / 10_000
 
 
 @pytest.mark.slow
