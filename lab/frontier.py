@@ -29,7 +29,10 @@ from ued.statistics import Bootstrap, Difference, Interval, bootstrap, detectabl
 SCENE = "every length"  # one level of each length: its success rate is the share of the turns that a student knows
 PAGE, PICTURE = Path("RESULTS.md"), Path("experiments/gallery/frontier.png")
 ROWS = Path("lab/results/frontier.csv")
-NOTE = "95% CI: bootstrap over runs; of P(better), Newcombe's."
+NOTE = (
+    "Differences in percentage points; IQM: mean of the middle half of the runs; P(better): probability that a run of "
+    "the method knows more turns than one of dr. 95% CI: bootstrap over runs; of P(better), Newcombe's."
+)
 
 
 def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[list[str]]:
@@ -42,7 +45,7 @@ def table(rates: Mapping[str, np.ndarray], steps: Mapping[str, str]) -> list[lis
         row = [name, known, percent(found[name].interval()), f"{iqm(mine):.0%}", "", ""]
         if name in gains:
             chance = probability_of_improvement(mine, rates[first])
-            row[4] = f"{percent(gains[name], '+')} {marks[name]}".rstrip()
+            row[4] = significance.points(gains[name], marks[name])
             row[5] = f"{chance.estimate:.2f} [{chance.low:.2f}, {chance.high:.2f}]"
         rows.append([*row, steps[name]])
     return rows
@@ -66,10 +69,10 @@ def note(rates: Mapping[str, np.ndarray]) -> str:
     return f"{NOTE} {counts[0]} runs of each method. {said}"
 
 
-def percent(interval: Interval | Difference, sign: str = "") -> str:
-    """Return a share, or with a sign a difference of shares, with its interval, in percent."""
-    ends = np.clip((interval.estimate, interval.low, interval.high), -1.0 if sign else 0.0, 1.0)
-    middle, low, high = (f"{100 * value:{sign}.0f}" for value in ends)
+def percent(interval: Interval) -> str:
+    """Return a share with its interval, in percent."""
+    ends = np.clip((interval.estimate, interval.low, interval.high), 0.0, 1.0)
+    middle, low, high = (f"{100 * value:.0f}" for value in ends)
     return f"{middle}% [{low}, {high}]" if interval.known else f"{middle}%"
 
 

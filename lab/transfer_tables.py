@@ -224,7 +224,7 @@ def defense(rows: Rows) -> str:
     for (game, gap), mark in zip(found.items(), marks, strict=True):
         mine = chosen(rows, game=game)
         sides = [chosen(mine, engine=engine) for engine in ENGINES]
-        scores = [", ".join(f"{float(row['mean_return']):+.2f}" for row in side) for side in sides]
+        scores = [", ".join(f"{float(row['mean_return']):+z.2f}" for row in side) for side in sides]
         ends = [
             " / ".join(f"{100 * np.mean([float(row[f'ended/{w}']) for row in side]):.0f}" for w in words)
             for side in sides

@@ -37,7 +37,10 @@ INTERVALS = (
 OF_SCENES = (
     "mean and IQM over all scenes{training}; stratified: rliable's interval, too narrow since each run plays all scenes"
 )
-OF_PAIRS = "P(better): probability that a run's mean exceeds that of a run of {first}"
+OF_PAIRS = (
+    "differences to {first} in percentage points; P(better): probability that a run's mean exceeds that of a run of "
+    "{first}"
+)
 OF_LEVELS = "CVaR10: on the worst tenth of {levels} random levels, selected by other episodes than those that count"
 
 
@@ -272,15 +275,11 @@ def as_markdown(rows: list[list[str]]) -> str:
 
 
 def _signed(entry: Entry | None) -> str:
-    return _spelled(entry, lambda value: f"{value:+.2f}") + _mark(entry)
+    return "" if entry is None else significance.difference(entry, entry.mark)
 
 
 def _points(entry: Entry | None) -> str:
-    return _spelled(entry, lambda value: f"{100 * value:+.0f}%") + _mark(entry)
-
-
-def _mark(entry: Entry | None) -> str:
-    return "" if entry is None or not entry.mark else f" {entry.mark}"
+    return "" if entry is None else significance.points(entry, entry.mark)
 
 
 def percent(interval: Interval | Entry | None) -> str:

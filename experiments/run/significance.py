@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from ued.statistics import Difference
 
 LEVEL = 0.05
+HOW = "power below 80% at level 5%"  # see `ued.statistics.detectable`
 SURVIVES, SINGLE = "*", "†"
 LEGEND = (
     f"marks: {SURVIVES} survives Holm's correction at 5% over the {{tests}} of this table; {SINGLE} does not, though "
-    "its interval excludes 0; p-values: same bootstrap over whole runs, at least {least:.4f}"
+    "its interval excludes 0"
 )
-HOW = "power below 80% at level 5% for one difference, from the pooled standard deviation of the runs by Student's t"
 
 
 def difference_of_means(mine: Sequence[Any] | np.ndarray, base: Sequence[Any] | np.ndarray) -> Difference:
@@ -31,9 +31,23 @@ def difference_of_means(mine: Sequence[Any] | np.ndarray, base: Sequence[Any] | 
     return (one - other).difference()
 
 
-def points(found: Difference, mark: str) -> str:
+def points(found: Any, mark: str) -> str:
     """Return a difference of rates in percentage points, with its interval, if known, and its mark."""
-    middle, low, high = (f"{100 * value:+.0f}" for value in found[:3])
+    return difference(found, mark, 100.0, 0)
+
+
+def difference(found: Any, mark: str, factor: float = 1.0, digits: int = 2) -> str:
+    """Return a difference times `factor` with its interval, if known, and its mark.
+
+    An end of an interval that excludes 0 gets as many digits as show it.
+    """
+    ends = [factor * value for value in (found.low, found.high)]
+    needed = [digits, digits]
+    for k in range(2) if ends[0] > 0 or ends[1] < 0 else ():
+        while needed[k] < 6 and not round(ends[k], needed[k]):
+            needed[k] += 1
+    middle = f"{factor * found.estimate:+z.{digits}f}"
+    low, high = (f"{end:+z.{number}f}" for end, number in zip(ends, needed, strict=True))
     return f"{middle} [{low}, {high}] {mark}".rstrip() if found.known else middle
 
 
@@ -56,11 +70,11 @@ def legend(p_values: Sequence[float]) -> str:
     """Return the legend of the marks of a table with these p-values, nan if not available; "" without p-values."""
     from ued.statistics import SAMPLES
 
-    tests, least = int(np.isfinite(np.asarray(p_values, float)).sum()), 2 / (SAMPLES + 1)
+    tests = int(np.isfinite(np.asarray(p_values, float)).sum())
     if not tests:
         return ""
-    text = LEGEND.format(tests="one difference" if tests == 1 else f"{tests} differences", least=least)
-    return f"{text}; so many that none can survive" if tests * least > LEVEL else text
+    text = LEGEND.format(tests="one difference" if tests == 1 else f"{tests} differences")
+    return f"{text}; so many that none can survive" if tests * 2 / (SAMPLES + 1) > LEVEL else text
 
 
 def sentences(*lines: str) -> str:
@@ -82,7 +96,7 @@ def visible(sizes: Sequence[float], counts: Sequence[int], unit: str, by: str = 
         return ""
     low, high = (unit.format(size) for size in (min(known), max(known)))
     ends = low if low == high else f"{low} to {high}, depending on the {by},"
-    return f"{spread(counts)} runs each: differences under {ends} cannot be seen reliably ({HOW})"
+    return f"{spread(counts)} runs each: differences under {ends} cannot be detected reliably ({HOW})"
 
 
 def spread(counts: Sequence[int]) -> str:

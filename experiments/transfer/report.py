@@ -133,7 +133,7 @@ def by_run(results: Sequence[Result]) -> list[list[str]]:
             rate = two_digits(goal_rate(counts([result], engine)))
             ends = " / ".join(f"{share:.2f}" for share in numbers["endings"].values())
             returns = student_t(numbers["mean_return"], numbers["return_error"], numbers["episodes"])
-            score = f"{returns.estimate:+.2f}" + (f" ± {returns.high - returns.estimate:.2f}" if returns.known else "")
+            score = f"{returns.estimate:+z.2f}" + (f" ± {returns.high - returns.estimate:.2f}" if returns.known else "")
             first = [result.run, result.policy] if engine == "ours" else ["", ""]
             ratio = "" if engine == "ours" else spelled(rate_ratio([result]))
             lines.append([*first, engine, rate, score, f"{numbers['median_length']:g}", ends, ratio])

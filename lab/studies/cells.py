@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from lab.studies.rows import Row
 from regista.experiments.run.progress import count
 from regista.experiments.run.results import unique
-from ued.statistics import Difference, Interval
+from ued.statistics import Interval
 
 
 def runs_and_steps(rows: Sequence[Row]) -> list[str]:
@@ -19,9 +19,9 @@ def runs_and_steps(rows: Sequence[Row]) -> list[str]:
     return [str(len({row.seed for row in rows})), " to ".join(steps)]
 
 
-def percent(interval: Interval | Difference, sign: str = "") -> str:
-    """Return a share, or a difference of shares, with its interval, in percent."""
-    return spell(Interval(*(100 * value for value in interval[:3])), f"{{:{sign}.0f}}", "%")
+def percent(interval: Interval) -> str:
+    """Return a share with its interval, in percent."""
+    return spell(Interval(*(100 * value for value in interval)), "{:.0f}", "%")
 
 
 def spell(interval: Interval, form: str, unit: str = "") -> str:

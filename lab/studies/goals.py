@@ -66,9 +66,9 @@ def goals_table(rows: Sequence[Row]) -> list[list[str]]:
         for split in SPLITS:
             found, uniform = cell(rows, *key, split), cell(rows, *key[:2], RANDOM, split)
             cells += [
-                "" if found is None else spell(found.ours, "{:+.2f}"),
+                "" if found is None else spell(found.ours, "{:+z.2f}"),
                 "" if found is None or found.published is None else told(found.published),
-                "" if uniform is None else f"{uniform.ours.estimate:+.2f}",
+                "" if uniform is None else f"{uniform.ours.estimate:+z.2f}",
             ]
         mine = [row for row in rows if (row.game, row.control, row.agent) == key]
         table.append([*key, *cells, *runs_and_steps(mine)])
@@ -110,4 +110,4 @@ def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[st
 
 def told(known: Published) -> str:
     """Return a published number with half of its interval, if that is known."""
-    return f"{known.goal_difference:+.2f}" + ("" if known.interval is None else f" ± {known.interval:.2f}")
+    return f"{known.goal_difference:+z.2f}" + ("" if known.interval is None else f" ± {known.interval:.2f}")

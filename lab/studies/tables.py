@@ -261,7 +261,7 @@ def success_table(rows: Sequence[Row], name: str) -> list[list[str]]:
     table = [["method", *scenes, mean, f"minus {first}", "runs", "env steps"]]
     for method, mine in scores.items():
         cells = [percent(estimate.goal_rate(select(known, method, scene))) for scene in scenes]
-        gain = f"{percent(gains[method], '+')} {marks[method]}".rstrip() if method in gains else ""
+        gain = significance.points(gains[method], marks[method]) if method in gains else ""
         table.append(
             [
                 method,

@@ -50,7 +50,7 @@ def test_differences_are_to_the_first_setting_and_marked():
     assert paired.startswith("| 1v1Rare | last | paired | 5 | 77 [") and "| 25 [25, 25] | +30 [" in paired
     assert paired.endswith("] * |") and ", 4M env steps; 95% intervals: bootstrap over runs" in text
     assert " Marks: * survives Holm's correction at 5% over the one difference of this table" in text
-    assert " 5 runs each: differences under 4 points cannot be seen reliably" in text
+    assert " 5 runs each: differences under 4 points cannot be detected reliably" in text
     assert text.endswith("Measured on simulator version 1; `python -m lab.paired_football order`.")
 
 

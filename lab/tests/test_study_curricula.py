@@ -136,14 +136,14 @@ def test_gains_are_over_whole_runs_of_the_same_scenes():
     head, dr, accel = tables.success_table(measured, "curricula")
     assert head == ["method", "train", "held out, a", "held out, b", "held-out mean", "minus dr", "runs", "env steps"]
     assert dr[2].startswith("22% [") and dr[4].startswith("27% [") and dr[5:] == ["", "5", "9"]
-    assert accel[4].startswith("67% [") and accel[5].startswith("+40% [+3") and accel[5].endswith("] *")
+    assert accel[4].startswith("67% [") and accel[5].startswith("+40 [+3") and accel[5].endswith("] *")
     text = tables.tables(measured, "curricula")
     assert (
         text.startswith("**g**\n\n| method |")
         and "simulator version 1; `python -m lab.studies.tables curricula`" in text
     )
     assert "\n\nMarks: * survives Holm's correction at 5% over the one difference of this table" in text
-    assert " 5 runs each: differences under 7 points cannot be seen" in text
+    assert " 5 runs each: differences under 7 points cannot be detected" in text
 
 
 def test_games_stand_in_the_order_of_the_study_and_many_scenes_are_one_column():
@@ -200,7 +200,7 @@ def test_differences_by_budget_are_over_whole_runs(tmp_path):
     assert budgets.rates(partial, "dr", 1.0).shape == (4, 2)
     text = budgets.section(both)
     assert text.startswith("| method | 10 steps | 30 steps |") and "| sfl | " in text and "over 5 runs" in text
-    assert "5 runs. Marks: * survives" in text and "0.0005. 5 runs each: differences under " in text
+    assert "5 runs. Marks: * survives" in text and "excludes 0. 5 runs each: differences under " in text
     assert text.endswith("Measured on simulator version 1; `python -m lab.studies.tables curricula`.")
     budgets.draw(both, tmp_path / "curves.png")
     with Image.open(tmp_path / "curves.png") as picture:

@@ -129,9 +129,7 @@ def draw_curves(values: Sequence[Value], path: Path) -> None:
             plots.label_steps(grid[-1, column])
         for row, curve in enumerate(CURVES):
             grid[row, 0].set_ylabel(AXES[curve])
-        figure.suptitle(
-            "Figure 4.9: training returns; the environment's is the regret of its levels", x=0.01, ha="left"
-        )
+        figure.suptitle("Figure 4.9: training returns (bottom: regret of the adversary's levels)", x=0.01, ha="left")
         legend(figure, grid[0, 0], keys.MEAN, keys.RANGE)
         plots.save(figure, path)
 

@@ -48,7 +48,7 @@ def strategies_table(rows: Sequence[Row]) -> str:
         mine = [row.result()]
         rate = estimate.goal_rate(mine)
         shares = f"{rate.estimate:.0%} [{rate.low:.0%}, {rate.high:.0%}]"
-        table.append([row.scene, spell(estimate.mean_return(mine), "{:+.2f}"), shares])
+        table.append([row.scene, spell(estimate.mean_return(mine), "{:+z.2f}"), shares])
     about = f"{per_run(rows)}; 95% intervals over episodes: Student's t, Wilson's for shares."
     return f"{as_markdown(table)}\n\n{about[0].upper()}{about[1:]} {made(rows, 'strategies')}"
 
@@ -59,9 +59,9 @@ def randomization_table(rows: Sequence[Row]) -> str:
     for game in unique([row.game for row in rows]):
         mine = [row.result() for row in rows if row.game == game and row.scene == TRAIN]
         known = [find_published(game, agent) for agent in THEIRS]
-        cells = ["" if one is None else f"{one.goal_difference:+.2f}" for one in known]
+        cells = ["" if one is None else f"{one.goal_difference:+z.2f}" for one in known]
         steps = " to ".join(unique([count(row.env_steps) for row in mine]))
-        table.append([game, spell(estimate.mean_return(mine), "{:+.2f}"), *cells, steps, str(len(mine))])
+        table.append([game, spell(estimate.mean_return(mine), "{:+z.2f}"), *cells, steps, str(len(mine))])
     about = f"Mean returns per episode on the training distribution; {per_run(rows)}. {NOTE}."
     return f"{as_markdown(table)}\n\n{about} {made(rows, 'randomization')}"
 

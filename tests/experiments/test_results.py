@@ -23,10 +23,12 @@ from regista.experiments.run.results import (
     mean_score,
     summarise_levels,
 )
+from regista.experiments.run.significance import difference, points
 from regista.experiments.run.table import read_rows
 from ued.core.level_space import level_dtype
 from ued.core.task import TRAINING_SCENE
 from ued.evaluation import Evaluation
+from ued.statistics import Difference
 
 
 def row(method, seed, goals, scene="easy", trained=(1000, 10)):
@@ -127,16 +129,26 @@ def test_marks_tell_differences_that_survive_holm_from_others():
     first, second = report.text().split("\n\n")
     assert "survives Holm's correction at 5% over the 4 differences of this table" in first and "] †" in first
     assert "over the 2 differences of this table" in second
-    assert "5 runs each: differences under 0.1" in first and "points cannot be seen reliably (power below 80%" in second
+    assert (
+        "5 runs each: differences under 0.1" in first
+        and "points cannot be detected reliably (power below 80%" in second
+    )
     assert report.markdown().count("Holm") == 2
     assert all(np.isnan(one.p) and not one.mark for one in report.entries if one.measure not in DIFFERENCES)
+
+
+def test_an_end_beside_0_shows_on_which_side_it_is():
+    assert points(Difference(-0.05, -0.09, -0.0004, 0.04), "†") == "-5 [-9, -0.04] †"
+    assert points(Difference(-0.05, -0.09, 0.0004, 0.06), "") == "-5 [-9, +0]"
+    assert points(Difference(-0.001, -0.09, 0.09, 0.9), "") == "+0 [-9, +9]"
+    assert difference(Difference(0.05, 0.001, 0.09, 0.04), "†") == "+0.05 [+0.001, +0.09] †"
 
 
 def test_too_few_runs_have_no_marks_but_a_smallest_visible_difference():
     text = Report(
         [row(name, seed, 10 * seed + 20 * (name == "plr")) for name in ("dr", "plr") for seed in range(3)]
     ).text()
-    assert "correction" not in text and "3 runs each: differences under 43 points cannot be seen" in text
+    assert "correction" not in text and "3 runs each: differences under 43 points cannot be detected" in text
 
 
 def test_the_table_has_methods_and_scenes():
