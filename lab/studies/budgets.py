@@ -24,7 +24,7 @@ from ued.statistics import Difference, bootstrap, detectable
 
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
-EQUAL = "equal student steps"
+EQUAL, SIMULATED = "equal student steps", "equal simulated steps"
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
 LINK = """![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)
 
@@ -69,7 +69,30 @@ def section(points: Sequence[Point]) -> str:
     legend = significance.legend([found.p for found in gains.values()])
     said = significance.sentences(legend, significance.visible([size], runs, "{:.0f} points at the end"))
     below = [about, said, f"Measured on {played_on(points)}; `{COMMAND}`."]
-    return f"{as_markdown(table)}\n\n{' '.join(filter(None, below))}"
+    parts = [as_markdown(table), " ".join(filter(None, below)), by_game(points, names) if equal else ""]
+    return "\n\n".join(filter(None, parts))
+
+
+def by_game(points: Sequence[Point], names: Sequence[str]) -> str:
+    """Return the table of differences at equal simulated and at equal student steps on each game, with its legend."""
+    first, *others = names
+    gains: dict[tuple[str, str, str], Difference] = {}
+    for game in (games := unique([point.game for point in points])):
+        mine = [point for point in points if point.game == game]
+        for name in others:
+            gains[game, name, SIMULATED] = gain(mine, name, first, 1.0)
+            if learned := share_learned(mine, name):
+                gains[game, name, EQUAL] = at_equal_student_steps(mine, name, first, learned)
+    marks = dict(zip(gains, significance.marks(list(gains.values())), strict=True))
+    table = [["game", f"minus {first}, at", *others]]
+    for game in games:
+        for steps in (SIMULATED, EQUAL):
+            keys_of = [(game, name, steps) for name in others]
+            cells = [significance.points(gains[key], marks[key]) if key in gains else "" for key in keys_of]
+            table.append([game if steps == SIMULATED else "", steps, *cells])
+    legend = significance.sentences(significance.legend([found.p for found in gains.values()]))
+    about = "Success on the test scenes of each game, in percentage points, with all runs."
+    return f"{as_markdown(table)}\n\n{about} {legend} Measured on {played_on(points)}; `{COMMAND}`."
 
 
 def methods(points: Sequence[Point]) -> list[str]:

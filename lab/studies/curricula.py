@@ -5,7 +5,8 @@ A variant is a method with settings of its own; the first of a comparison is the
 
 When five runs of `curricula` leave a game open, ten decide. The rule, set before any final run: a game is open if a
 method's difference to DR in it excludes 0 but does not survive Holm's correction over the table. DR and that method
-then get five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`.
+then get five more runs in that game, once: `curricula --games GAME --variants dr METHOD --seeds 10`. The table is that
+of the summary, with all games measured by then.
 """
 
 from __future__ import annotations

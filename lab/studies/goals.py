@@ -26,6 +26,8 @@ COMPARED = {  # policies whose numbers are compared with published ones in a sen
     "teams, training scenes": (f"{TEAM}ppo", TRAIN),
     "random policies, test scenes": (RANDOM, "test"),
 }
+# Attacks have positive numbers and defenses negative ones, which alone gives a correlation over all games.
+SIDES = {"all": ("",), "attacks": ("grf/", "offense/"), "defenses": ("defense/",)}
 FEWEST = 4  # games from which a correlation is told
 
 
@@ -40,13 +42,18 @@ def of_one_agent(rows: Sequence[Row]) -> str:
     """Return the table of single agents, and one that compares all policies with published numbers."""
     single = goals_table([row for row in rows if not row.agent.startswith(TEAM)])
     parts = [as_markdown(single)]
-    said = [text for name, (agent, split) in COMPARED.items() if (text := agreement(rows, name, agent, split))]
+    said = [
+        [name, side, *text]
+        for name, (agent, split) in COMPARED.items()
+        for side, starts in SIDES.items()
+        if (text := agreement([row for row in rows if row.game.startswith(starts)], agent, split))
+    ]
     if said:
         about = (
             "Beside published numbers, by games that have both. *Rank correlation* is Spearman's; *apart* counts games "
             "where the difference exceeds both half intervals, added as squares."
         )
-        head = ["policies", "games", "rank correlation", "mean absolute difference", "apart"]
+        head = ["policies", "games", "number", "rank correlation", "mean absolute difference", "apart"]
         parts.append(f"{about}\n\n{as_markdown([head, *said])}")
     return "\n\n".join(parts)
 
@@ -85,8 +92,8 @@ def cell(rows: Sequence[Row], game: str, control: str, agent: str, split: str) -
     return Cell(estimate.mean_return(found), find_published(game, agent, split, moved))
 
 
-def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[str]:
-    """Return a row that compares a policy with published numbers over games; an empty one below `FEWEST` games."""
+def agreement(rows: Sequence[Row], agent: str, split: str) -> list[str]:
+    """Return the cells that compare a policy with published numbers over games; none below `FEWEST` games."""
     keys = sorted({(row.game, row.control) for row in rows if row.agent == agent})
     cells = [found for game, control in keys if (found := cell(rows, game, control, agent, split)) is not None]
     pairs = [(mine.ours, mine.published) for mine in cells if mine.published is not None]
@@ -100,7 +107,6 @@ def agreement(rows: Sequence[Row], name: str, agent: str, split: str) -> list[st
     ]
     difference = float(np.mean(np.abs(np.subtract(ours, theirs))))
     return [
-        name,
         str(len(pairs)),
         f"{spearman(ours, theirs):.2f}",
         f"{difference:.2f}",

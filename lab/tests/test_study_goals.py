@@ -43,17 +43,17 @@ def test_teams_have_a_table_of_their_own_and_the_published_numbers_of_their_play
 def test_agreement_with_published_numbers_is_told_over_games():
     shifts = dict(zip(GAMES, (0.0, 0.01, -0.01, 0.6), strict=True))
     rows = [made(game, published(game) + shift, seed=seed) for game, shift in shifts.items() for seed in range(5)]
-    name, games, correlation, difference, apart = goals.agreement(rows, "one agent", "ppo", "train")
-    assert (name, games, float(correlation)) == ("one agent", "4", 1.0)
+    games, correlation, difference, apart = goals.agreement(rows, "ppo", "train")
+    assert (games, float(correlation)) == ("4", 1.0)
     assert float(difference) == pytest.approx(0.155, abs=0.006) and apart == "1 of 4"
-    assert goals.agreement(rows[:15], "one agent", "ppo", "train") == []
-    assert "one agent, training scenes | 4 | 1.00 |" in goals.of_one_agent(rows)
+    assert goals.agreement(rows[:15], "ppo", "train") == []
+    assert "one agent, training scenes | all | 4 | 1.00 |" in goals.of_one_agent(rows)
 
 
 def test_random_teams_are_not_compared_with_published_random_agents():
     rows = [made(game, -0.5, "test", agent="random") for game in GAMES[:3]]
     rows += [made(game, -0.9, "test", agent="random", control="all") for game in GAMES[:3]]
-    assert goals.agreement([*rows, *rows], "", "random", "test") == []
+    assert goals.agreement([*rows, *rows], "random", "test") == []
     assert [
         goals.cell(rows, GAMES[0], control, "random", "test").published is None for control in ("closest1", "all")
     ] == [
@@ -66,5 +66,5 @@ def test_a_difference_is_measured_against_both_intervals():
     known = find_published(GAMES[3], "ppo")
     rows = [made(game, published(game), seed=seed) for game in GAMES[:3] for seed in range(5)]
     wide = [made(GAMES[3], known.goal_difference + known.interval * 0.9, seed=seed) for seed in range(5)]
-    assert goals.agreement(rows + wide, "", "ppo", "train")[-1] == "0 of 4"
+    assert goals.agreement(rows + wide, "ppo", "train")[-1] == "0 of 4"
     assert math.isclose(goals.cell(wide, GAMES[3], "closest1", "ppo", "train").published.interval, known.interval)
