@@ -30,11 +30,11 @@ $(KERNELS): $(READY)
 	@$(CACHED) $(BIN)/python -c '$(COMPILE)'
 	@touch $@
 
-# Mazes: random ones, beside those that PAIRED's adversary proposes. Which students solve the test mazes?
+# Mazes: random ones, beside those of a PAIRED adversary that sets θ directly. Which students solve the test mazes?
 demo: $(READY)
 	$(BIN)/regista compare maze --methods dr --seeds 5 --total-env-steps 1_600_000 --out demo \
 		--episodes 40 --levels 0 --eval-every 400_000 --eval-episodes 8 \
-		--variants "paired: --method paired --ent-coef 0 --paired.adversary.builder direct --paired.dr-fraction 0.25 --paired.adversary.ent-coef 0.1"
+		--variants "paired_direct: --method paired --ent-coef 0 --paired.adversary.builder direct --paired.dr-fraction 0.25 --paired.adversary.ent-coef 0.1"
 
 # The studies of RESULTS.md, about nine hours on 2 cores; what has a row in lab/studies/results is not done again. In
 # parts: make publish STUDY="curricula --hours 3".
