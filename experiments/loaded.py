@@ -8,6 +8,7 @@ docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, wh
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -193,9 +194,10 @@ def load_run(path: str | Path) -> RunData:
     """Return the settings and tables of a run folder.
 
     Raises:
+        ValueError: another type than a path.
         CommandError: a folder without a run.
     """
-    run = RunFolder.open(Path(path))
+    run = RunFolder.open(as_path("path", path))
     return RunData(run.path, run.config, run.name)
 
 
@@ -203,13 +205,22 @@ def load_comparison(path: str | Path) -> ComparisonData:
     """Return the runs and tables in the folder of `regista compare`, or in another folder of runs.
 
     Raises:
+        ValueError: another type than a path.
         CommandError: a folder without runs, or whose runs have no checkpoint yet.
     """
-    runs = open_runs([Path(path)])
-    table = Path(path) / "results.csv"
+    folder = as_path("path", path)
+    runs = open_runs([folder])
+    table = folder / "results.csv"
     order = unique([row["method"] for row in read_rows(table)]) if table.is_file() else []
     runs.sort(key=lambda run: order.index(run.name) if run.name in order else len(order))  # keeps the order of seeds
-    return ComparisonData(Path(path), tuple(RunData(run.path, run.config, run.name) for run in runs))
+    return ComparisonData(folder, tuple(RunData(run.path, run.config, run.name) for run in runs))
+
+
+def as_path(name: str, value: Any) -> Path:
+    """Return an argument as a path. Raises `ValueError` for another type."""
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name} must be a path, such as 'runs/plr', got {value!r:.100}")
+    return Path(value)
 
 
 def _figure(paths: Mapping[str, list[Path]]) -> Figure:

@@ -57,6 +57,13 @@ def test_tables_of_a_run_are_frames(run):
     ]
 
 
+@pytest.mark.parametrize("load", [regista.load_run, regista.load_comparison])
+@pytest.mark.parametrize("path", [3, None, ["runs/plr"]])
+def test_another_type_than_a_path_is_refused_with_the_argument(load, path):
+    with pytest.raises(ValueError, match="path must be a path, such as 'runs/plr', got"):
+        load(path)
+
+
 @pytest.mark.slow
 def test_figures_are_drawn(run, comparison):
     assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
