@@ -243,7 +243,7 @@ def test_images_and_levels_without_parameters_are_refused():
 
     with pytest.raises(ValueError, match=r"at most 1,024 entries, got 1,056 \(1056\); use accel"):
         CENIE(Large(2), PPO)
-    with pytest.raises(ValueError, match=r"the environment has none; use cenie\.base = plr"):
+    with pytest.raises(ValueError, match=r"the environment has none; use base='plr' \(--cenie\.base plr\)"):
         CENIE(Fixed(2), PPO)
     CENIE(Fixed(2), PPO, CENIEConfig(base="plr"))
 

@@ -172,5 +172,7 @@ def test_compiled_rollouts_are_normalized_as_those_of_torch(monkeypatch):
 
 
 def test_students_that_learn_from_regret_refuse_it():
-    with pytest.raises(ValueError, match="students learn from regret, not from rewards: use norm_reward = off"):
+    with pytest.raises(
+        ValueError, match=r"students learn from regret, not from rewards: use norm_reward=False \(--no-norm-reward"
+    ):
         PairedLiteral(frontier(), NORMED)

@@ -57,7 +57,7 @@ class Learner:
         scripted: bool = False,
     ) -> None:
         if upomdp.individual_rewards and config.critic == "central":
-            raise ValueError("opponents have different values, so they need critic = own")
+            raise ValueError("opponents have different values, so they need critic='own' (--critic own)")
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
