@@ -20,6 +20,7 @@ import numpy as np
 from regista.experiments.pictures import curves, plots
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import counted
 from regista.experiments.run.results import unique
 from regista.experiments.run.run_folders import open_runs
 from regista.experiments.run.table import read_columns, read_header, read_rows
@@ -125,7 +126,8 @@ class ComparisonData:
     def __repr__(self) -> str:
         """Return the folder, and the number of runs of each method."""
         names = Counter(run.name for run in self.runs)
-        return f"ComparisonData({str(self.path)!r}, {', '.join(f'{name}: {n} runs' for name, n in names.items())})"
+        runs = ", ".join(f"{name}: {counted(n, 'run')}" for name, n in names.items())
+        return f"ComparisonData({str(self.path)!r}, {runs})"
 
     def metrics(self) -> DataFrame:
         """Return the metrics of all runs in one table, after the columns `method` and `run_seed`."""

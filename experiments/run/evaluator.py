@@ -19,6 +19,7 @@ from regista.experiments.run import build, trust, versions
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.workers import apart
+from regista.experiments.run.progress import counted
 from regista.experiments.run.report import Report
 from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
 from regista.experiments.run.watch import Watch
@@ -253,12 +254,14 @@ class Evaluator:
     def _plan(self, policies: int) -> str:
         """Return the number of episodes as text."""
         scenes = len(self.scenes.scenes)
-        each = f"{self.scenes.episodes} episodes on each of {scenes} scenes by each of {policies} policies"
+        on = f"on each of {scenes} scenes" if scenes > 1 else "on the test scene"
+        by = f" by each of {policies} policies" if policies > 1 else ""
+        each = f"{counted(self.scenes.episodes, 'episode')} {on}{by}"
         if self.minutes is not None:
             return f"playing rounds of {each} for at most {self.minutes:g} minutes; --episodes N sets their number"
-        levels = f", and {self.levels} random levels {self.episodes} times each" if self.levels else ""
+        levels = f", and {counted(self.levels, 'random level')} {self.episodes} times each" if self.levels else ""
         total = policies * (scenes * self.scenes.episodes + self.levels * self.episodes)
-        return f"playing {total:_} episodes: {each}{levels}"
+        return f"playing {counted(total, 'episode')}: {each}{levels}"
 
     def _trained(self, run: RunFolder) -> Policy:
         student, trained = load_student(run, self.scenes.game)

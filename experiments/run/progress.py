@@ -86,6 +86,11 @@ def count(number: float) -> str:
     return f"{number:.0f}"
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun: 1 level, 1_000 levels."""
+    return f"{number:_} {noun}{'s' * (number != 1)}"
+
+
 def terminal_width() -> int | None:
     """Return the columns of the terminal; None if stdout is a file or a pipe."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None

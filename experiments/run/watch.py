@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 
-from regista.experiments.run.progress import Progress, duration
+from regista.experiments.run.progress import Progress, counted, duration
 
 PATIENCE_SECONDS = 3.0  # before progress is shown
 
@@ -54,4 +54,4 @@ class Watch:
     def finish(self) -> None:
         """Print the number of episodes if progress was shown."""
         if self._progress is not None:
-            self._progress.finish(f"{self.done:_} episodes, {duration(self.spent)}")
+            self._progress.finish(f"{counted(self.done, 'episode')}, {duration(self.spent)}")
