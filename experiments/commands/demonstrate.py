@@ -157,8 +157,8 @@ def _fill(
     progress.finish(f"{demos.path}: {counted(min(tally.kept, typed.episodes), 'episode')}, {tally}{pace}")
     if tally.kept < typed.episodes and not stop:
         raise CommandError(
-            f"only {tally.kept} of {counted(tally.played, 'episode')} were successful, {typed.episodes} were requested; "
-            f"they are saved in {demos.path}: continue with a larger --max-played, or use --keep all"
+            f"only {tally.kept} of {counted(tally.played, 'episode')} were successful, {typed.episodes} were "
+            f"requested; they are saved in {demos.path}: continue with a larger --max-played, or use --keep all"
         )
     if stop:
         print("stopped; run the same command to continue")

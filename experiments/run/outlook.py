@@ -114,8 +114,8 @@ class Outlook:
             yield from self._too_few(looked_at, "levels are selected", "--sfl.candidates")
         if isinstance(own, PairedLiteralConfig) and self.limit > self.config.ppo.num_steps:
             yield (
-                f"episodes can be longer than a rollout of {counted(self.config.ppo.num_steps, 'step')}, and students do "
-                f"not learn from such levels; use --num-steps {self.limit}"
+                f"episodes can be longer than a rollout of {counted(self.config.ppo.num_steps, 'step')}, and students "
+                f"do not learn from such levels; use --num-steps {self.limit}"
             )
 
     def _too_few(self, needed: int, what: str, flag: str) -> Iterator[str]:
