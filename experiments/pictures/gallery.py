@@ -22,6 +22,7 @@ from regista.experiments.run.games import Game
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_rows
+from regista.experiments.run.watch import Watch
 from ued.core.files import write_whole
 from ued.core.painter import ScenePainter, tiles_of, trails_of
 from ued.core.parameters import axis_of, cells_in
@@ -150,9 +151,9 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
     """Replay levels; return their frames by visit and student, and the number of replays that differ."""
     told: dict[str, Any] = {}
     otherwise = 0
-    for row in rows:
-        if row["visit"] not in shown:
-            continue
+    chosen = [row for row in rows if row["visit"] in shown]
+    watch = Watch(len(chosen), unit="replay")
+    for row in chosen:
         replay = Replay.of_row(row, stage.env)
         played = stage.play(replay)
         frames, alike = played.frames, came_out_alike(replay, played.returns)
@@ -164,6 +165,8 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
         said["begins"] = played.begins
         told.setdefault(str(replay.visit), {})[replay.student] = said
+        watch.ended(1)
+    watch.finish()
     return told, otherwise
 
 

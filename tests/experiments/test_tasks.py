@@ -330,7 +330,11 @@ def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
         "make = lambda n: ued.GymUPOMDP(lambda: gymnasium.make('CartPole-v1'), lambda env, values: None, kinds, n)"
     )
     assert main(["inspect", f"{file}:make"]) == 0
-    assert "grass, sand, ice" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "grass, sand, ice" in shown and "of random θ" not in shown  # the task has no check
+    file.write_text(file.read_text().replace("kinds, n)", "kinds, n, valid=lambda values: values['ground'] != 'ice')"))
+    assert main(["inspect", f"{file}:make"]) == 0
+    assert "of random θ pass the check of the task, `valid`" in capsys.readouterr().out
 
 
 @pytest.mark.slow
