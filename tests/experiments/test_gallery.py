@@ -11,7 +11,7 @@ import pytest
 
 from regista.experiments.__main__ import main
 from regista.experiments.pictures import gallery
-from regista.experiments.run import build
+from regista.experiments.run import build, watch
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
@@ -124,6 +124,13 @@ def test_the_levels_of_the_highest_scores_are_kept(run):
         scores = {visit: row["score"] for visit, row in levels.items() if row["update"] == int(update)}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
+
+
+def test_long_replays_show_their_progress(run, capsys, monkeypatch):
+    monkeypatch.setattr(watch, "PATIENCE_SECONDS", 0.0)
+    assert main(["evaluate", str(run.path), "--gallery", "--gallery-replays", "2"]) == 0
+    told = capsys.readouterr().err
+    assert re.search(r"\d+%  \d+ replays?", told) and re.search(r"^\d+ replays, \d+ s$", told, re.M)
 
 
 def test_the_page_shows_levels_cards_scenes_and_replays(run, capsys):

@@ -68,7 +68,7 @@ def test_other_things_than_episodes_are_counted_too(clock, capsys):
     watched.ended(1)
     watched.finish()
     told = capsys.readouterr().err
-    assert "50%  1 replays" in told and "1 replay, 10 s" in told
+    assert "50%  1 replay\n" in told and "1 replay, 10 s" in told
 
 
 def evaluation(returns, levels):
