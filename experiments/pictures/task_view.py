@@ -34,7 +34,7 @@ TITLE: dict[str, Any] = {"fontsize": 7.5, "fontweight": "normal"}
 
 
 def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
-    """Describe the columns of θ, the spaces, the share of valid θ if the task has a check, and the levels θ `[n, D]`."""
+    """Describe the columns of θ, the spaces, the levels θ `[n, D]`, and the share of valid θ if there is a check."""
     family = "" if upomdp.level_family is None else f", codes of levels of {type(upomdp.level_family).__name__}"
     parts = [f"{name}: D = {upomdp.theta_dim} free parameter{'s' * (upomdp.theta_dim != 1)}{family}"]
     if upomdp.parameters and upomdp.level_family is None:
