@@ -58,7 +58,7 @@ class EvalScenes:
         self.scenes = {
             name: build.make_upomdp(self.task.make_scene(scene), most, SEED) for name, scene in found.items()
         }
-        self.theta = {name: theta_of_test(name, scene, self.scenes[name], game.short) for name, scene in found.items()}
+        self.theta = {name: theta_of_test(name, scene, self.scenes[name], game.name) for name, scene in found.items()}
         self._check_sizes(config)
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
@@ -127,10 +127,12 @@ class EvalScenes:
 
 def theta_of_test(label: str, scene: Any, upomdp: Any, game: str) -> np.ndarray | None:
     """Return θ `[L, D]` of a test of a game; None: random levels. Raises `CommandError` for levels of another game."""
+    from regista.experiments.run.tasks import typed
+
     try:
         return theta_of_scene(scene, upomdp)
     except ValueError as error:
-        raise CommandError(f"the levels of the test '{label}' do not match {game}: {error}") from error
+        raise CommandError(f"the levels of the test '{label}' do not match {typed(game)}: {error}") from error
 
 
 def joined(rounds: Sequence[Evaluation]) -> Evaluation:

@@ -151,6 +151,14 @@ def canonical(name: str) -> str:
     return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
 
 
+def typed(name: str) -> str:
+    """Return a task's name as it is typed: a built-in name, or the path of its file from the working directory."""
+    place, colon, attribute = name.rpartition(":")
+    known = [key for key, task in BUILT_IN.items() if task.name == name]
+    inside = place.endswith(".py") and Path(place).is_relative_to(Path.cwd())
+    return known[0] if known else f"{Path(place).relative_to(Path.cwd()) if inside else place}{colon}{attribute}"
+
+
 def short(name: str) -> str:
     """Return the short name of a task for folders and pictures."""
     known = [key for key, task in BUILT_IN.items() if task.name == canonical(name)]
