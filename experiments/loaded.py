@@ -168,7 +168,7 @@ class ComparisonData:
     def colors(self) -> dict[str, str]:
         """Return the color of each method, variant and baseline in all figures, by its name in the tables."""
         self._distinguish()
-        return {name: plots.colour(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
+        return {name: plots.color(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
 
     def _distinguish(self) -> None:
         from ued.methods import METHODS

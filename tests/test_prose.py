@@ -22,7 +22,7 @@ READMES = (
 )
 
 BRITISH = (  # stems of words that are spelled otherwise in American English
-    *("behaviour", "colour", "favour", "neighbour", "honour", "labour"),
+    "(?:behavi|col|fav|neighb|hon|lab)our",
     *("centre", "metre\\b", "metres\\b", "licence", "defence", "offence", "grey", "programme\\b", "catalogue"),
     *("learnt", "burnt", "spelt", "whilst", "artefact", "judgement", "practis", "analys(?:e|ed|ing)\\b"),
     *("labelled", "labelling", "modelled", "modelling", "travelled", "cancelled", "signalled"),

@@ -15,10 +15,10 @@ import numpy as np
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.rendering import rendered
 from regista.experiments.run.results import align
-from ued.core.painter import Colour
+from ued.core.painter import Color
 from ued.core.upomdp import UPOMDP
 
-Marker = tuple[str, Colour, float]  # name, color, radius
+Marker = tuple[str, Color, float]  # name, color, radius
 
 DRAWS = 1024  # samples for the share of valid levels
 MOST_COLUMNS = 40  # listed columns of θ

@@ -24,6 +24,7 @@ from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
 from ued.core.own_code import module_of
+from ued.core.painter import line_color_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,12 +116,12 @@ class CheckedPainter:
     def __init__(self, make: Any, upomdp: UPOMDP) -> None:
         with user_code("the painter failed"):
             self._painter = make(upomdp)
-        for name in ("bounds", "reach", "background", "line_colour", "markers", "classes", "focus"):
-            if not hasattr(self._painter, name):
+        for name in ("bounds", "reach", "background", "line_color", "markers", "classes", "focus"):
+            if not hasattr(self, name):
                 raise TaskError(f"the painter must have the attribute {name}, see ued.core.painter")
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._painter, name)
+        return line_color_of(self._painter) if name == "line_color" else getattr(self._painter, name)
 
     def lines(self) -> Any:
         """Return the strips of the ground, each `[n, 2]`."""

@@ -224,7 +224,7 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             mine = [point for point in points if point.panel == name]
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
-                shade = plots.METHOD_COLOURS.get(curve)  # no method: the next color of the style
+                shade = plots.METHOD_COLORS.get(curve)  # no method: the next color of the style
                 axes.plot(x, y, "o-", markersize=4, color=shade, label=plots.title(curve))
             axes.set(xlabel=panel.x, ylabel=panel.y)
             axes.set_title(panel.title, pad=24)  # above the legend

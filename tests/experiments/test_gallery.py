@@ -26,7 +26,7 @@ from ued.probes import Frontier
 
 class Ground:
     bounds = reach = (0.0, 4.0, 0.0, 2.0)
-    background, line_colour = (20, 20, 20), (200, 200, 200)
+    background, line_color = (20, 20, 20), (200, 200, 200)
     markers, classes, focus = [("walker", (255, 0, 0), 0.2)], np.array([0]), 0
 
     def lines(self):

@@ -272,4 +272,4 @@ def test_a_test_outside_the_declared_range_names_the_task_as_typed_and_shows_no_
     assert main([command[0], "bad/range.py:docking", *command[1:]]) == 1
     shown = capsys.readouterr()
     assert "the levels of the test 'strong' do not match bad/range.py:docking: " in shown.err
-    assert "force must be a value of Range(1, 2), got 3.0" in shown.err and "level 0" not in shown.out
+    assert "force must be a value of Range(low=1.0, high=2.0), got 3.0" in shown.err and "level 0" not in shown.out

@@ -70,7 +70,7 @@ def test_figures_are_drawn(run, comparison):
     labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
     assert labels == {METHODS["dr"].title, METHODS["plr"].title, *keys.RUNS}
     colors = comparison.colors()
-    assert set(colors) == {"dr", "plr", *plots.BASELINES} and colors["plr"] == METHODS["plr"].colour
+    assert set(colors) == {"dr", "plr", *plots.BASELINES} and colors["plr"] == METHODS["plr"].color
     (run / "metrics.csv").unlink()
     with pytest.raises(CommandError, match="no update has finished yet"):
         regista.load_run(run).figure()
