@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
 TITLE_GAP = 2.2  # font sizes between rows of panels, to separate titles from the panels above
-LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
+LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
@@ -90,7 +90,7 @@ def draw_objects(axes: Axes, view: SceneView, boxes: np.ndarray) -> None:
         PolyCollection(corners(boxes)[known], facecolors=colors[known], edgecolors="white", linewidths=0.6, zorder=3)
     )
     axes.add_collection(LineCollection(arrows(boxes)[known], colors=colors[known], linewidths=1.0, zorder=2))
-    if len(boxes) <= LABELLED:
+    if len(boxes) <= LABELED:
         for box, label in zip(boxes, view.labels, strict=True):
             axes.annotate(label, box[:2], (4, 4), textcoords="offset points", fontsize=6, zorder=4)
 

@@ -18,7 +18,7 @@ from ued.recorder.layout import blueprint, plane_view, recording
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
-LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
+LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 class SceneStage(Protocol):
@@ -78,7 +78,7 @@ def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneReco
     closed = [np.vstack([outline, outline[:1]]) for outline in scene.outlines[known]]
     width = stage.bounds[1] - stage.bounds[0]
     boxes = rerun.LineStrips2D(
-        closed, colors=colors, radii=width / 500, class_ids=kinds, labels=labels, show_labels=len(labels) <= LABELLED
+        closed, colors=colors, radii=width / 500, class_ids=kinds, labels=labels, show_labels=len(labels) <= LABELED
     )
     stream.log("scene/objects", boxes)
     heads = scene.arrows[known]

@@ -118,5 +118,5 @@ def corners(boxes: np.ndarray) -> np.ndarray:
 def arrows(boxes: np.ndarray) -> np.ndarray:
     """Return lines `[..., 2, 2]` from the center of each box to slightly beyond its front."""
     x, y, heading, _, length = np.moveaxis(boxes, -1, 0)
-    centre = np.stack([x, y], -1)
-    return np.stack([centre, centre + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)
+    center = np.stack([x, y], -1)
+    return np.stack([center, center + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)

@@ -21,7 +21,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.workers import apart
 from regista.experiments.run.progress import counted
 from regista.experiments.run.report import Report
-from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
+from regista.experiments.run.results import LevelResult, Result, summarize, summarize_levels
 from regista.experiments.run.watch import Watch
 from ued.config import own_names
 from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
@@ -247,9 +247,9 @@ class Evaluator:
         levels: list[LevelResult] = []
         for one, played in zip(policies, self._play_all(policies, watch), strict=True):
             scenes = played.scenes
-            results += [summarise(scenes[label], one.method, one.seed, label, one.trained) for label in scenes]
+            results += [summarize(scenes[label], one.method, one.seed, label, one.trained) for label in scenes]
             if played.levels is not None:
-                levels.append(summarise_levels(played.levels, one.method, one.seed))
+                levels.append(summarize_levels(played.levels, one.method, one.seed))
         watch.finish()
         return Report(results, levels, self.scenes.task.success_word, self.scenes.simulator)
 

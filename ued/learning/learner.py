@@ -115,7 +115,7 @@ class Learner:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
         discounts, rollout = (self.config.gamma, self.config.gae_lambda), self.rollout
         if self.rewards is not None:
-            rollout = self.rewards.normalise(rollout)
+            rollout = self.rewards.normalize(rollout)
         self.advantages = gae(rollout, *discounts)  # [T, N]
         negative = negative_advantages(rollout, *discounts) if self.values.negative else None
         if self.rewards is not None:  # scores are in units of raw returns

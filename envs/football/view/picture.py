@@ -197,9 +197,9 @@ def _at(x: float, y: float) -> tuple[float, float]:
     return (x + HALF_LENGTH + BORDER) * SCALE, (HALF_WIDTH + BORDER - y) * SCALE + BAR
 
 
-def _disc(draw: ImageDraw, centre: tuple[float, float], radius: float, **colors: Any) -> None:
+def _disc(draw: ImageDraw, center: tuple[float, float], radius: float, **colors: Any) -> None:
     """Draw a disc with center and radius in pixels."""
-    x, y = centre
+    x, y = center
     draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colors)
 
 
