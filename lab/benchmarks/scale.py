@@ -1,6 +1,6 @@
 """What things cost as they grow: environments, players, columns of θ, levels in a buffer, threads, agents.
 
-Everything but threads is told per second of one processor, which others who use the machine meanwhile hardly change.
+Everything but threads is reported per second of one processor, which other users of the machine hardly change.
 Read next: `benchmarks.training`, what a step of training is made of.
 """
 
@@ -31,7 +31,7 @@ ENVIRONMENTS = (1, 4, 16, 64, 256, 1024, 4096, 16_384)
 PLAYERS = (2, 4, 6, 10, 14, 18, 22)
 COLUMNS = (1, 3, 10, 30, 100, 300, 1000)  # of θ
 LEVELS = (100, 1_000, 10_000, 100_000, 1_000_000)  # in a buffer
-AT_A_TIME = 64  # levels that a curriculum is asked for, and told of
+AT_A_TIME = 64  # levels that a curriculum is asked for, and whose results it gets
 WARM_UPDATES = 2  # of training, before it is measured
 
 

@@ -1,4 +1,4 @@
-"""`python -m lab.studies curricula`, `ablations`, `tuning`: what is trained with which settings, what is held out."""
+"""`python -m lab.studies curricula`, `ablations`, `tuning`: the settings of each run, and the held-out games."""
 
 import math
 import re
