@@ -17,6 +17,8 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import read_header, read_rows
+from regista.experiments.run.tasks import CheckedPainter
+from ued.core.painter import line_color_of
 from tests.experiments.test_files import documented
 
 TASK = """
@@ -124,6 +126,15 @@ def test_the_levels_of_the_highest_scores_are_kept(run):
         scores = {visit: row["score"] for visit, row in levels.items() if row["update"] == int(update)}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
+
+
+def test_an_older_painter_keeps_the_name_of_its_lines(run):
+    class Older:
+        bounds = reach = (0.0, 1.0, 0.0, 1.0)
+        background, line_colour, markers, classes, focus = (0, 0, 0), (1, 2, 3), [], np.zeros(0, int), 0
+
+    painter = CheckedPainter(lambda upomdp: Older(), stage_of(run).env)
+    assert line_color_of(painter) == line_color_of(Older()) == (1, 2, 3)
 
 
 def test_long_replays_show_their_progress(run, capsys, monkeypatch):

@@ -114,17 +114,7 @@ class Wrong(Painter):
         self.positions = lambda theta: np.zeros((1, 7))
 
 
-class Older(Painter):
-    line_colour = (1, 2, 3)
-
-    def __getattribute__(self, name):
-        if name == "line_color":
-            raise AttributeError(name)
-        return super().__getattribute__(name)
-
-
 painted = ued.Task(make, painter=Painter)
-older = ued.Task(make, painter=Older)
 fails = ued.Task(make, painter=lambda upomdp: {}["nothing"])
 lacks = ued.Task(make, painter=lambda upomdp: 3)
 wrong = ued.Task(make, painter=Wrong)
@@ -423,10 +413,9 @@ def test_a_painter_that_fails_ends_the_recording_and_not_the_training(task, tmp_
 
 
 def test_a_painter_that_fails_is_a_sentence(task):
-    tasks = {name: named(task, name).task(None) for name in ("painted", "older", "fails", "lacks", "wrong")}
+    tasks = {name: named(task, name).task(None) for name in ("painted", "fails", "lacks", "wrong")}
     upomdp = tasks["painted"].make(1)
     painter = tasks["painted"].painter(upomdp)
-    assert tasks["older"].painter(upomdp).line_color == (1, 2, 3)
     assert painter.focus == 0 and len(painter.lines()) == 1
     assert painter.positions(np.zeros((3, 2))).shape == (3, 1, 2)
     with pytest.raises(CommandError, match=r"painter failed: KeyError: 'nothing' \(.*push_task.py, line"):
