@@ -18,8 +18,8 @@ from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import read_header, read_rows
 from regista.experiments.run.tasks import CheckedPainter
-from ued.core.painter import line_color_of
 from tests.experiments.test_files import documented
+from ued.core.painter import line_color_of
 
 TASK = """
 import numpy as np

@@ -332,10 +332,6 @@ def test_inspect_lists_the_values_of_a_choice(tmp_path, capsys):
     assert main(["inspect", f"{file}:make"]) == 0
     shown = capsys.readouterr().out
     assert "grass, sand, ice" in shown and "of random θ" not in shown  # the task has no check
-    checked = tmp_path / "checked_grounds.py"
-    checked.write_text(file.read_text().replace("kinds, n)", "kinds, n, valid=lambda level: level['ground'] != 'ice')"))
-    assert main(["inspect", f"{checked}:make"]) == 0
-    assert "of random θ pass the check of the task, `valid`" in capsys.readouterr().out
 
 
 @pytest.mark.slow
