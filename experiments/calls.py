@@ -5,7 +5,6 @@ Read next: `commands.train`, the same on the command line; `loaded`, results as 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from regista.experiments.loaded import ComparisonData, load_comparison
+from regista.experiments.loaded import ComparisonData, as_path, load_comparison
 from regista.experiments.pictures import curves
 from regista.experiments.run import build, tasks, trust
 from regista.experiments.run.config import ProgramConfig
@@ -57,7 +56,7 @@ def train(task: Any, method: str | None = None, seed: int = 0, out: str | Path |
     method = build.find_method(config.method if method is None else method)
     build.check_used(settings, [method])
     config = replace(config, minigame=game.name, method=method, seed=seed)
-    path = _path("out", out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
+    path = as_path("out", out) if out is not None else Path("runs") / f"{game.short}-{method}-{seed}"
     run = RunFolder.create_or_extend(path, config)
     with run.removed_if_refused(), run.locked(), StopRequest() as stop:
         train_run(run, stop)
@@ -107,7 +106,7 @@ def evaluate(
 def _folders(runs: str | Path | Sequence[str | Path], trusted: bool) -> list[RunFolder]:
     """Return the runs to evaluate, of one game, whose code may run if they are `trusted`."""
     paths = [runs] if isinstance(runs, str) or not isinstance(runs, Iterable) else runs
-    folders = open_runs([_path("a run", path) for path in paths])
+    folders = open_runs([as_path("a run", path) for path in paths])
     if not folders:
         raise UsageError("evaluate needs at least one run folder")
     check_one_game(folders)
@@ -152,7 +151,7 @@ def compare(
     names = [methods] if isinstance(methods, str) or not isinstance(methods, Iterable) else methods
     config = command.CompareConfig(game.name, methods=tuple(map(build.find_method, names)), episodes=episodes)
     config = replace(config, levels=levels, seeds=len(chosen), first_seed=chosen.start, train=base)
-    config = config if out is None else replace(config, out=_path("out", out))
+    config = config if out is None else replace(config, out=as_path("out", out))
     command.run(config, game, most=1)  # processes that evaluate would import the caller's script
     return load_comparison(command.folder_of(config, game))
 
@@ -227,13 +226,6 @@ def _whole(name: str, value: Any, least: int) -> int:
     if number < least:
         raise ValueError(f"{name} must be at least {least}, got {number}")
     return number
-
-
-def _path(name: str, value: Any) -> Path:
-    """Return an argument as a path. Raises `ValueError` for another type."""
-    if not isinstance(value, str | os.PathLike):
-        raise ValueError(f"{name} must be a path, such as 'runs/plr', got {value!r:.100}")
-    return Path(value)
 
 
 def _game(task: Any) -> Any:

@@ -8,6 +8,7 @@ docs/files.md lists the columns. Read next: `run.folder`, the files; `calls`, wh
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ import numpy as np
 from regista.experiments.pictures import curves, plots
 from regista.experiments.run.errors import CommandError, UsageError
 from regista.experiments.run.folder import RunFolder
+from regista.experiments.run.progress import counted
 from regista.experiments.run.results import unique
 from regista.experiments.run.run_folders import open_runs
 from regista.experiments.run.table import read_columns, read_header, read_rows
@@ -124,7 +126,8 @@ class ComparisonData:
     def __repr__(self) -> str:
         """Return the folder, and the number of runs of each method."""
         names = Counter(run.name for run in self.runs)
-        return f"ComparisonData({str(self.path)!r}, {', '.join(f'{name}: {n} runs' for name, n in names.items())})"
+        runs = ", ".join(f"{name}: {counted(n, 'run')}" for name, n in names.items())
+        return f"ComparisonData({str(self.path)!r}, {runs})"
 
     def metrics(self) -> DataFrame:
         """Return the metrics of all runs in one table, after the columns `method` and `run_seed`."""
@@ -165,7 +168,7 @@ class ComparisonData:
     def colors(self) -> dict[str, str]:
         """Return the color of each method, variant and baseline in all figures, by its name in the tables."""
         self._distinguish()
-        return {name: plots.colour(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
+        return {name: plots.color(name) for name in [*(run.name for run in self.runs), *plots.BASELINES]}
 
     def _distinguish(self) -> None:
         from ued.methods import METHODS
@@ -193,9 +196,10 @@ def load_run(path: str | Path) -> RunData:
     """Return the settings and tables of a run folder.
 
     Raises:
+        ValueError: another type than a path.
         CommandError: a folder without a run.
     """
-    run = RunFolder.open(Path(path))
+    run = RunFolder.open(as_path("path", path))
     return RunData(run.path, run.config, run.name)
 
 
@@ -203,13 +207,22 @@ def load_comparison(path: str | Path) -> ComparisonData:
     """Return the runs and tables in the folder of `regista compare`, or in another folder of runs.
 
     Raises:
+        ValueError: another type than a path.
         CommandError: a folder without runs, or whose runs have no checkpoint yet.
     """
-    runs = open_runs([Path(path)])
-    table = Path(path) / "results.csv"
+    folder = as_path("path", path)
+    runs = open_runs([folder])
+    table = folder / "results.csv"
     order = unique([row["method"] for row in read_rows(table)]) if table.is_file() else []
     runs.sort(key=lambda run: order.index(run.name) if run.name in order else len(order))  # keeps the order of seeds
-    return ComparisonData(Path(path), tuple(RunData(run.path, run.config, run.name) for run in runs))
+    return ComparisonData(folder, tuple(RunData(run.path, run.config, run.name) for run in runs))
+
+
+def as_path(name: str, value: Any) -> Path:
+    """Return an argument as a path. Raises `ValueError` for another type."""
+    if not isinstance(value, str | os.PathLike):
+        raise ValueError(f"{name} must be a path, such as 'runs/plr', got {value!r:.100}")
+    return Path(value)
 
 
 def _figure(paths: Mapping[str, list[Path]]) -> Figure:

@@ -8,7 +8,7 @@ thesis's, PPO trained in GRF for 5M env steps. Writes lab/results/academy_baseli
     python -m lab.academy_baselines --seeds 3    # 75 core-minutes
     python -m lab.academy_baselines --games academy/empty_goal_close academy/run_to_score --env-steps 50_000_000
 
-50M env steps are about 25 core-minutes a game, so one core-hour pays for two games; all eight take 3.5 core-hours.
+50M env steps are about 25 core-minutes a game, so one core-hour is enough for two games; all eight take 3.5 core-hours.
 
 Read next: `lab/transfer.py`, which does the work.
 """

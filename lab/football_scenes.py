@@ -137,7 +137,7 @@ def crowd(rng: Rng, team: str, count: int, middle: Place, spread: float) -> list
 
 
 def keeper(rng: Rng, team: str) -> Person:
-    """Return a keeper near his goal, as a rule."""
+    """Return a keeper, usually near the own goal."""
     side = -1 if team == "Left" else 1
     return Person(f"{team}GK", side * (54.0 - rng.exponential(4.0)), float(rng.normal(0.0, 2.0)))
 
@@ -230,7 +230,7 @@ def lines(rng: Rng) -> Iterator[Scene]:
 
 
 def duels(rng: Rng) -> Iterator[Scene]:
-    """Yield a player on the ball, and opponents near him who slide: in the middle, in both boxes, on a wing."""
+    """Yield a player on the ball, and opponents nearby who slide: in the middle, in both boxes, on a wing."""
     controls = (("all", "all"), ("closest1", "closest1"), ("all", "none"), ("none", "all"))
     for k in range(8):
         x, y = ((0.0, 0.0), (46.0, 5.0), (-46.0, -6.0), (20.0, 30.0))[k % 4]
@@ -247,7 +247,7 @@ def duels(rng: Rng) -> Iterator[Scene]:
 
 
 def runs(rng: Rng) -> Iterator[Scene]:
-    """Yield a player who sprints with the ball at built-in backs, or at a keeper who has come out of his box."""
+    """Yield a player who sprints with the ball at built-in backs, or at a keeper who has come out of the box."""
     for k in range(4):
         x = (5.0, 20.0, 30.0, 22.0)[k]
 
@@ -263,7 +263,7 @@ def runs(rng: Rng) -> Iterator[Scene]:
 
 def cards(rng: Rng) -> Iterator[Scene]:
     """Yield players with cards: who slides and has one, and who has been sent off; and two in the same place."""
-    backs = ((-2.0, 0.5), (2.6, -0.5)), ((0.4, 1.4), (0.6, -1.5))  # before and behind the carrier, or at his sides
+    backs = ((-2.0, 0.5), (2.6, -0.5)), ((0.4, 1.4), (0.6, -1.5))  # before and behind the carrier, or on both sides
     # players in the order of a match: keepers first, the left team before the right one
     ways = (
         ("all", backs[0], {"1.cards": (1, 1), "2.cards": (1, 1)}),

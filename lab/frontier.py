@@ -91,8 +91,8 @@ def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
                 for key in (f"eval/{SCENE}", "env_steps")
             ]
             low, high = np.quantile(found[0], [0.25, 0.75], axis=0)
-            axes.plot(found[1].mean(0), found[0].mean(0), color=plots.colour(name), label=plots.title(name))
-            axes.fill_between(found[1].mean(0), low, high, color=plots.colour(name), alpha=0.15, linewidth=0)
+            axes.plot(found[1].mean(0), found[0].mean(0), color=plots.color(name), label=plots.title(name))
+            axes.fill_between(found[1].mean(0), low, high, color=plots.color(name), alpha=0.15, linewidth=0)
         plots.label_steps(axes)
         axes.set_ylabel("share of the turns known")
         axes.set_xlim(left=0)

@@ -1,4 +1,4 @@
-"""Does PLR over seeds pay where the layout of a level matters? A toy environment on which it must, and a comparison.
+"""Does PLR over seeds help if the layout of a level matters? A toy environment in which it must, and a comparison.
 
 A corridor of rooms; in which of them a hidden door leads out is drawn when the environment is reset. To get on from a
 room takes the right one of four actions, the same one in all corridors. Near doors are rare, so random corridors are

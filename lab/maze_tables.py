@@ -294,7 +294,7 @@ def method_of(part: str, row: str) -> str:
 
 def draw(study: Study, path: Path) -> None:
     """Draw the solved test mazes over the simulated steps and over the student's: means, and final intervals."""
-    plots.distinguish({name: method_of(study.part, name) for name in study.methods if name not in plots.METHOD_COLOURS})
+    plots.distinguish({name: method_of(study.part, name) for name in study.methods if name not in plots.METHOD_COLORS})
     with plots.style():
         import matplotlib.pyplot as plt
 
@@ -326,7 +326,7 @@ def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, 
     runs = [[row for row in curve if row["seed"] == seed] for seed in seeds]
     count = min(map(len, runs))
     steps, solved = (np.array([[float(row[k]) for row in run[:count]] for run in runs]) for k in (key, "solved"))
-    color = plots.colour(name)
+    color = plots.color(name)
     axes.plot(steps.mean(0), solved.mean(0), color=color, linestyle=plots.line_style(name))
     end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
     if end.known:

@@ -84,7 +84,7 @@ def line_handle(setting: str) -> Any:
     from matplotlib.lines import Line2D
 
     label = NAMES.get(setting, plots.title(setting)).replace("\n", " ")
-    return Line2D([], [], color=plots.colour(setting), linestyle=plots.line_style(setting), label=label)
+    return Line2D([], [], color=plots.color(setting), linestyle=plots.line_style(setting), label=label)
 
 
 def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
@@ -95,7 +95,7 @@ def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
         if not np.all(np.isnan(shares)):
             name = row["variant"]
             axes.plot(
-                centers, shares, linestyle=plots.line_style(name), color=plots.colour(name), linewidth=0.9, alpha=0.6
+                centers, shares, linestyle=plots.line_style(name), color=plots.color(name), linewidth=0.9, alpha=0.6
             )
     axes.set_xlim(0, 1)
     axes.set_xlabel("fraction of training")

@@ -45,7 +45,7 @@ def record(scene: Scene) -> Kept:
                 place, velocity = things[axis], things["v" + axis]
                 if step == 0:
                     place[rows:later] += AT_START * rng.uniform(-1.0, 1.0, place[rows:later].shape)
-                size = IN_EACH_STEP * (velocity[later:] != 0.0)  # who stands has been put where he is, exactly
+                size = IN_EACH_STEP * (velocity[later:] != 0.0)  # standing players have been placed exactly
                 place[later:] += size * rng.uniform(-1.0, 1.0, size.shape)
                 velocity[later:] *= 1.0 + size * rng.uniform(-1.0, 1.0, size.shape)
 
@@ -59,7 +59,7 @@ def record(scene: Scene) -> Kept:
 
 
 def choose(kept: Kept) -> Kept:
-    """Return a scene with those of its rows in which most happens while they are steady; what is rare counts more."""
+    """Return a scene with those of its rows in which most happens while they are steady; rare events count more."""
     happens = (np.diff(kept.facts, axis=0) != 0) @ np.array([WORTH.get(name, 1) for name in FACTS])  # [T - 1, R]
     worth = [(until >= LONG, int(happens[: until - 1, row].sum())) for row, until in enumerate(kept.steady)]
     return of_rows(kept, sorted(range(len(worth)), key=lambda row: worth[row], reverse=True)[:ROWS])

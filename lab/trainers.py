@@ -48,7 +48,7 @@ class Enough(Exception):
 
 
 class Meter:
-    """Measures whole rounds: a rollout, and what is learned from it.
+    """Measures whole rounds: a rollout, and learning from it.
 
     Args:
         batch: environment steps of a rollout.

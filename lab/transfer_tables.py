@@ -385,7 +385,7 @@ def load(path: Path) -> Rows:
 
 
 def filled(text: str, folder: Path = RESULTS) -> str:
-    """Return a page with its tables made anew from the CSV files of a folder."""
+    """Return a page with its tables made from the CSV files of a folder."""
     files = {name: load(folder / file) for name, (file, _, _) in TABLES.items()}
 
     def place(match: re.Match[str]) -> str:
@@ -402,6 +402,6 @@ def filled(text: str, folder: Path = RESULTS) -> str:
 
 
 def write_tables(root: Path = ROOT, folder: Path = RESULTS) -> None:
-    """Make the tables of all pages anew."""
+    """Write the tables of all pages again."""
     for page in PAGES:
         write_text(root / page, filled((root / page).read_text(), folder))

@@ -5,17 +5,17 @@ import pytest
 from PIL import Image
 
 from tests.pages import ROOT
-from ued.recorder.shades import SCENE_COLOURS, SOURCE_COLOURS, STUDENT_COLOURS
+from ued.recorder.shades import SCENE_COLORS, SOURCE_COLORS, STUDENT_COLORS
 
 FOLDER = ROOT / "docs" / "pictures" / "recording"
 PICTURES = sorted(FOLDER.glob("*.png"))
 LEGENDS = {
-    "paired-overview": [*STUDENT_COLOURS[:2], *SCENE_COLOURS[:3]],
-    "plr-overview": [STUDENT_COLOURS[0], *SCENE_COLOURS[:3]],
-    "accel-overview": [STUDENT_COLOURS[0], *SCENE_COLOURS[:3]],
-    "paired-teacher": [SOURCE_COLOURS["random"], SOURCE_COLOURS["proposed"]],
-    "plr-teacher": [SOURCE_COLOURS["random"], SOURCE_COLOURS["replayed"]],
-    "accel-teacher": [SOURCE_COLOURS["replayed"], SOURCE_COLOURS["edited"]],
+    "paired-overview": [*STUDENT_COLORS[:2], *SCENE_COLORS[:3]],
+    "plr-overview": [STUDENT_COLORS[0], *SCENE_COLORS[:3]],
+    "accel-overview": [STUDENT_COLORS[0], *SCENE_COLORS[:3]],
+    "paired-teacher": [SOURCE_COLORS["random"], SOURCE_COLORS["proposed"]],
+    "plr-teacher": [SOURCE_COLORS["random"], SOURCE_COLORS["replayed"]],
+    "accel-teacher": [SOURCE_COLORS["replayed"], SOURCE_COLORS["edited"]],
 }
 
 

@@ -22,7 +22,7 @@ READMES = (
 )
 
 BRITISH = (  # stems of words that are spelled otherwise in American English
-    *("behaviour", "colour", "favour", "neighbour", "honour", "labour"),
+    "(?:behavi|col|fav|neighb|hon|lab)our",
     *("centre", "metre\\b", "metres\\b", "licence", "defence", "offence", "grey", "programme\\b", "catalogue"),
     *("learnt", "burnt", "spelt", "whilst", "artefact", "judgement", "practis", "analys(?:e|ed|ing)\\b"),
     *("labelled", "labelling", "modelled", "modelling", "travelled", "cancelled", "signalled"),
@@ -71,19 +71,33 @@ def test_pages_are_in_american_english(name):
     assert found(SPELLING, said(read(name))) == []
 
 
+def said_in_code(pattern, package, left_out=()):
+    """Return what docstrings and comments of a package say that matches, by file.
+
+    Names of variables are left out: words with an underscore, a colon or in backticks.
+    """
+    written = rf"(?<![\w.`\"/-])(?:{pattern})(?![\w`(:-])"
+    kinds, said_so = {tokenize.COMMENT, tokenize.STRING}, {}
+    for path in sorted((ROOT / package).rglob("*.py")):
+        name, text = path.relative_to(ROOT).as_posix(), path.read_text()
+        if name.startswith(left_out) or not found(written, text):
+            continue
+        for token in tokenize.generate_tokens(io.StringIO(text).readline):
+            if token.type in kinds and (token.type == tokenize.COMMENT or token.string.startswith('"""')):
+                said_so[name] = said_so.get(name, []) + found(written, token.string)
+    return {name: words for name, words in said_so.items() if words}
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_docstrings_and_comments_are_in_american_english(package):
-    """Names of variables are left out: words with an underscore, a colon or in backticks."""
-    written = rf"(?<![\w.`\"/-]){SPELLING}(?![\w`(:-])"
-    for path in sorted((ROOT / package).rglob("*.py")):
-        text = path.read_text()
-        if not found(written, text):
-            continue
-        kinds = {tokenize.COMMENT, tokenize.STRING}
-        tokens = (token for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type in kinds)
-        for token in tokens:
-            if token.type == tokenize.COMMENT or token.string.startswith('"""'):
-                assert found(written, token.string) == [], path
+    assert said_in_code(SPELLING, package) == {}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_and_comments_use_the_words_of_the_field(package):
+    """Scripts of studies are left out."""
+    said_so = {better: said_in_code(idiom, package, ("lab/studies/",)) for idiom, better in IDIOMS}
+    assert {better: files for better, files in said_so.items() if files} == {}
 
 
 @pytest.mark.parametrize("name", [*PAGES, *READMES])
@@ -124,6 +138,7 @@ def test_a_generated_table_names_its_command(name):
 
 def test_the_patterns_find_what_they_are_for():
     assert found(SPELLING, "randomisation, a metre, greyish") != []
+    assert found(SPELLING, "behaviours of neighbours") != [] and not found(SPELLING, "four hours of our labor")
     assert found(SPELLING, "parameters of a precise likelihood, otherwise realistic") == []
     assert found(ENGINES, "0.28 (there 0.25)") and not found(ENGINES, "there are 3 (here is why)")
     assert found(HASH, "of 24e2dca") and not found(HASH, "1000000 defaced")

@@ -178,10 +178,13 @@ class PairedConfig(TeacherConfig):
             raise ValueError(f"students must be at least 2, got {self.students}")
         if self.students > 2 and (self.antagonist == "scripted" or self.roles != "population"):
             raise ValueError(
-                "more than two students have no antagonist: use roles = population and antagonist = student"
+                "more than two students have no antagonist: use roles='population' and antagonist='student' (flags "
+                "--paired.roles population --paired.antagonist student, or those of repaired)"
             )
         if self.antagonist == "scripted" and self.kl != "none":
-            raise ValueError("a scripted antagonist cannot be regularized: use kl = none")
+            raise ValueError(
+                "a scripted antagonist cannot be regularized: use kl='none' (--paired.kl none or --repaired.kl none)"
+            )
 
     @classmethod
     def thesis(cls) -> PairedConfig:

@@ -211,9 +211,9 @@ def wilson(successes: int, trials: int, z: float = Z) -> Interval:
     rate, extra = successes / trials, z**2 / trials
     if trials < LEAST:
         return Interval(rate, np.nan, np.nan)
-    centre = (rate + extra / 2) / (1 + extra)
+    center = (rate + extra / 2) / (1 + extra)
     reach = z / (1 + extra) * (rate * (1 - rate) / trials + extra / (4 * trials)) ** 0.5
-    return Interval(rate, max(0.0, centre - reach), min(1.0, centre + reach))
+    return Interval(rate, max(0.0, center - reach), min(1.0, center + reach))
 
 
 def student_t(estimate: float, error: float, count: int) -> Interval:

@@ -31,14 +31,20 @@ class FootballConfig:
     """
 
     representation: str = field(
-        default="features", metadata={"help": "observation: features, simple115, smm, smm_stacked or raw"}
+        default="features",
+        metadata={"help": "observation: features, simple115, smm, smm_stacked or raw", "words": REPRESENTATIONS},
     )
-    rewards: str = field(default="scoring", metadata={"help": "reward: scoring or scoring,checkpoints"})
+    rewards: str = field(
+        default="scoring", metadata={"help": "reward: scoring or scoring,checkpoints", "words": REWARDS}
+    )
     control: str = field(
         default="closest1",
-        metadata={"help": "left players that agents move: closest1 to closest3, active, a number, all, allNonGK, none"},
+        metadata={"help": "left players that agents move: closest1 to closest3, active, a number, all, allNonGK, none"}
+        | {"words": CONTROL_MODES},
     )
-    right_control: str = field(default="none", metadata={"help": "right players that agents move: same values"})
+    right_control: str = field(
+        default="none", metadata={"help": "right players that agents move: same values", "words": CONTROL_MODES}
+    )
     dialect: int | None = field(
         default=None,
         metadata={"help": "version of Scenic that the program is written in, 2 or 3; default: detected"}
@@ -53,11 +59,13 @@ class FootballConfig:
         default="dense",
         metadata={
             "help": "smm and smm_stacked as images (dense), or as the coordinates of their marked pixels, from which "
-            "convolutions compute the same but for rounding, several times faster (sparse)"
+            "convolutions compute the same but for rounding, several times faster (sparse)",
+            "words": PIXELS,
         },
     )
     engine: str = field(
-        default="regista", metadata={"help": "simulator: regista, our simulator, or grf, Google Research Football"}
+        default="regista",
+        metadata={"help": "simulator: regista, our simulator, or grf, Google Research Football", "words": ENGINES},
     )
     grf_python: str | None = field(default=None, metadata={"help": "the Python that has gfootball; default: detected"})
     grf_workers: int = field(

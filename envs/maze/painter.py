@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from regista.envs.maze.grid import BORDER, GOAL, VIEW, WALL, width_of
-from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR, SEEN_FLOOR
+from regista.envs.maze.picture import AGENT_COLOR, GOAL_COLOR, SEEN_FLOOR
 
 if TYPE_CHECKING:
     from regista.envs.maze.env import Mazes
@@ -19,8 +19,8 @@ CELL = 4.0  # m: recordings have lines and dots of fixed size, made for a footba
 MARKERS = (
     ("walls", (120, 126, 140), 0.5 * CELL),
     ("seen cells", SEEN_FLOOR, 0.12 * CELL),
-    ("goal", GOAL_COLOUR, 0.42 * CELL),
-    ("agent", AGENT_COLOUR, 0.36 * CELL),
+    ("goal", GOAL_COLOR, 0.42 * CELL),
+    ("agent", AGENT_COLOR, 0.36 * CELL),
     ("its front", (255, 255, 255), 0.14 * CELL),
 )
 WALLS, SEEN, GOALS, AGENT, FRONT = range(5)
@@ -34,7 +34,7 @@ class MazePainter:
     """
 
     background = (24, 26, 32)
-    line_colour = (200, 204, 214)
+    line_color = (200, 204, 214)
     markers = MARKERS
 
     def __init__(self, mazes: Mazes) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 from regista.envs.maze.grid import BORDER, DIRECTIONS, GOAL, VIEW, WALL
 from regista.envs.maze.view import CELLS, MIDDLE
 
-WALL_COLOUR, FLOOR, SEEN_FLOOR = (58, 62, 72), (236, 234, 228), (255, 241, 190)
+WALL_COLOR, FLOOR, SEEN_FLOOR = (58, 62, 72), (236, 234, 228), (255, 241, 190)
 SEEN_WALL = (92, 88, 84)
-GOAL_COLOUR, AGENT_COLOUR = (213, 94, 0), (31, 119, 208)  # orange and blue: red-green color blindness keeps them apart
+GOAL_COLOR, AGENT_COLOR = (213, 94, 0), (31, 119, 208)  # orange and blue: red-green color blindness keeps them apart
 PIXELS = 320  # of a small maze's side, at least
 LEAST_CELL = 8  # pixels
 
@@ -35,16 +35,16 @@ def draw_maze(grid: np.ndarray, at: int, direction: int, seen: np.ndarray) -> np
         seen: the entries that the agent sees.
     """
     width = int(len(grid) ** 0.5)
-    cells = np.where((grid == WALL)[:, None], WALL_COLOUR, FLOOR).astype(np.uint8)
+    cells = np.where((grid == WALL)[:, None], WALL_COLOR, FLOOR).astype(np.uint8)
     cells[seen] = np.where((grid[seen] == WALL)[:, None], SEEN_WALL, SEEN_FLOOR)
-    cells[grid == GOAL] = GOAL_COLOUR
+    cells[grid == GOAL] = GOAL_COLOR
     inside = slice(BORDER - 1, 1 - BORDER)
     shown = cells.reshape(width, width, 3)[inside, inside]
     size = max(LEAST_CELL, PIXELS // len(shown))
     picture = shown.repeat(size, 0).repeat(size, 1)
     row, column = (size * (place - BORDER + 1) for place in divmod(at, width))
     corner = picture[row : row + size, column : column + size]
-    corner[arrow_head(size, direction)] = AGENT_COLOUR
+    corner[arrow_head(size, direction)] = AGENT_COLOR
     return picture
 
 

@@ -29,7 +29,7 @@ from regista.envs.scenic3.names import Place, Places, object_names, primitive_na
 from ued.core.level_space import check_theta
 from ued.core.parameters import Choice, Integer, Range
 
-COLOURS = ("*color*",)  # appearance: excluded by default
+COLORS = ("*color*",)  # appearance: excluded by default
 MOST_TRIES = 100  # seeds tried for a θ before it counts as invalid
 
 
@@ -85,7 +85,7 @@ class ScenicProgram:
         scenario: str | None = None,
         model: str | None = None,
         mode_2d: bool = False,
-        nuisance: Sequence[str] = COLOURS,
+        nuisance: Sequence[str] = COLORS,
     ) -> None:
         self.file = str(Path(path).resolve())
         self._settings = (self.file, dict(params or {}), scenario, model, mode_2d, tuple(nuisance))

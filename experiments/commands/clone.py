@@ -31,7 +31,7 @@ from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import Source, football_game
 from regista.experiments.run.launch.signals import StopRequest
-from regista.experiments.run.progress import Progress
+from regista.experiments.run.progress import Progress, counted
 from regista.experiments.run.table import Table, cannot_write, spell
 from ued.config import LARGEST_SEED, Checked, CloningConfig, PPOConfig, most_threads, setting
 from ued.core.files import write_whole
@@ -165,9 +165,9 @@ def clone(
     saved = {"update": 0, "env_steps": 0, "elapsed": 0.0, **versions.stamp(run.config)}
     run.save({**saved, "method": method.state_dict()})
     progress.finish(
-        f"{run.path}: {cloner.epoch} epochs, best epoch {cloner.best_epoch}; held-out accuracy "
+        f"{run.path}: {counted(cloner.epoch, 'epoch')}, best epoch {cloner.best_epoch}; held-out accuracy "
         f"{agreement.accuracy:.2f}, balanced accuracy {agreement.balanced_accuracy:.2f}; "
-        f"{data.episodes} episodes, {elapsed:.0f} s"
+        f"{counted(data.episodes, 'episode')}, {elapsed:.0f} s"
     )
 
 

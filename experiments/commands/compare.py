@@ -27,7 +27,7 @@ from regista.experiments.run.launch.seeds import prepare
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.variants import rows_of
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
-from regista.experiments.run.progress import terminal_width
+from regista.experiments.run.progress import counted, terminal_width
 from regista.experiments.run.report import Report
 from ued.config import LARGEST_SEED, Checked, FineTuningConfig, setting
 from ued.core.task import TRAINING_SCENE
@@ -104,7 +104,8 @@ def run(config: CompareConfig, game: Game, most: int | None = None) -> int:
         trained = train_unfinished(runs, config.launch, stop)
     if not trained:
         return stop.exit_code
-    print(f"evaluating {len(runs)} runs and baselines on {len(scenes.scenes)} scenes, {config.episodes} episodes each")
+    amount = f"{counted(len(runs), 'run')} and baselines on {counted(len(scenes.scenes), 'scene')}"
+    print(f"evaluating {amount}, {counted(config.episodes, 'episode')} each")
     alone = config.launch.launcher != "local" or config.train.engine == "grf"  # which has its own processes
     parallel = 1 if alone else config.launch.at_a_time(config.train.threads, len(runs))
     parallel = min(parallel, most or parallel)

@@ -27,12 +27,11 @@ DESCRIPTION = 'Print a script that completes commands, flags, games and methods:
 SHELLS = ("bash", "zsh", "fish")
 OF_GAMES = ("train", "compare", "play", "inspect", "list", "demonstrate")  # commands whose first word is a game
 OF_METHODS = ("--method", "--methods")
-OPEN = ("--player",)  # flags whose value may also be a file, which the shell completes
 
 BASH = """\
 _regista() {{
   local current="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[COMP_CWORD-1]}}"
-  local command="${{COMP_WORDS[1]}}" words="" flag="" k
+  local command="${{COMP_WORDS[1]}}" words="" flag="" taken="" k
   for (( k = COMP_CWORD - 1; k > 1; k-- )); do
     case "${{COMP_WORDS[k]}}" in -*) flag="${{COMP_WORDS[k]}}"; break ;; esac
   done
@@ -46,7 +45,7 @@ _regista() {{
     case "$command $before" in
 {values}
     esac
-    if [ -z "$words" ]; then
+    if [ -z "$words$taken" ]; then
       case "$command $current" in
 {flags}
 {games}
@@ -68,11 +67,14 @@ class CompletionConfig(Checked):
 
 
 class Words(NamedTuple):
-    """Completions of a command: its flags, the values of flags with a fixed list, and flags that take several."""
+    """Completions of a command: its flags, the known values of flags, flags that take several, and flags that take
+    other values too, such as a file, which the shell completes.
+    """
 
     flags: list[str]
     values: dict[str, list[str]]
     several: list[str]
+    open: list[str]
 
 
 def main(argv: Sequence[str]) -> int:
@@ -120,8 +122,12 @@ def words_of_commands() -> dict[str, Words]:
         topics = getattr(parser, "topics", {})
         values |= {"--help": [*topics, "all"]} if topics else {}
         several = [flag for action in parser._actions if action.nargs == "+" for flag in action.option_strings]
-        found[name] = Words(flags, values, [flag for flag in several if flag in values])
+        taking = [flag for action in parser._actions if action.nargs != 0 for flag in action.option_strings]
+        opened = [flag for flag in taking if flag not in values]
+        values |= {flag: list(words) for flag, words in getattr(parser, "offered", {}).items() if words}
+        found[name] = Words(flags, values, several, opened)
     found["play"].values.update({"--player": [*SCRIPTED, *shipped.names()], "--scene": scenes()})
+    found["clone"].values["--minigame"] = games()
     found["completion"].values["completion"] = list(SHELLS)  # after the command itself
     return found
 
@@ -134,6 +140,9 @@ def bash(known: dict[str, Words], games: Sequence[str]) -> str:
         for flag, words in entry.values.items()
     ]
     several = [f'    "{name} {flag} "*) before="{flag}" ;;' for name, entry in known.items() for flag in entry.several]
+    for name, entry in known.items():
+        without = "|".join(f'"{name} {flag}"' for flag in entry.open if flag not in entry.values)
+        values += [f"      {without}) taken=1 ;;"] * bool(without)
     flags = [f'        "{name} -"*) words="{" ".join(entry.flags)}" ;;' for name, entry in known.items()]
     places = "|".join(f'"{name} "*' for name in OF_GAMES)
     named = f'        {places}) words="{" ".join(games)}" ;;\n'
@@ -148,8 +157,9 @@ def fish(known: dict[str, Words], games: Sequence[str]) -> str:
     for name, entry in known.items():
         of_command = f"complete -c regista -n '__fish_seen_subcommand_from {name}'"
         for flag in entry.flags:
-            kind = "-ra" if flag in OPEN else "-xa"
-            words = f" {kind} {_quoted(' '.join(entry.values[flag]))}" if flag in entry.values else ""
+            kind = "r" if flag in entry.open else "x"
+            words = f" -{kind}a {_quoted(' '.join(entry.values[flag]))}" if flag in entry.values else ""
+            words = words or " -r" * (flag in entry.open)
             lines.append(f"{of_command} -l {flag.removeprefix('--')}{words}")
         if name in OF_GAMES:
             lines.append(f"{of_command} -a {_quoted(' '.join(games))}")

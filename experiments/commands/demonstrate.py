@@ -25,7 +25,7 @@ from regista.experiments.run.games import Game, single_game
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.notes import warn
 from regista.experiments.run.programs import load_program
-from regista.experiments.run.progress import Progress, count
+from regista.experiments.run.progress import Progress, count, counted
 from ued.config import LARGEST_SEED, Checked, most_threads, setting
 
 if TYPE_CHECKING:
@@ -154,11 +154,11 @@ def _fill(
     demos.finish(names, spaces, _gym_settings(env), typed.episodes)
     seconds = time.perf_counter() - began
     pace = f"; {count((tally.steps - before) / seconds)} steps/s" if tally.steps > before else ""
-    progress.finish(f"{demos.path}: {min(tally.kept, typed.episodes)} episodes, {tally}{pace}")
+    progress.finish(f"{demos.path}: {counted(min(tally.kept, typed.episodes), 'episode')}, {tally}{pace}")
     if tally.kept < typed.episodes and not stop:
         raise CommandError(
-            f"only {tally.kept} of {tally.played} episodes were successful, {typed.episodes} were requested; they are "
-            f"saved in {demos.path}: continue with a larger --max-played, or use --keep all"
+            f"only {tally.kept} of {counted(tally.played, 'episode')} were successful, {typed.episodes} were "
+            f"requested; they are saved in {demos.path}: continue with a larger --max-played, or use --keep all"
         )
     if stop:
         print("stopped; run the same command to continue")

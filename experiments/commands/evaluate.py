@@ -24,7 +24,7 @@ from regista.experiments.run.config import EngineConfig
 from regista.experiments.run.errors import CommandError, UsageError, read_from
 from regista.experiments.run.evaluator import EvalScenes, Evaluator, check_one_game
 from regista.experiments.run.folder import RunFolder
-from regista.experiments.run.progress import terminal_width
+from regista.experiments.run.progress import counted, terminal_width
 from regista.experiments.run.report import Report, write_text
 from regista.experiments.run.run_folders import by_game, open_runs, warn_of_mixtures
 from regista.experiments.run.table import check_file
@@ -153,9 +153,9 @@ def write_gallery(run: RunFolder, config: EvaluateConfig) -> None:
     path, game = run.path / "gallery.html", build.find_game(run.config.minigame)
     with read_from(f"the tables of {run.path} belong to other environments, or"):
         made = make_page(run, game, path, config.gallery_levels, config.gallery_replays)
-    print(f"{path}: {made.levels} of {made.played} levels, {made.replays} with replays")
+    print(f"{path}: {made.levels} of {counted(made.played, 'level')}, {made.replays} with replays")
     if made.otherwise:
-        print(f"{made.otherwise} replays differ from the recorded episodes: the environment has changed")
+        print(f"{counted(made.otherwise, 'replay')} did not repeat the recorded episode: the environment has changed")
 
 
 def evaluator(first: Any, config: EvaluateConfig) -> Evaluator:

@@ -153,9 +153,9 @@ def inspect_task(game: PythonTask, config: InspectConfig) -> int:
     task = game.task(None)
     upomdp = build.make_upomdp(task.make, 1 if config.theta else config.n, config.seed)
     theta = check_theta(config.theta, upomdp.theta_dim) if config.theta else upomdp.levels["theta"].copy()
-    print(describe_task(config.program, upomdp, theta))
     for label, scene in (task.scenes() | task.scenes(held_out=True)).items():
-        theta_of_test(label, scene, upomdp, game.short)
+        theta_of_test(label, scene, upomdp, game.name)
+    print(describe_task(config.program, upomdp, theta))
     if config.png is not None:
         draw_task(upomdp, theta, config.png, markers=task.painter(upomdp).markers if task.painter else ())
         print(f"\n{len(theta)} level{'s' * (len(theta) > 1)} drawn to {config.png}")

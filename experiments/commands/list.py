@@ -26,6 +26,7 @@ from regista.experiments.run.errors import UsageError, nearest
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.games import all_starts
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.progress import counted
 from regista.experiments.run.results import align
 from regista.experiments.run.solved import SolvedConfig, report
 from ued.config import Checked, setting
@@ -263,7 +264,7 @@ def task_card(name: str) -> str:
         "observations": upomdp.single_observation_space,
         "actions": upomdp.single_action_space,
         "baselines": ", ".join(task.make_baselines(upomdp)),
-        "trained by default": f"{config.total_env_steps:_} env_steps in {config.num_envs} environments",
+        "trained by default": f"{config.total_env_steps:_} env_steps in {counted(config.num_envs, 'environment')}",
         "trained policy": shipped.of_game(name),
     }
     parts = [f"{name}: D = {upomdp.theta_dim}", listed(rows, 20)]

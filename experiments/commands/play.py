@@ -31,6 +31,7 @@ from regista.experiments.run.errors import CommandError, UsageError, nearest
 from regista.experiments.run.games import single_game
 from regista.experiments.run.players import SCRIPTED, Actor, MatchStudent, scripted_player, task_player
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.progress import counted
 from regista.experiments.run.rendering import fitted
 from regista.experiments.run.shipped import is_name as is_shipped
 from regista.experiments.run.shipped import located
@@ -263,7 +264,7 @@ def _replay(config: PlayConfig) -> int:
         moments = moments[: record.lengths[config.match] + 1]
     left, right = moments[-1]["score"]
     matches = f", match {config.match} of {len(record.last)}" if len(record.last) > 1 else ""
-    print(f"{len(moments) - 1} steps replayed exactly as recorded{matches}; final score {left} : {right}")
+    print(f"{counted(len(moments) - 1, 'step')} replayed exactly as recorded{matches}; final score {left} : {right}")
     if config.video:
         film(config.video, moments, config.speed)
     return 0
@@ -327,7 +328,7 @@ def _play_match(config: PlayConfig, env: Any, actor: Actor, episode: int, tally:
     tally.add(total, bool(ended and successes(info, np.array([0]), np.array([total]))[0]))
     left, right = moment["score"]
     end = f", then {ENDINGS[ended]}{f' ({rewards[0]:+g})' if rewards[0] else ''}" if ended else ""
-    print(f"{steps} steps{'' if actor.name in SCRIPTED else f' by {actor.name}'}, {left} : {right}{end}")
+    print(f"{counted(steps, 'step')}{'' if actor.name in SCRIPTED else f' by {actor.name}'}, {left} : {right}{end}")
     if config.record:
         _save(recorder.record(), config.record)
 
@@ -366,7 +367,7 @@ def _task_frames(config: PlayConfig, stage: LevelStage, player: Actor, tally: Ta
         played = stage.play(config.steps, choose, film=config.video is not None)
         tally.add(played.total, played.success)
         end = f", ended {'with' if played.success else 'without'} success" if played.ended else ""
-        print(f"{played.steps} steps by {player.name}, return {played.total:g}{end}")
+        print(f"{counted(played.steps, 'step')} by {player.name}, return {played.total:g}{end}")
         for frame in played.frames:
             first = frame if first is None else first
             yield fitted(frame, first)

@@ -31,7 +31,7 @@ from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.variants import Variant
 from regista.experiments.run.launch.workers import LaunchConfig
 from regista.experiments.run.notes import telling_warnings, warn
-from regista.experiments.run.progress import Progress, count
+from regista.experiments.run.progress import Progress, count, counted
 from regista.experiments.run.reporting import Console, Reporters
 from ued.config import LARGEST_SEED, FineTuningConfig, setting
 from ued.core.task import Task
@@ -135,7 +135,9 @@ def train(run: RunFolder, stop: StopRequest, connect: str | None = None) -> int:
 def finish(run: RunFolder, method: Any, reporters: Reporters, progress: Progress, elapsed: float) -> None:
     """Close the reporters; print the progress, and each student or teacher that rarely or never took gradient steps."""
     reporters.close()
-    progress.finish(f"{run.path}: {count(method.env_steps)} env_steps, {method.updates} updates, {elapsed:.0f} s")
+    progress.finish(
+        f"{run.path}: {count(method.env_steps)} env_steps, {counted(method.updates, 'update')}, {elapsed:.0f} s"
+    )
     for event in reporters.watch.learning.seldom():
         progress.say(event.text)
 

@@ -148,7 +148,7 @@ def _on_axis(steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
     """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band."""
-    shade = plots.colour(method)
+    shade = plots.color(method)
     steps, values = curve.steps, curve.values
     known = np.isfinite(values).any(0)
     steps, values = steps[known], values[:, known]

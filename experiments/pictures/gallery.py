@@ -22,10 +22,11 @@ from regista.experiments.run.games import Game
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import cannot_write, read_rows
+from regista.experiments.run.watch import Watch
 from ued.core.files import write_whole
-from ued.core.painter import ScenePainter, tiles_of, trails_of
+from ued.core.painter import ScenePainter, line_color_of, tiles_of, trails_of
 from ued.core.parameters import axis_of, cells_in
-from ued.recorder.shades import SOURCE_COLOURS, student_colour, unique_names
+from ued.recorder.shades import SOURCE_COLORS, student_color, unique_names
 
 PAGE = Path(__file__).with_name("gallery.html")
 PLACE = "/*DATA*/null"  # placeholder of the data in the template
@@ -67,8 +68,8 @@ def make_page(run: RunFolder, game: Game, path: Path, most_levels: int, most_rep
         "title": f"{game.short}, {config.method}, seed {config.seed}",
         "levels": _levels(stage, columns, [sources[index] for index in chosen], np.array(chosen, int)),
         "axes": {name: _axis(draw, name) for draw, name in _drawn(stage)},
-        "sources": SOURCE_COLOURS,
-        "students": {name: student_colour(index) for index, name in enumerate(_students(columns))},
+        "sources": SOURCE_COLORS,
+        "students": {name: student_color(index) for index, name in enumerate(_students(columns))},
         "scene": _scene(stage),
         "replays": replays,
         "seconds": stage.step_seconds,
@@ -137,7 +138,7 @@ def _scene(stage: Stage) -> dict[str, Any] | None:
         "reach": painter.reach,
         "unit": _unit(painter),
         "background": painter.background,
-        "line": painter.line_colour,
+        "line": line_color_of(painter),
         "lines": [np.round(strip, 4).tolist() for strip in painter.lines()],
         "markers": [painter.markers[index] for index in painter.classes],
         "tiles": tiles_of(painter).tolist(),
@@ -150,9 +151,9 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
     """Replay levels; return their frames by visit and student, and the number of replays that differ."""
     told: dict[str, Any] = {}
     otherwise = 0
-    for row in rows:
-        if row["visit"] not in shown:
-            continue
+    chosen = [row for row in rows if row["visit"] in shown]
+    watch = Watch(len(chosen), unit="replay")
+    for row in chosen:
         replay = Replay.of_row(row, stage.env)
         played = stage.play(replay)
         frames, alike = played.frames, came_out_alike(replay, played.returns)
@@ -164,6 +165,8 @@ def _replays(stage: Stage, rows: list[dict[str, str]], shown: set[str]) -> tuple
         said = {"returns": _plain(replay.returns), "alike": alike, "film": film, "frames": len(frames)}
         said["begins"] = played.begins
         told.setdefault(str(replay.visit), {})[replay.student] = said
+        watch.ended(1)
+    watch.finish()
     return told, otherwise
 
 

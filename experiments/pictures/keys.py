@@ -27,7 +27,7 @@ def method_handles(methods: Iterable[str], marks: Sequence[str] = (), filled: bo
 
     handles: list[Any] = []
     for name in methods:
-        shade, label = plots.colour(name), plots.title(name)
+        shade, label = plots.color(name), plots.title(name)
         dashes = plots.line_style(name)
         line = Line2D([], [], color=shade, linewidth=2.0, linestyle=dashes, label=label)
         handles.append(Patch(**plots.bar_look(name), label=label) if filled else line)

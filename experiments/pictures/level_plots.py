@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from regista.envs.football.view.render import BALL, LEFT_KEEPER, MARKERS, PAPER_COLOURS, RIGHT_PLAYER, draw_pitch
+from regista.envs.football.view.render import BALL, LEFT_KEEPER, MARKERS, PAPER_COLORS, RIGHT_PLAYER, draw_pitch
 from regista.experiments.pictures import keys, plots
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.level_table import read_levels
@@ -155,8 +155,8 @@ def kinds_of(painter: Any) -> list[tuple[str, np.ndarray, Any]]:
         opponents = (classes >= RIGHT_PLAYER) & (classes < BALL)
         first = min(classes[opponents], default=RIGHT_PLAYER)  # a keeper's color where there is no other opponent
         return [
-            ("starting positions of the learner's team", classes < LEFT_KEEPER, PAPER_COLOURS[0]),
-            ("starting positions of opponents", opponents, PAPER_COLOURS[first]),
+            ("starting positions of the learner's team", classes < LEFT_KEEPER, PAPER_COLORS[0]),
+            ("starting positions of opponents", opponents, PAPER_COLORS[first]),
         ]
     kept = np.unique(classes[~details_of(painter)]).tolist()
     named = [(painter.markers[kind], classes == kind) for kind in kept]

@@ -35,10 +35,8 @@ BASELINES = {
     "random": ("random", "#cfd5da"),
     "built-in": ("built-in AI", "#6f7a84"),
 }
-METHOD_COLOURS = {name: row.colour for name, row in METHODS.items()} | {
-    k: colour for k, (_, colour) in BASELINES.items()
-}
-OTHER_COLOUR = "#5f6670"
+METHOD_COLORS = {name: row.color for name, row in METHODS.items()} | {k: color for k, (_, color) in BASELINES.items()}
+OTHER_COLOR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of what is no method
 ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
@@ -94,20 +92,20 @@ _variants: dict[str, Look] = {}  # of the comparison that is drawn
 def distinguish(variants: Mapping[str, str]) -> None:
     """Give the variants of a comparison looks of their own, in the hue of their methods: `variants` says of which."""
     _variants.clear()
-    _variants.update(looks(variants, METHOD_COLOURS))
+    _variants.update(looks(variants, METHOD_COLORS))
 
 
-def colour(method: str) -> str:
+def color(method: str) -> str:
     """Return the color of a method or a variant."""
     if method in _variants:
-        return _variants[method].colour
-    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+        return _variants[method].color
+    return METHOD_COLORS.get(method, OTHER_COLOR)
 
 
 def bar_look(method: str) -> dict[str, Any]:
     """Return what bars and patches of a method or a variant are drawn with; those of variants are hatched."""
     hatch = {"hatch": _variants[method].hatch, "edgecolor": "white"} if method in _variants else {}
-    return {"facecolor": colour(method), "linewidth": 0} | hatch
+    return {"facecolor": color(method), "linewidth": 0} | hatch
 
 
 def sequence(count: int) -> list[Any]:
@@ -194,12 +192,12 @@ def marker_legend(figure: Figure, painter: Any, places: np.ndarray) -> None:
     """Add a legend of the marker colors below a figure, of points that lie within it: `places` `[L, K, 2]`."""
     from matplotlib.lines import Line2D
 
-    from regista.envs.football.view.render import PAPER_COLOURS
+    from regista.envs.football.view.render import PAPER_COLORS
 
     x_low, x_high, y_low, y_high = painter.bounds
     inside = ((places >= (x_low, y_low)) & (places <= (x_high, y_high))).all(2).any(0)  # [K]
     handles = [
-        Line2D([], [], marker="o", linestyle="", color=PAPER_COLOURS[kind], label=painter.markers[kind][0])
+        Line2D([], [], marker="o", linestyle="", color=PAPER_COLORS[kind], label=painter.markers[kind][0])
         for kind in np.unique(painter.classes[inside])
     ]
     handles.append(Line2D([], [], color=FAINT, linewidth=1.6, label="heading"))

@@ -14,7 +14,7 @@ import rerun
 import rerun.blueprint as rrb
 from matplotlib.colors import to_rgb
 
-from regista.experiments.pictures.plots import colour
+from regista.experiments.pictures.plots import color
 from regista.experiments.run.table import read_columns
 from ued.recorder import layout
 
@@ -35,7 +35,7 @@ def record_runs(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
         path, "regista_runs", str(path.resolve()), layout.blueprint(views, "env_steps", 30)
     ) as stream:
         for (method, label), table in tables.items():
-            shade = np.array([255 * part for part in to_rgb(colour(method))], np.uint8)
+            shade = np.array([255 * part for part in to_rgb(color(method))], np.uint8)
             for name in [name for name in table if name not in ("update", "env_steps")]:
                 place = rerun.new_entity_path(["metrics", *name.split("/"), label])
                 stream.log(place, rerun.SeriesLines(colors=[shade], names=[label], widths=[1.5]), static=True)

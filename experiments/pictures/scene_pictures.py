@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 CHALK, AREA = "#aab6ac", "#d7dfd8"
 TITLE_GAP = 2.2  # font sizes between rows of panels, to separate titles from the panels above
-LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
+LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 def draw_pictures(view: SceneView, scenes: Scenes, path: Path) -> None:
@@ -71,9 +71,9 @@ def draw_matches(painter: Any, theta: np.ndarray, path: Path) -> None:
 
 
 def draw_ground(axes: Axes, view: SceneView) -> None:
-    for strips, colour, width in ((view.areas, AREA, 0.8), (view.ground, CHALK, 1.1)):
+    for strips, color, width in ((view.areas, AREA, 0.8), (view.ground, CHALK, 1.1)):
         for strip in strips:
-            axes.plot(strip[:, 0], strip[:, 1], color=colour, linewidth=width, zorder=1)
+            axes.plot(strip[:, 0], strip[:, 1], color=color, linewidth=width, zorder=1)
     axes.set_xlim(view.bounds[0], view.bounds[1])
     axes.set_ylim(view.bounds[2], view.bounds[3])
     axes.set_aspect("equal")
@@ -84,13 +84,13 @@ def draw_objects(axes: Axes, view: SceneView, boxes: np.ndarray) -> None:
     """Draw the objects of one scene, boxes `[O, 5]`."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    colours: Any = np.array(view.colours)[view.kinds] / 255
+    colors: Any = np.array(view.colors)[view.kinds] / 255
     known = np.isfinite(boxes).all(1)
     axes.add_collection(
-        PolyCollection(corners(boxes)[known], facecolors=colours[known], edgecolors="white", linewidths=0.6, zorder=3)
+        PolyCollection(corners(boxes)[known], facecolors=colors[known], edgecolors="white", linewidths=0.6, zorder=3)
     )
-    axes.add_collection(LineCollection(arrows(boxes)[known], colors=colours[known], linewidths=1.0, zorder=2))
-    if len(boxes) <= LABELLED:
+    axes.add_collection(LineCollection(arrows(boxes)[known], colors=colors[known], linewidths=1.0, zorder=2))
+    if len(boxes) <= LABELED:
         for box, label in zip(boxes, view.labels, strict=True):
             axes.annotate(label, box[:2], (4, 4), textcoords="offset points", fontsize=6, zorder=4)
 
@@ -101,6 +101,6 @@ def legend(figure: Any, view: SceneView) -> None:
 
     handles = [
         Patch(color=(red / 255, green / 255, blue / 255), label=name)
-        for name, (red, green, blue) in zip(view.classes, view.colours, strict=True)
+        for name, (red, green, blue) in zip(view.classes, view.colors, strict=True)
     ]
     figure.legend(handles=handles, loc="lower center", ncols=min(6, len(handles) or 1), bbox_to_anchor=(0.5, 0.0))

@@ -18,7 +18,7 @@ from ued.recorder.layout import blueprint, plane_view, recording
 
 BACKGROUND = (24, 27, 31)
 CHALK, AREA = (190, 200, 192), (84, 94, 88)
-LABELLED = 12  # maximum number of labeled objects; more labels would hide the scene
+LABELED = 12  # maximum number of labeled objects; more labels would hide the scene
 
 
 class SceneStage(Protocol):
@@ -37,7 +37,7 @@ class SceneStage(Protocol):
     @property
     def labels(self) -> tuple[str, ...]: ...
     @property
-    def colours(self) -> list[tuple[int, int, int]]:
+    def colors(self) -> list[tuple[int, int, int]]:
         """Return one color for each class."""
 
 
@@ -60,7 +60,7 @@ def record_scenes(path: Path, name: str, stage: SceneStage, scenes: Iterable[Sce
 
 def log_ground(stream: rerun.RecordingStream, stage: SceneStage) -> None:
     """Write the static lines."""
-    infos = [(k, name, colour) for k, (name, colour) in enumerate(zip(stage.classes, stage.colours, strict=True))]
+    infos = [(k, name, color) for k, (name, color) in enumerate(zip(stage.classes, stage.colors, strict=True))]
     stream.log("scene", rerun.AnnotationContext(infos), static=True)
     width = stage.bounds[1] - stage.bounds[0]
     areas = rerun.LineStrips2D(stage.areas, colors=AREA, radii=width / 900, draw_order=-9)
@@ -73,17 +73,17 @@ def log_scene(stream: rerun.RecordingStream, stage: SceneStage, scene: SceneReco
     """Write one scene at the stream's current time; objects without a position are skipped."""
     known = np.isfinite(scene.outlines).all((1, 2))
     kinds = stage.kinds[known]
-    colours = np.array(stage.colours, np.uint8).reshape(-1, 3)[kinds]
+    colors = np.array(stage.colors, np.uint8).reshape(-1, 3)[kinds]
     labels = [label for label, there in zip(stage.labels, known, strict=True) if there]
     closed = [np.vstack([outline, outline[:1]]) for outline in scene.outlines[known]]
     width = stage.bounds[1] - stage.bounds[0]
     boxes = rerun.LineStrips2D(
-        closed, colors=colours, radii=width / 500, class_ids=kinds, labels=labels, show_labels=len(labels) <= LABELLED
+        closed, colors=colors, radii=width / 500, class_ids=kinds, labels=labels, show_labels=len(labels) <= LABELED
     )
     stream.log("scene/objects", boxes)
     heads = scene.arrows[known]
     arrows = rerun.Arrows2D(
-        origins=heads[:, 0], vectors=heads[:, 1] - heads[:, 0], colors=colours, radii=width / 600, show_labels=False
+        origins=heads[:, 0], vectors=heads[:, 1] - heads[:, 0], colors=colors, radii=width / 600, show_labels=False
     )
     stream.log("scene/headings", arrows)
     stream.log("card", rerun.TextDocument(scene.card, media_type="text/markdown"))

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from scenic_lite import Program, Scenes
     from scenic_lite.values.regions import Region
 
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 
 MARGIN = 0.06  # around everything, relative to width and height
 PROBES = 256  # random scenes for estimating the extent of the objects
 SMALLEST = 0.018  # minimum size of drawn objects, relative to the width
-PALETTE: tuple[Colour, ...] = (
+PALETTE: tuple[Color, ...] = (
     (31, 119, 208),
     (217, 65, 61),
     (42, 157, 143),
@@ -42,7 +42,7 @@ class SceneView:
         bounds: x low, x high, y low, y high.
         ground: strips [n, 2] of the workspace, or of the pitch.
         areas: strips of the regions from which points are sampled.
-        classes: names of the objects' classes; `kinds` [O] index them, `colours` has one for each.
+        classes: names of the objects' classes; `kinds` [O] index them, `colors` has one for each.
         labels: label of each of the O objects.
     """
 
@@ -54,7 +54,7 @@ class SceneView:
     labels: tuple[str, ...]
 
     @property
-    def colours(self) -> list[Colour]:
+    def colors(self) -> list[Color]:
         return [PALETTE[k % len(PALETTE)] for k in range(len(self.classes))]
 
     def boxes(self, scenes: Scenes) -> np.ndarray:
@@ -118,5 +118,5 @@ def corners(boxes: np.ndarray) -> np.ndarray:
 def arrows(boxes: np.ndarray) -> np.ndarray:
     """Return lines `[..., 2, 2]` from the center of each box to slightly beyond its front."""
     x, y, heading, _, length = np.moveaxis(boxes, -1, 0)
-    centre = np.stack([x, y], -1)
-    return np.stack([centre, centre + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)
+    center = np.stack([x, y], -1)
+    return np.stack([center, center + 0.9 * length[..., None] * np.stack([-np.sin(heading), np.cos(heading)], -1)], -2)

@@ -20,7 +20,7 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.core.painter import ScenePainter
+from ued.core.painter import ScenePainter, line_color_of
 from ued.recorder.layout import blueprint, log_ground, plane_view, recording
 
 PARTED = 1.5  # m between the balls, or between the positions of one player
@@ -81,7 +81,7 @@ def _log(stream: rerun.RecordingStream, number: int, pair: SideBySide) -> None:
     root = f"scene/{number}"
     log_ground(stream, root, painter)
     for side, points in zip(pair.sides, pair.points, strict=True):
-        way = rerun.LineStrips2D([points[:, -1]], colors=painter.line_colour, radii=0.15, draw_order=-4)
+        way = rerun.LineStrips2D([points[:, -1]], colors=line_color_of(painter), radii=0.15, draw_order=-4)
         stream.log(f"{root}/{side}/path", way, static=True)
         _log_points(stream, f"{root}/{side}/now", painter, points)
     gaps = pair.gaps()

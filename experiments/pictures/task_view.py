@@ -15,10 +15,10 @@ import numpy as np
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.rendering import rendered
 from regista.experiments.run.results import align
-from ued.core.painter import Colour
+from ued.core.painter import Color
 from ued.core.upomdp import UPOMDP
 
-Marker = tuple[str, Colour, float]  # name, color, radius
+Marker = tuple[str, Color, float]  # name, color, radius
 
 DRAWS = 1024  # samples for the share of valid levels
 MOST_COLUMNS = 40  # listed columns of θ
@@ -34,7 +34,7 @@ TITLE: dict[str, Any] = {"fontsize": 7.5, "fontweight": "normal"}
 
 
 def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
-    """Describe the columns of θ, the spaces, the share of valid θ, and the levels θ `[n, D]`."""
+    """Describe the columns of θ, the spaces, the levels θ `[n, D]`, and the share of valid θ if there is a check."""
     family = "" if upomdp.level_family is None else f", codes of levels of {type(upomdp.level_family).__name__}"
     parts = [f"{name}: D = {upomdp.theta_dim} free parameter{'s' * (upomdp.theta_dim != 1)}{family}"]
     if upomdp.parameters and upomdp.level_family is None:
@@ -46,8 +46,9 @@ def describe_task(name: str, upomdp: UPOMDP, theta: np.ndarray) -> str:
             ends = (f"{draw.low:g}", f"{draw.high:g}") if values is None else (_listed(values), "")
             rows.append([str(index), draw.name, told, *ends])
         parts.append(align(rows))
-        drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
-        parts.append(f"{upomdp.valid(drawn).mean():.0%} of random θ pass the check of the task, `valid`")
+        if upomdp.may_reject:
+            drawn = np.random.default_rng(0).uniform(-1, 1, (DRAWS, upomdp.theta_dim))
+            parts.append(f"{upomdp.valid(drawn).mean():.0%} of random θ pass the check of the task, `valid`")
     parts.append(f"observations: {upomdp.single_observation_space}\nactions: {upomdp.single_action_space}")
     for index, values in enumerate(upomdp.describe(theta)):
         text = ", ".join(f"{key} = {_short(value)}" for key, value in values.items())

@@ -23,43 +23,43 @@ BEND = 6 / 29  # below it, CIELAB is linear
 class Look(NamedTuple):
     """What a variant is drawn with: an RGB color, a Matplotlib line style, and a hatch."""
 
-    colour: str
+    color: str
     dashes: Any
     hatch: str
 
 
-def looks(variants: Mapping[str, str], colours: Mapping[str, str]) -> dict[str, Look]:
+def looks(variants: Mapping[str, str], colors: Mapping[str, str]) -> dict[str, Look]:
     """Return the look of each variant.
 
     Args:
         variants: their names, with the names of their methods.
-        colours: of methods, as "#rrggbb".
+        colors: of methods, as "#rrggbb".
 
     Variants of one method differ in lightness, up to three, and in dashes and hatches, up to five; more repeat them.
     """
     found, seen = {}, Counter[str]()
     for name, method in variants.items():
-        shades, index = shades_of(colours[method]), seen[method]
+        shades, index = shades_of(colors[method]), seen[method]
         shade = shades[index % len(shades)]
         found[name] = Look(shade, DASHES[index % len(DASHES)], HATCHES[index % len(HATCHES)])
         seen[method] += 1
     return found
 
 
-def shades_of(colour: str) -> list[str]:
+def shades_of(color: str) -> list[str]:
     """Return colors of the same hue with other lightness, at least three."""
     from matplotlib.colors import to_hex
 
-    lightness, *ab = to_lab(colour)
+    lightness, *ab = to_lab(color)
     found = [from_lab(other, np.array(ab)) for other in LIGHTNESS if abs(other - lightness) >= APART]
     return [to_hex((red, green, blue)) for red, green, blue in found]
 
 
-def to_lab(colour: Any) -> np.ndarray:
+def to_lab(color: Any) -> np.ndarray:
     """Return a color in CIELAB `[3]`: lightness from 0 to 100, a, b."""
     from matplotlib.colors import to_rgb
 
-    rgb = np.array(to_rgb(colour))
+    rgb = np.array(to_rgb(color))
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     share = TO_XYZ @ linear / WHITE
     f = np.where(share > BEND**3, np.cbrt(share), share / (3 * BEND**2) + 4 / 29)

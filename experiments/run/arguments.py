@@ -173,6 +173,7 @@ def _add(parser: _Parser, container: Any, config: Any, place: _Place, flags: lis
                 *names, dest=path, default=argparse.SUPPRESS, help=help_text.strip(), **options
             )
             flags += added.option_strings
+            parser.offered |= dict.fromkeys(added.option_strings, about.get("names") or about.get("words") or ())
 
 
 def _part(bases: Sequence[Any], name: str) -> list[Any]:
@@ -309,6 +310,7 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(**settings)
         self.topics: dict[str, list[Any]] = {}  # groups that `--help TOPIC` shows
         self.titles: dict[str, str] = {}  # titles of these pages
+        self.offered: dict[str, tuple[str, ...]] = {}  # known values of each flag, for completion; others may be valid
         self._positionals.title = "arguments"
 
     def error(self, message: str) -> NoReturn:

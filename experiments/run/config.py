@@ -331,11 +331,14 @@ def _rename(section: dict[str, Any]) -> None:
 
 def _json(path: Path) -> Any:
     if path.stat().st_size > LARGEST_FILE:
-        raise ConfigError(f"{path} is not a settings file: it has more than {LARGEST_FILE:_} bytes")
+        raise ConfigError(
+            f"{path} is not a settings file: it has more than {LARGEST_FILE:_} bytes; expected a run's config.json"
+        )
     try:
         return json.loads(path.read_text(), parse_constant=_no_number)
     except (ValueError, RecursionError) as error:
-        raise ConfigError(f"{path} is not JSON: {error}") from error
+        what = "a text file" if isinstance(error, UnicodeDecodeError) else f"JSON: {error}"
+        raise ConfigError(f"{path} is not {what}; expected the config.json of a run, or its folder") from error
 
 
 def _no_number(word: str) -> float:

@@ -19,8 +19,9 @@ from regista.experiments.run import build, trust, versions
 from regista.experiments.run.errors import DAMAGE, CommandError, UsageError, refused
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.workers import apart
+from regista.experiments.run.progress import counted
 from regista.experiments.run.report import Report
-from regista.experiments.run.results import LevelResult, Result, summarise, summarise_levels
+from regista.experiments.run.results import LevelResult, Result, summarize, summarize_levels
 from regista.experiments.run.watch import Watch
 from ued.config import own_names
 from ued.core.task import TRAINING_SCENE, Task, theta_of_scene
@@ -57,7 +58,7 @@ class EvalScenes:
         self.scenes = {
             name: build.make_upomdp(self.task.make_scene(scene), most, SEED) for name, scene in found.items()
         }
-        self.theta = {name: theta_of_test(name, scene, self.scenes[name], game.short) for name, scene in found.items()}
+        self.theta = {name: theta_of_test(name, scene, self.scenes[name], game.name) for name, scene in found.items()}
         self._check_sizes(config)
 
     def play(self, policy: Any, labels: Iterable[str] | None = None, round: int = 0, on_end: Any = None) -> Played:
@@ -126,10 +127,12 @@ class EvalScenes:
 
 def theta_of_test(label: str, scene: Any, upomdp: Any, game: str) -> np.ndarray | None:
     """Return θ `[L, D]` of a test of a game; None: random levels. Raises `CommandError` for levels of another game."""
+    from regista.experiments.run.tasks import typed
+
     try:
         return theta_of_scene(scene, upomdp)
     except ValueError as error:
-        raise CommandError(f"the levels of the test '{label}' do not match {game}: {error}") from error
+        raise CommandError(f"the levels of the test '{label}' do not match {typed(game)}: {error}") from error
 
 
 def joined(rounds: Sequence[Evaluation]) -> Evaluation:
@@ -244,21 +247,23 @@ class Evaluator:
         levels: list[LevelResult] = []
         for one, played in zip(policies, self._play_all(policies, watch), strict=True):
             scenes = played.scenes
-            results += [summarise(scenes[label], one.method, one.seed, label, one.trained) for label in scenes]
+            results += [summarize(scenes[label], one.method, one.seed, label, one.trained) for label in scenes]
             if played.levels is not None:
-                levels.append(summarise_levels(played.levels, one.method, one.seed))
+                levels.append(summarize_levels(played.levels, one.method, one.seed))
         watch.finish()
         return Report(results, levels, self.scenes.task.success_word, self.scenes.simulator)
 
     def _plan(self, policies: int) -> str:
         """Return the number of episodes as text."""
         scenes = len(self.scenes.scenes)
-        each = f"{self.scenes.episodes} episodes on each of {scenes} scenes by each of {policies} policies"
+        on = f"on each of {scenes} scenes" if scenes > 1 else "on the test scene"
+        by = f" by each of {policies} policies" if policies > 1 else ""
+        each = f"{counted(self.scenes.episodes, 'episode')} {on}{by}"
         if self.minutes is not None:
             return f"playing rounds of {each} for at most {self.minutes:g} minutes; --episodes N sets their number"
-        levels = f", and {self.levels} random levels {self.episodes} times each" if self.levels else ""
+        levels = f", and {counted(self.levels, 'random level')} {self.episodes} times each" if self.levels else ""
         total = policies * (scenes * self.scenes.episodes + self.levels * self.episodes)
-        return f"playing {total:_} episodes: {each}{levels}"
+        return f"playing {counted(total, 'episode')}: {each}{levels}"
 
     def _trained(self, run: RunFolder) -> Policy:
         student, trained = load_student(run, self.scenes.game)

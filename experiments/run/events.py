@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from regista.experiments.run.progress import count
+from regista.experiments.run.progress import count, counted
 
 QUIET_UPDATES = 10  # updates in which no episode ends
 NARROW_UPDATES, NARROW = 5, 0.25  # ratio of the bins of θ covered by levels to those covered by as many random levels
@@ -131,14 +131,12 @@ class Learning:
     def seldom(self) -> Iterator[Event]:
         """Yield networks that took gradient steps in no update so far, or in few."""
         for name, updates in self.updates.items():
-            share = self.learned[name] / updates
+            share, seen = self.learned[name] / updates, counted(updates, "update")
             if not share:
-                text = f"{name} has taken no gradient step in {updates} updates ({count(self._done)} env_steps)"
+                text = f"{name} has taken no gradient step in {seen} ({count(self._done)} env_steps)"
                 yield Event("no learning", text)
             elif share < SELDOM.get(name, SELDOM_STUDENT):
-                text = (
-                    f"{name} has taken gradient steps in only {self.learned[name]} of {updates} updates ({share:.0%})"
-                )
+                text = f"{name} has taken gradient steps in only {self.learned[name]} of {seen} ({share:.0%})"
                 yield Event("little learning", text)
 
 
@@ -181,7 +179,7 @@ def _open_episode(steps: float | None, limit: int | None) -> str:
     return (
         f"; {known}"
         if not steps or steps != steps
-        else f"; the longest open one has {steps:_.0f} steps so far, {known}"
+        else f"; the longest open one has {counted(round(steps), 'step')} so far, {known}"
     )
 
 

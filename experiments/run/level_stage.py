@@ -59,17 +59,14 @@ class LevelStage:
 
         Raises `UsageError` for an unknown scene, `CommandError` for levels that do not match the environments.
         """
-        from ued.core.task import theta_of_scene
+        from regista.experiments.run.evaluator import theta_of_test
 
         task = game.task(game.start("fast"))
         scenes = {**task.scenes(), **task.held_out}
         if scene not in scenes:
             raise UsageError(f"{game.short} has no test {scene!r}{nearest(scene, scenes)}; it has {', '.join(scenes)}")
         env = build.make_upomdp(task.make_scene(scenes[scene]), 1, seed)
-        try:
-            theta = theta_of_scene(scenes[scene], env)
-        except ValueError as error:
-            raise CommandError(f"the levels of the test '{scene}' do not match {game.short}: {error}") from error
+        theta = theta_of_test(scene, scenes[scene], env, game.name)
         return cls(game, env, env.levels.copy() if theta is None else env.make_levels(theta[:1]), 0, theta)
 
     def on_next_level(self, seed: int, episode: int) -> LevelStage:

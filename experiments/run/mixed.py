@@ -17,7 +17,7 @@ import numpy as np
 
 from regista.experiments.run.errors import UsageError
 from ued.core.cells import index_in
-from ued.core.painter import ScenePainter
+from ued.core.painter import ScenePainter, line_color_of
 from ued.core.task import Make, Task
 from ued.core.upomdp import UPOMDP
 
@@ -74,7 +74,7 @@ class MixedPainter:
 
     def __init__(self, painters: Sequence[ScenePainter], dims: Sequence[int]) -> None:
         first = painters[0]
-        self.background, self.line_colour, self.markers = first.background, first.line_colour, first.markers
+        self.background, self.line_color, self.markers = first.background, line_color_of(first), first.markers
         self.painters, self.dims = tuple(painters), tuple(dims)
         widest = max(painters, key=lambda painter: painter.bounds[1] - painter.bounds[0])
         self.lines = widest.lines

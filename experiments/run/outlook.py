@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from regista.experiments.run.notes import warn
+from regista.experiments.run.progress import counted
 from ued.config import (
     ALPGMMConfig,
     NCCConfig,
@@ -67,7 +68,9 @@ class Outlook:
         title = METHODS[self.config.method].title
         begins = "".join(f"; {title} {what}" for what in self._begins())
         each = f", {self.steps:_} env_steps each" if self.steps > self.limit else ""
-        return f"about {self.levels:_} levels of at most {self.limit:_} steps per episode{each}{begins}"
+        return (
+            f"about {counted(self.levels, 'level')} of at most {counted(self.limit, 'step')} per episode{each}{begins}"
+        )
 
     def _begins(self) -> Iterator[str]:
         own = self.method
@@ -80,8 +83,9 @@ class Outlook:
     def _or_sooner(self, levels: int, by_budget: bool) -> str:
         """Describe a number of levels, or the share of the budget if that comes first."""
         if not by_budget or levels * self.steps <= SHARE * self.config.total_env_steps:
-            return f"{levels:_} levels"
-        return f"{levels:_} levels or {round(SHARE * self.config.total_env_steps):_} env_steps, whichever comes first"
+            return counted(levels, "level")
+        steps = round(SHARE * self.config.total_env_steps)
+        return f"{counted(levels, 'level')} or {steps:_} env_steps, whichever comes first"
 
     def replay_after(self) -> int:
         """Return the number of levels before replay starts, in a long run."""
@@ -95,7 +99,7 @@ class Outlook:
         if self.levels < FEW * envs:
             enough = FEW * envs * self.steps
             yield (
-                f"each of {envs} environments plays fewer than {FEW} levels; "
+                f"{f'each of {envs} environments' if envs > 1 else 'the environment'} plays fewer than {FEW} levels; "
                 f"--total-env-steps {enough:_} would be enough, or fewer --num-envs"
             )
         if isinstance(own, PLRConfig | RepairedConfig | NCCConfig) and own.min_fill is not None:
@@ -110,14 +114,14 @@ class Outlook:
             yield from self._too_few(looked_at, "levels are selected", "--sfl.candidates")
         if isinstance(own, PairedLiteralConfig) and self.limit > self.config.ppo.num_steps:
             yield (
-                f"episodes can be longer than a rollout of {self.config.ppo.num_steps} steps, and students do not "
-                f"learn from such levels; use --num-steps {self.limit}"
+                f"episodes can be longer than a rollout of {counted(self.config.ppo.num_steps, 'step')}, and students "
+                f"do not learn from such levels; use --num-steps {self.limit}"
             )
 
     def _too_few(self, needed: int, what: str, flag: str) -> Iterator[str]:
         """Yield a warning if half of the run has fewer levels than needed."""
         if needed > self.levels / 2:
-            yield f"{what} only after {needed:_} levels; use a longer run or a smaller {flag}"
+            yield f"{what} only after {counted(needed, 'level')}; use a longer run or a smaller {flag}"
 
     def _flag(self, name: str) -> str:
         return f"{METHODS[self.config.method].group}.{name}".replace("_", "-")
@@ -142,7 +146,7 @@ def tell(config: Any, method: Any, say: Any) -> None:
     say(found.line())
     for shortcoming in found.shortcomings():
         name = METHODS[config.method].title
-        warn(f"warning: the budget may be too small for {name}: about {found.levels:_} levels; {shortcoming}")
+        warn(f"warning: the budget may be too small for {name}: about {counted(found.levels, 'level')}; {shortcoming}")
 
 
 def warn_of_annealing(config: Any) -> None:

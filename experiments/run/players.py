@@ -29,7 +29,7 @@ class Actor(NamedTuple):
 def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
     """Return the player of a name: random, idle, a baseline of the task, a shipped policy, or a student's run folder.
 
-    Raises `UsageError` for another name, and for a student of another task.
+    Raises `UsageError` for another name, and for a student with other observations or actions.
     """
     if name == "idle":
         return Actor(partial(_constant, stage.env), "always the first action")
@@ -45,14 +45,21 @@ def task_player(name: str, stage: LevelStage, greedy: bool = False) -> Actor:
 
 
 def _student(name: str, stage: LevelStage, greedy: bool) -> Actor:
-    from regista.experiments.run.evaluator import load_student
+    from regista.experiments.run.build import find_game
+    from regista.experiments.run.evaluator import load_method
     from regista.experiments.run.folder import RunFolder
 
     run = RunFolder.open(located(name))
-    if run.config.minigame != stage.game.name:
-        raise UsageError(f"{name} is a run on {run.config.minigame}; it cannot play {stage.game.name}")
-    student, (env_steps, _) = load_student(run, stage.game)
-    return Actor(partial(_policy, student, greedy=greedy), _named(run, env_steps))
+    game = stage.game if run.config.minigame == stage.game.name else find_game(run.config.minigame)
+    method, (env_steps, _) = load_method(run, game)
+    for what in ("observation", "action"):
+        trained, found = (getattr(each, f"single_{what}_space") for each in (method.upomdp, stage.env))
+        if trained != found:
+            raise UsageError(
+                f"{name} is a run on {game.short}, whose {what}s are {trained}; it cannot play {stage.game.short}, "
+                f"whose {what}s are {found}"
+            )
+    return Actor(partial(_policy, method.student, greedy=greedy), _named(run, env_steps))
 
 
 def _named(run: Any, env_steps: int) -> str:
@@ -101,9 +108,10 @@ class MatchStudent:
                 f"--player must be {known}, a shipped policy or a run folder of football; there is no folder {path}"
             )
         run = RunFolder.open(located(path))
+        game = find_game(run.config.minigame)
         if run.config.engine is None:
-            raise UsageError(f"{path} is a run on {run.config.minigame}; it cannot play football")
-        return cls(run, find_game(run.config.minigame))
+            raise UsageError(f"{path} is a run on {game.short}; it cannot play football")
+        return cls(run, game)
 
     def settings(self, playing: Any) -> Any:
         """Return the settings of its matches, on another engine if `playing` has one."""

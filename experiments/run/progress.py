@@ -52,7 +52,8 @@ class Progress:
     def _line(self, steps: int, facts: dict[str, float], now: float) -> str:
         speed = 0.0 if self._start is None else (steps - self._begun) / max(now - self._start, 1e-9)
         share = min(steps / self.total, 1.0)
-        parts = [f"{share:4.0%}  {count(steps)} {self.unit}", *([f"{count(speed)}/s"] if speed else [])]
+        unit = self.unit if steps != 1 else self.unit.removesuffix("s")
+        parts = [f"{share:4.0%}  {count(steps)} {unit}", *([f"{count(speed)}/s"] if speed else [])]
         parts += [f"{name} {value:+.2f}" for name, value in facts.items() if value == value]
         if speed > 0 and (left := (self.total - steps) / speed) >= 1:
             parts.append(f"{duration(left)} left")
@@ -84,6 +85,11 @@ def count(number: float) -> str:
         if number >= size:
             return f"{number / size:.3g}{letter}"
     return f"{number:.0f}"
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun: 1 level, 1_000 levels."""
+    return f"{number:_} {noun}{'s' * (number != 1)}"
 
 
 def terminal_width() -> int | None:

@@ -56,7 +56,7 @@ class LevelResult:
     cvar10_error: float  # its standard error, over episodes and sampled levels
 
 
-def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
+def summarize(evaluation: Evaluation, method: str, seed: int, scene: str, trained: tuple[int, int] = (0, 0)) -> Result:
     """Make a row of an evaluation; `trained` is (env_steps, updates)."""
     returns = evaluation.returns
     return Result(
@@ -73,7 +73,7 @@ def summarise(evaluation: Evaluation, method: str, seed: int, scene: str, traine
     )
 
 
-def summarise_levels(evaluation: Evaluation, method: str, seed: int) -> LevelResult:
+def summarize_levels(evaluation: Evaluation, method: str, seed: int) -> LevelResult:
     """Make a row of an evaluation that played each of its L levels k times, k even.
 
     One half of the episodes selects the worst levels, the other half rates them; then the halves swap roles, and the

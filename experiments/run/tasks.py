@@ -24,6 +24,7 @@ from regista.experiments.run.built_in import BUILT_IN
 from regista.experiments.run.errors import EXTRAS, CommandError, TaskError, UsageError, exit_code, nearest
 from regista.experiments.run.games import Game, Source
 from ued.core.own_code import module_of
+from ued.core.painter import line_color_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,12 +116,12 @@ class CheckedPainter:
     def __init__(self, make: Any, upomdp: UPOMDP) -> None:
         with user_code("the painter failed"):
             self._painter = make(upomdp)
-        for name in ("bounds", "reach", "background", "line_colour", "markers", "classes", "focus"):
-            if not hasattr(self._painter, name):
+        for name in ("bounds", "reach", "background", "line_color", "markers", "classes", "focus"):
+            if not hasattr(self, name):
                 raise TaskError(f"the painter must have the attribute {name}, see ued.core.painter")
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._painter, name)
+        return line_color_of(self._painter) if name == "line_color" else getattr(self._painter, name)
 
     def lines(self) -> Any:
         """Return the strips of the ground, each `[n, 2]`."""
@@ -149,6 +150,14 @@ def canonical(name: str) -> str:
     name = BUILT_IN[name].name if name in BUILT_IN else name
     place, _, attribute = name.rpartition(":")
     return f"{Path(place).expanduser().resolve()}:{attribute}" if place.endswith(".py") else name
+
+
+def typed(name: str) -> str:
+    """Return a task's name as it is typed: a built-in name, or the path of its file from the working directory."""
+    place, colon, attribute = name.rpartition(":")
+    known = [key for key, task in BUILT_IN.items() if task.name == name]
+    inside = place.endswith(".py") and Path(place).is_relative_to(Path.cwd())
+    return known[0] if known else f"{Path(place).relative_to(Path.cwd()) if inside else place}{colon}{attribute}"
 
 
 def short(name: str) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import time
 
-from regista.experiments.run.progress import Progress, duration
+from regista.experiments.run.progress import Progress, counted, duration
 
 PATIENCE_SECONDS = 3.0  # before progress is shown
 
@@ -19,9 +19,11 @@ class Watch:
     Args:
         total: maximum number of episodes.
         seconds: time limit after which no new episodes start; None: no limit.
+        unit: what is counted.
     """
 
-    def __init__(self, total: int, seconds: float | None = None) -> None:
+    def __init__(self, total: int, seconds: float | None = None, unit: str = "episode") -> None:
+        self.unit = unit
         self.total, self.most, self.done, self.seconds = total, total, 0, seconds
         self._began = time.monotonic()
         self._progress: Progress | None = None
@@ -39,7 +41,7 @@ class Watch:
         if self.spent < PATIENCE_SECONDS:
             return
         if self._progress is None:
-            self._progress = Progress(self.total, stream=sys.stderr, unit="episodes")
+            self._progress = Progress(self.total, stream=sys.stderr, unit=f"{self.unit}s")
         self._progress.total = self.total
         self._progress.show(self.done)
 
@@ -54,4 +56,4 @@ class Watch:
     def finish(self) -> None:
         """Print the number of episodes if progress was shown."""
         if self._progress is not None:
-            self._progress.finish(f"{self.done:_} episodes, {duration(self.spent)}")
+            self._progress.finish(f"{counted(self.done, self.unit)}, {duration(self.spent)}")

@@ -1,6 +1,6 @@
 """What things cost as they grow: environments, players, columns of θ, levels in a buffer, threads, agents.
 
-Everything but threads is told per second of one processor, which others who use the machine meanwhile hardly change.
+Everything but threads is reported per second of one processor, which other users of the machine hardly change.
 Read next: `benchmarks.training`, what a step of training is made of.
 """
 
@@ -31,7 +31,7 @@ ENVIRONMENTS = (1, 4, 16, 64, 256, 1024, 4096, 16_384)
 PLAYERS = (2, 4, 6, 10, 14, 18, 22)
 COLUMNS = (1, 3, 10, 30, 100, 300, 1000)  # of θ
 LEVELS = (100, 1_000, 10_000, 100_000, 1_000_000)  # in a buffer
-AT_A_TIME = 64  # levels that a curriculum is asked for, and told of
+AT_A_TIME = 64  # levels that a curriculum is asked for, and whose results it gets
 WARM_UPDATES = 2  # of training, before it is measured
 
 
@@ -224,7 +224,7 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             mine = [point for point in points if point.panel == name]
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
-                shade = plots.METHOD_COLOURS.get(curve)  # no method: the next color of the style
+                shade = plots.METHOD_COLORS.get(curve)  # no method: the next color of the style
                 axes.plot(x, y, "o-", markersize=4, color=shade, label=plots.title(curve))
             axes.set(xlabel=panel.x, ylabel=panel.y)
             axes.set_title(panel.title, pad=24)  # above the legend

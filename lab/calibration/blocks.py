@@ -1,10 +1,10 @@
 """Shots past a lone back, drawn and measured, and the fit of `BLOCK` (`skills/blocks.py`) to them.
 
-A striker 15 to 30 m before the goal shoots with a back 0.8 to 5 m before him. Where a shot would go if nobody were in
-its way is taken from those that nobody meets: a line through their directions over the direction of the goal. A row
-says how far it would then pass from the back, how old it would be, and whether it was stopped. The fit is by maximum
-likelihood. `leg_until` and `leg_gone`, where the law has corners, are held. How a stopped shot bounces back is not
-fitted. Read next: `__main__.py`.
+A striker 15 to 30 m before the goal shoots with a back 0.8 to 5 m in front. Where a shot would go if no player were in
+its way is taken from the shots that no player meets: a line through their directions over the direction of the goal. A
+row says how far it would then pass from the back, how old it would be, and whether it was stopped. The fit is by
+maximum likelihood. `leg_until` and `leg_gone`, where the law has corners, are held. How a stopped shot bounces back is
+not fitted. Read next: `__main__.py`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Ball at x @ y, with allowCollisions True
 STEPS, LONGEST_RUN = 22, 7
 STRIKER, BACK = 1, 3
 LAW, NAMES = BLOCK, ("body", "body_edge", "leg", "leg_most", "body_most")
-HALF_STEP = 0.05  # s since the kick, in the mean, where it cannot be told
+HALF_STEP = 0.05  # s since the kick, in the mean, where it is unknown
 YOUNGEST = 0.02  # s: a back who is at the ball already has mostly just tried for it, and cannot again
 FARTHEST = 2.0  # m from the back, shots that pass further off tell nothing
 

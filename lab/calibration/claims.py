@@ -1,7 +1,7 @@
 """A carrier runs at a lone keeper, drawn and measured, and the fit of `CLAIM` and `FEET` (`skills/contacts.py`) to it.
 
-A row is the first time that the keeper is near the ball of a carrier who runs: how fast he runs, across whose reach,
-in the keeper's box or not, and whether the keeper soon has the ball or knocks it off. Read next: `__main__.py`.
+A row is the first time that the keeper is near the ball of a running carrier: speed of the run, across whose reach, in
+the keeper's box or not, and whether the keeper soon has the ball or knocks it off. Read next: `__main__.py`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Passes of a runner, drawn and measured, and the fit of how they curl (`skills/passes.py`, `FLIGHT.curl`) to them.
 
-A player runs with the ball and passes to his only mate, wherever he is, so that kicks go off at all angles to the
+A player runs with the ball and passes to the only teammate, wherever that is, so that kicks go off at all angles to the
 body. A row is a pass as it is first seen off the foot: how far the body was turned from its course, and the curl with
 which it turns in the next step. Read next: `saves.py`, whose `turning` finds the curl.
 """
@@ -28,7 +28,7 @@ RightGK at 99 @ 0
 Ball at (ego.position.x + 1.2) @ 0, with allowCollisions True
 """
 PLAYER, STEPS, LONGEST_RUN = 1, 24, 10
-KICKED, RUNS = 7.0, 2.0  # m/s by which the ball is faster than its player then, and m/s of who looks where he runs
+KICKED, RUNS = 7.0, 2.0  # m/s by which the ball is faster than its player then, and m/s of a player who faces the run
 SPREAD, MOST = 6.0, 200.0  # rad/s; more is of a ball that something has met
 
 

@@ -1,7 +1,7 @@
 """A carrier runs at a lone built-in back, drawn and measured, and the fit of the back's odds (`skills/tackles.py`).
 
-A row is the first time that the back is near the ball of a carrier who runs: how fast he runs, how far the ball is
-from his body, and whether he has lost it half a second later. How skilled the back is does not vary. Read next:
+A row is the first time that the back is near the ball of a running carrier: speed of the run, distance of the ball from
+the body, and whether the ball is lost half a second later. How skilled the back is does not vary. Read next:
 `claims.py`, which finds meetings.
 """
 

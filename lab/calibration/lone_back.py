@@ -1,8 +1,8 @@
 """How often does a lone back take the ball off a carrier who sprints or runs straight at goal, in both engines?
 
-The carrier starts just behind a resting ball; the back stands 3 to 10 m before him and up to 3 m aside, drawn anew
-for every episode. Both engines play the same scenes, with luck of their own. The odds of a built-in player's standing
-tackle (`TACKLE` of `envs/football/skills/tackles.py`) are compared on these. GRF must be installed (`make grf`):
+The carrier starts just behind a resting ball; the back stands 3 to 10 m in front and up to 3 m aside, drawn for every
+episode. Both engines play the same scenes, with luck of their own. The odds of a built-in player's standing tackle
+(`TACKLE` of `envs/football/skills/tackles.py`) are compared on these. GRF must be installed (`make grf`):
 
     python -m lab.calibration.lone_back --scenes 400 --seed 4
 """
@@ -81,7 +81,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--difficulties", type=float, nargs="+", default=[1.0, 0.6, 0.05])
     parser.add_argument("--engines", nargs="+", default=["regista", "grf"])
-    parser.add_argument("--runs", action="store_true", help="the carrier runs; else he sprints")
+    parser.add_argument("--runs", action="store_true", help="the carrier runs instead of sprinting")
     args = parser.parse_args()
     for difficulty in args.difficulties:
         print(f"difficulty {difficulty}, {args.scenes} scenes of seed {args.seed}: the back has the ball within")

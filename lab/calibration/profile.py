@@ -3,7 +3,7 @@
 A family of `lab.benchmarks --suite grf` is replayed with one number at a time moved by some factors around its shipped
 value; the loss is the mean over the family's rows of the squared difference in tolerances, at most 9 for a
 row. Printed are the best value, the range in which the loss is within a twentieth of the best, and the losses by
-factor. A number with a wide range is not told apart by the family. Random numbers are the same for all values.
+factor. The family does not determine a number with a wide range. Random numbers are the same for all values.
 `--search` minimizes the same loss over all numbers together.
 
     python -m lab.calibration.profile passes skills.passes.FLIGHT.ground_cap skills.passes.FLIGHT.base

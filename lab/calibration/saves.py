@@ -40,7 +40,7 @@ def fly_a_step(matches):
 
 @kernel
 def follow_all(matches, result):
-    """Write what following each match's shot says: effort in m/s, gap in m, time in s, and whether he has hands."""
+    """Write the result of following each match's shot: effort in m/s, gap in m, time in s, 1 if hands are allowed."""
     for e in range(len(matches)):
         keeper = matches[e].players[1]
         _, result[e, 0], result[e, 1], result[e, 2] = follow_shot(matches[e], keeper, HALF_LENGTH)
@@ -48,7 +48,7 @@ def follow_all(matches, result):
 
 
 def features(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
-    """Return effort, gap, time, whether the keeper is in his box, and his m before his line, `[R, 5]`."""
+    """Return effort, gap, time, whether the keeper is in the box, and the keeper's m before the line, `[R, 5]`."""
     stage = Stage([(0.0, 0.0), (1.0, 0.0)], (0.0, 0.0), Roster([LEFT, RIGHT], [CF, GK]), n=len(rows))
     ball, keeper = stage.matches["ball"], stage.matches["players"][:, 1]
     for name, column in zip(BALL, columns(rows, *BALL), strict=True):

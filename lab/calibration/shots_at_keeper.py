@@ -1,6 +1,6 @@
 """Shots at a keeper, drawn and measured: what the odds of a save (`skills/saves.py`, `SAVE`) are fitted to.
 
-A lone striker 3 to 30 m before the goal runs in a drawn direction and shoots; the keeper starts on his line or up to
+A lone striker 3 to 30 m before the goal runs in a drawn direction and shoots; the keeper starts on the line or up to
 10 m before it. A row is a shot on target as it was first seen off the foot, `flown` s after the kick, with its
 velocity a step later, and how the keeper met it. Read next: `saves.py`.
 """
@@ -74,7 +74,7 @@ def shot_row(recording: Recording, episode: int) -> dict[str, Any] | None:
 
 def meeting(recording: Recording, episode: int, step: int, flown: float) -> dict[str, Any]:
     """Return how the keeper meets a shot that is seen first at `step`: s since the kick, velocities before and after,
-    and whether he has it in his hands soon.
+    and whether the keeper's hands hold it soon.
     """
     length = int(recording.lengths[episode])
     ball, keeper = recording.ball[episode, :length], recording.players[episode, :length, KEEPER]

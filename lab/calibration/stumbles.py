@@ -1,7 +1,7 @@
 """Two players put in one place, measured, and the fit of how they stumble apart (`physics/bodies.py`, `STUMBLE`).
 
 Two mates begin an episode in one place, far from the ball. A row is what they do in the first steps: how fast the one
-goes who stumbles further, and how far aside the other is. The time that it takes is told by the speeds that the
+goes who stumbles further, and how far aside the other is. The time that it takes follows from the speeds that the
 summary prints, step by step. Read next: `__main__.py`.
 """
 
@@ -57,14 +57,14 @@ def prepare(rows: Sequence[Mapping[str, Any]]) -> np.ndarray:
 
 
 def losses(seen: np.ndarray, law: Stumble) -> np.ndarray:
-    """Return the losses `[R]` of a law: of the speeds while he lies, and of the other's way aside."""
+    """Return the losses `[R]` of a law: of the speeds while the player lies, and of the other's way aside."""
     lies = np.arange(round(STUMBLE / STEP))
     off = seen[:, : len(lies)] - np.maximum(law.speed - FALL_FRICTION * STEP * lies, 0.0)
     return squares(off, SPREADS[0]).sum(1) + squares(seen[:, -1] - law.aside, SPREADS[1])
 
 
 def summary(seen: np.ndarray) -> dict[str, tuple[float, float]]:
-    """Return the median speed after each step, and what the shipped law says while he lies (0 then)."""
+    """Return the median speed after each step, and what the shipped law predicts while the player lies (0 then)."""
     told = {}
     for step in SHOWN:
         law = STUMBLE_SPEED - FALL_FRICTION * STEP * (step - 1) if step * STEP <= STUMBLE + 1e-9 else 0.0

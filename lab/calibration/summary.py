@@ -2,10 +2,10 @@
 
     python -m lab.calibration.summary
 
-A number is best where the loss is least at the shipped value, near if its loss there is so little above the least
-that luck may have made it, and elsewhere if another value is better by more; those are listed. It is not told apart
-if all values of the profile are near. Luck may make twice the standard deviation of `luck.py`, or a twentieth.
-Profiles are those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
+A number is best where the loss is least at the shipped value, near if its loss there is so little above the least that
+luck may have made it, and elsewhere if another value is better by more; those are listed. It is undetermined if all
+values of the profile are near. Luck may make twice the standard deviation of `luck.py`, or a twentieth. Profiles are
+those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
 """
 
 from __future__ import annotations

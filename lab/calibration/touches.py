@@ -1,6 +1,6 @@
 """First touches, drawn and measured, and the fits of `AT_REST` and `BRING_DOWN` (`skills/first_touch.py`) to them.
 
-`balls_at_rest`: a player runs to a ball that lies 1 to 4 m ahead, and turns his keys before he has it.
+`balls_at_rest`: a player runs to a ball that lies 1 to 4 m ahead, and changes the direction keys before reaching it.
 `passes_received`: a mate passes to a player whose keys lead somewhere. A row is the first touch: velocities in the
 step before it and after it, in the frame of the keys (`along` their way, `aside` to their left). They are seen 0.1 to
 0.2 s after the touch, when GRF's bodies have ended it. Read next: `__main__.py`.
@@ -75,7 +75,7 @@ def held(pressed: np.ndarray) -> int:
 
 
 def received(recording: Recording, episode: int) -> int | None:
-    """Return before which step the mate is first seen to have touched the pass, None if he never does."""
+    """Return before which step the mate is first seen to have touched the pass, None if that never happens."""
     ball, mate = recording.ball[episode], recording.players[episode, :, MATE]
     for step in range(12, int(recording.lengths[episode]) - AFTER):
         near = np.linalg.norm(ball[step, :2] - mate[step, :2]) < NEAR

@@ -1,4 +1,4 @@
-"""Shots past a lone back: how often he stops them, and how often he has the ball before, in drawn scenes.
+"""Shots past a lone back: how often the back stops them, or wins the ball before, in drawn scenes.
 
 Read next: `grf.report`.
 """
@@ -26,7 +26,7 @@ EPISODES = 16  # of each scene; the original has 4
 LASTS = 22  # steps
 WAITS = 8  # steps after the button in which the ball is kicked, or it is not
 KICKED = 4.0  # m/s by which it is faster then
-ONWARD = 12.0  # m/s forward, faster it has got past him
+ONWARD = 12.0  # m/s forward, faster it has passed the back
 BEHIND = 0.012  # of the original's units, from the striker to the ball
 TOLERANCES = {"stopped": 0.06, "past": 0.12}  # share of episodes
 NAMES = {"stopped": "stopped", "past": "gets past"}

@@ -1,7 +1,7 @@
 """Backs and chasers: where built-in players run while a carrier runs on, in drawn scenes without anybody else.
 
-In some a lone back stands before the carrier, in the others one to three players are beside and behind him. Read next:
-`grf.report`.
+In some a lone back stands before the carrier, in the others one to three players are beside and behind the carrier.
+Read next: `grf.report`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ LASTS = 40  # steps, in which it is looked at who has the ball in the end
 LOST = 0.075  # share of episodes, by which carriers may lose it more or less often
 BEHIND = 0.02  # of the original's units, from the carrier to the ball
 KINDS = {"a lone back": range(100, 300), "chasers": range(100)}  # by the scene's number
-FIRST = 3  # index of the first runner: before him are both keepers and the carrier
+FIRST = 3  # index of the first runner: both keepers and the carrier come first
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
-"""A randomized differential test: drawn scenes under the same keys in our simulator and in the real engine.
+"""A randomized differential test: drawn scenes with equal actions in our simulator and in the real engine.
 
-Both play each scene with several seeds of its own. How far apart an episode of ours and one of the engine's are is told
-beside how far apart two of the engine's own are; a simulator that always does the middle thing can come below that, so
-laws of chance are judged by the energy distance, which is 0 only for one that draws as the engine does. Read next:
-`grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
+Both play each scene with several seeds of its own. The distance of an episode of ours from one of the engine's is
+reported beside the distance of two of the engine's own; a simulator that always does the middle thing can come below
+that, so laws of chance are judged by the energy distance, which is 0 only for one that draws as the engine does. Read
+next: `grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def _play(program: str, drawn: DrawnScene, config: FootballConfig, count: int, e
 
 
 def play_seeds(program: str, keys: np.ndarray, seeds: np.ndarray, config: FootballConfig) -> Episodes:
-    """Play the same keys `[T]` in a program without parameters, an episode for each seed `[E]`."""
+    """Play actions `[T]` in a program without parameters, an episode for each seed `[E]`."""
     with closing(FootballVectorEnv(program, len(seeds), config=config)) as env:
         levels = np.zeros(len(seeds), level_dtype(env.theta_dim))
         levels["seed"] = seeds

@@ -82,9 +82,9 @@ def _numbers(name: str) -> list[int]:
 
 
 def program_text(scene: Scene, jitter: float = 0.0, **settings: float) -> str:
-    """Return a scene as a Scenic program: everybody where the engine puts him, keepers on their lines.
+    """Return a scene as a Scenic program: players where the engine puts them, keepers on their lines.
 
-    With a `jitter`, in m, every player stands up to so far from his place in x and in y, each drawn anew for every
+    With a `jitter`, in m, every player stands up to so far from the given place in x and in y, each drawn for every
     level; the ball moves with the left player nearest to it. Its episodes have as many steps as the original's, one
     more than its `game_duration` says, and end as an academy's do, where `settings` of a match say nothing else.
     """

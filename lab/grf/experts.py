@@ -1,8 +1,8 @@
 """Semi-expert programs in both engines: what they score in ours and in the real one, and what is published of them.
 
-A program of one agent is played by one agent, `active`, who does what the behavior of his player says; one of a team
-moves everybody who has a behavior: all have agents, as in the original. The rest is the
-built-in AI's. Read next: `minigames/experts`, the programs.
+A program of one agent is played by one agent, `active`, which does what the behavior of its player says; one of a team
+moves every player that has a behavior: all have agents, as in the original. The rest is the built-in AI's. Read next:
+`minigames/experts`, the programs.
 """
 
 from __future__ import annotations

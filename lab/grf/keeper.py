@@ -1,4 +1,4 @@
-"""The built-in goalkeeper: what he saves, what becomes of the ball, and what he does with it in his hands.
+"""The built-in goalkeeper: saves, where the ball goes afterwards, and what follows a catch.
 
 Goal rates are compared by time to the line and gap (2400 random shots at full effort; 800 of the original's), the
 table of single positions by its means: a position is locked to the phase of a few animations, in the original.
@@ -232,7 +232,7 @@ def position_shares(way: str, keys: tuple, difficulty: float, n: int) -> tuple[d
 
 
 def catch_rows(effort: float) -> list[Row]:
-    """Return what a keeper does with a caught ball: for how long he holds it, how and how far it leaves him."""
+    """Return what a keeper does with a caught ball: for how long it is held, how and how far it is played."""
     ours = after_catch(max(int(100 * effort), 20))
     grf = read_data("keeper_catches")
     rows = []
@@ -260,7 +260,7 @@ def after_catch(n: int) -> dict[str, float]:
 
 
 def catch(trace: Trace, e: int, gk: int) -> dict[str, float]:
-    """Return the first time that the keeper of match `e` had the ball and sent it away, empty if he never did."""
+    """Return the first time that the keeper of match `e` had the ball and played it away, empty if there is none."""
     has = trace.owner[:, e] == gk
     if not has.any():
         return {}

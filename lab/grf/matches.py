@@ -192,7 +192,7 @@ def _of_team(values: np.ndarray, team: np.ndarray) -> np.ndarray:
 
 
 def _nearest_opponent(trace: Trace, left_owns: np.ndarray) -> float:
-    """Return the median distance in m from an owner of the left team to his nearest opponent."""
+    """Return the median distance in m from an owner of the left team to the nearest opponent."""
     owner = np.maximum(trace.owner, 0)[..., None, None]
     place = np.take_along_axis(trace.places, owner, axis=2)[left_owns]
     return float(np.median(np.linalg.norm(trace.places[left_owns][:, 11:] - place, axis=-1).min(axis=1)))

@@ -91,7 +91,7 @@ def measure(effort: float = 1.0) -> list[Row]:
 
 
 def runner_stage(with_ball: bool, shirt: int = 1) -> Stage:
-    """Return one left player who stands at (-0.4, 0.1), the ball at his feet, or far away at a mate's."""
+    """Return one left player who stands at (-0.4, 0.1), the ball at the player's feet, or far away at a teammate's."""
     places = [(-0.4, 0.1), (-1.0, 0.0), (0.91, -0.355), (1.0, 0.42)]
     stage = Stage(places, (-0.39, 0.1) if with_ball else (0.905, -0.35), Roster([0, 0, 0, 1], [CB, GK, CF, GK]))
     stage.matches["players"]["top_speed"][:, 0] = TOP_SPEEDS[shirt]
@@ -298,7 +298,7 @@ def slide_speeds(mode: str) -> np.ndarray:
 
 
 def carry_rows() -> list[Row]:
-    """Compare how far the ball is ahead of a player who runs with it, and how often he owns it."""
+    """Compare how far the ball is ahead of a player who runs with it, and how often the player owns it."""
     rows = []
     for target in read_data("carrying"):
         trace = run_straight(target["keys"], True, 64)
@@ -313,7 +313,7 @@ def carry_rows() -> list[Row]:
 
 
 def tired_rows() -> list[Row]:
-    """Compare tiredness after so many steps of running straight on; he is put back every 50 steps."""
+    """Compare tiredness after so many steps of running straight on; the player is put back every 50 steps."""
     rows = []
     for target in read_data("tiredness"):
         steps = int(target["steps"])

@@ -42,7 +42,7 @@ SHOOT_WITHIN = 20.0  # m from the middle of the goal
 CLOSE = 6.0  # m, an opponent who is dodged or passed away from
 AHEAD = np.cos(np.radians(60))  # of the way to goal, an opponent in front
 MATE = (6.0, 25.0)  # m, whom the passer passes to
-FREE = 4.0  # m from a mate to his nearest opponent
+FREE = 4.0  # m from a mate to the nearest opponent
 
 
 class Sight(NamedTuple):
@@ -119,7 +119,7 @@ class Dodger(Player):
     def with_ball(self, sight: Sight, goal: np.ndarray) -> np.ndarray:
         to_him, close = nearest(sight.opponents, sight.me)
         front = (to_him * goal).sum(1) > AHEAD * close * np.linalg.norm(goal, axis=1)
-        side = np.sign(goal[:, 0] * to_him[:, 1] - goal[:, 1] * to_him[:, 0])  # 1: he is on the left
+        side = np.sign(goal[:, 0] * to_him[:, 1] - goal[:, 1] * to_him[:, 0])  # 1: the player is on the left
         angle = np.where(front & (close < CLOSE), -np.where(side == 0, 1.0, side) * np.pi / 3, 0.0)
         return key_towards(turned(goal, angle))
 

@@ -68,7 +68,7 @@ def conditions(effort: float) -> list[tuple[str, dict[str, str], Shots]]:
 
 
 def shoot(place: tuple[float, float], direction: str, before: int, presses: int, repeats: int) -> Shots:
-    """Let a striker at `place` with the ball before him hold keys for `before` steps, then press shot, then wait."""
+    """Let a striker at `place` with the ball in front hold keys for `before` steps, then press shot, then wait."""
     players = [(place[0] * PLACED_X, place[1] * PLACED_Y), (1.011, -0.4268)]
     stage = Stage(players, (place[0] + 0.01, place[1]), Roster([0, 1], [CF, GK]), n=repeats)
     stage.matches["players"]["shirt"][:, 0] = SHIRT

@@ -52,7 +52,7 @@ class Trace:
 
 
 class Stage:
-    """N matches that begin alike, up to their random numbers, each player with keys of his own.
+    """N matches that begin alike, up to their random numbers, each player with actions of its own.
 
     Args:
         positions: `[P, 2]` or `[N, P, 2]`, in the original's units; left players first, as `roster` says.
@@ -125,7 +125,7 @@ def keys(*pressed: tuple[int, int], others: tuple[int, ...] = (), first: bool = 
     """Return the actions `[T, P]` of one player who presses each action for so many steps, and what all others do
     meanwhile.
 
-    He is the first player, or with `first` off the last one.
+    That player is the first one, or the last one if `first` is False.
     """
     mine = np.concatenate([np.full(steps, action) for action, steps in pressed])
     rest = np.broadcast_to(np.array(others, np.int64), (len(mine), len(others)))

@@ -1,6 +1,6 @@
-"""Tackles: running into a carrier, sliding at him by angle and distance, and getting past a lone built-in defender.
+"""Tackles: running into a carrier, sliding at one by angle and distance, and getting past a lone built-in defender.
 
-A tackler is an agent, as in the measurement: he runs at the ball along the nearest of the eight directions. Read next:
+A tackler is an agent, as in the measurement: it runs at the ball along the nearest of the eight directions. Read next:
 `grf.report`.
 """
 
@@ -54,7 +54,7 @@ SIDES = {"front": (1.0, 0.0), "side": (0.0, 1.0), "behind": (-1.0, 0.0)}  # of t
 
 @dataclass(frozen=True)
 class Outcomes:
-    """Shares of trials in which the tackler's team got the ball, or he fouled; and of yellow cards."""
+    """Shares of trials in which the tackler's team got the ball, or the tackler fouled; and of yellow cards."""
 
     won: float
     foul: float
@@ -103,7 +103,7 @@ def card_row(targets: list[dict[str, str]], ours: list[Outcomes], stands: bool) 
 
 def duel(carrier: str, side: str, distance: float, n: int) -> Stage:
     """Return a carrier at full speed with the ball, and a tackler so many m from the ball, at rest on that side of
-    him.
+    the carrier.
     """
     ball = (START_X + 0.45 / METRES_X, 0.0)
     away = SIDES[side]
@@ -128,7 +128,7 @@ def press_key(stage: Stage, carrier: str, tackler: np.ndarray | int, step: int) 
 
 
 def toward_ball(stage: Stage) -> np.ndarray:
-    """Return the direction keys `[N]` that point best from the tackler to the ball, as he sees the pitch."""
+    """Return the direction keys `[N]` that point best from the tackler to the ball, as the tackler sees the pitch."""
     tackler, ball = stage.matches["players"][:, TACKLER], stage.matches["ball"]
     along, across = ball["x"] - tackler["x"], ball["y"] - tackler["y"]
     away = np.column_stack([along, across])
@@ -167,7 +167,7 @@ def run_at_ball(stage: Stage, side: str) -> None:
 
 
 def dribble_rows(target: dict[str, str], n: int) -> list[Row]:
-    """Return how often a carrier who runs straight at the goal is stopped, scores, and where he loses the ball."""
+    """Return how often a carrier who runs straight at the goal is stopped, scores, and where the ball is lost."""
     lost, scored, place = run_past(target["carrier"], float(target["ahead"]), float(target["beside"]), n)
     name = f"past one defender, carrier {target['carrier']}, {target['ahead']} m ahead, {target['beside']} m beside"
     rows = [

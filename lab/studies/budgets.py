@@ -188,7 +188,7 @@ def draw_method(axes: plots.Axes, points: Sequence[Point], name: str) -> None:
     found = [bootstrap(mine, rng).interval() for part in parts if len(mine := rates(points, name, part))]
     if not found:
         return
-    color = plots.colour(name)
+    color = plots.color(name)
     axes.plot(budget * parts, [at.estimate for at in found], color=color, label=plots.title(name))
     if found[0].known:
         low, high = ([at[k] for at in found] for k in (1, 2))

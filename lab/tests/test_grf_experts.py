@@ -1,4 +1,4 @@
-"""Semi-expert programs: every page is a match, its players do what it says, and both engines' rates are told."""
+"""Semi-expert programs: every page is a match, its players do what it says, and both engines' rates are reported."""
 
 import json
 

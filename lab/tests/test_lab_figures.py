@@ -43,7 +43,7 @@ def test_the_figure_of_scale_names_methods_in_their_colors(drawn, tmp_path):
     (figure,) = drawn
     axes = next(axes for axes in figure.axes if axes.get_title(loc="left") == scale.PANELS["columns"].title)
     assert [line.get_label() for line in axes.lines] == ["domain randomization", "PLR", "ACCEL", "PAIRED"]
-    assert axes.lines[3].get_color() == plots.METHOD_COLOURS["paired"]
+    assert axes.lines[3].get_color() == plots.METHOD_COLORS["paired"]
     figure.canvas.draw()
     legends = [axes.get_legend().get_window_extent() for axes in figure.axes]
     assert max(box.x1 for box in legends) <= figure.bbox.x1

@@ -88,7 +88,7 @@ def test_figures_explain_their_marks_and_close_colors_have_other_lines(monkeypat
         len({str(line._dash_pattern) for line in looks.values()}) == 3
     )  # the methods' own, and one each of the others
     shade = looks["PAIRED (Dennis et al.)"].get_color()
-    assert shade in shades_of(plots.colour("paired")) and looks["DR"].get_color() == plots.colour("dr")
+    assert shade in shades_of(plots.color("paired")) and looks["DR"].get_color() == plots.color("dr")
     assert shown.axes[0].get_xlim()[0] == 0
     (legend,) = bars.legends
     assert [text.get_text() for text in legend.get_texts()] == ["95% CI"]

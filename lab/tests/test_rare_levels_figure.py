@@ -37,7 +37,7 @@ def test_a_bar_for_each_setting_and_order_with_an_interval_where_there_are_five_
 def test_a_line_for_each_run_that_proposed_levels(axes):
     figure.draw_shares(axes, ROWS, 3)
     assert len(axes.lines) == 4 and list(axes.lines[0].get_ydata()) == [0.1, 0.5, 0.9]
-    assert {line.get_color() for line in axes.lines} == {plots.colour("paired")}
+    assert {line.get_color() for line in axes.lines} == {plots.color("paired")}
 
 
 @pytest.mark.drawn
@@ -54,5 +54,5 @@ def test_settings_of_a_method_have_its_hue_and_hatches_of_their_own(axes):
     finally:
         plots.distinguish({})
     own, even = axes.patches
-    assert to_hex(own.get_facecolor()) == plots.colour("dr") and own.get_hatch() is None
-    assert to_hex(even.get_facecolor()) in shades_of(plots.colour("dr")) and even.get_hatch()
+    assert to_hex(own.get_facecolor()) == plots.color("dr") and own.get_hatch() is None
+    assert to_hex(even.get_facecolor()) in shades_of(plots.color("dr")) and even.get_hatch()

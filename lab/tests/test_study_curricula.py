@@ -1,4 +1,4 @@
-"""`python -m lab.studies curricula`, `ablations`, `tuning`: what is trained with which settings, what is held out."""
+"""`python -m lab.studies curricula`, `ablations`, `tuning`: the settings of each run, and the held-out games."""
 
 import math
 import re
@@ -243,7 +243,7 @@ def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, m
 
 def colors(*methods):
     """Return the colors of methods as pixels."""
-    return [tuple(round(255 * part) for part in to_rgb(plots.colour(method))) for method in methods]
+    return [tuple(round(255 * part) for part in to_rgb(plots.color(method))) for method in methods]
 
 
 def test_what_is_published_goes_into_the_repository():

@@ -20,7 +20,7 @@ def test_the_page_of_the_lab_names_every_column():
 
 
 def test_rows_of_a_study_that_are_none(tmp_path):
-    for text in ("game,agent\n1v1,ppo\n", "colour\nblue\n"):
+    for text in ("game,agent\n1v1,ppo\n", "color\nblue\n"):
         (tmp_path / "rows.csv").write_text(text)
         with pytest.raises(CommandError, match="is damaged"):
             rows.load(tmp_path / "rows.csv")

@@ -20,7 +20,7 @@ from regista.experiments.run.results import unique
 
 AXES = {"agent": "agent's return", "antagonist": "antagonist's return", "environment": "environment's return"}
 RUN = "a run"
-VARIANTS = {name: method.method for name, method in METHODS.items() if name not in plots.METHOD_COLOURS}
+VARIANTS = {name: method.method for name, method in METHODS.items() if name not in plots.METHOD_COLORS}
 DASHED = {"paired_literal": (0, (9, 2, 1.5, 2))}  # a relative of PAIRED
 WIDTH = 0.8  # of a group of bars
 
@@ -143,6 +143,6 @@ def draw_curve(axes: Any, values: Sequence[Value]) -> None:
         steps = sorted({value.env_steps for value in mine})
         at = [[value.value for value in mine if value.env_steps == step] for step in steps]
         if steps:
-            dashes, shade = DASHED.get(name) or plots.line_style(name), plots.colour(name)
+            dashes, shade = DASHED.get(name) or plots.line_style(name), plots.color(name)
             axes.plot(steps, [np.mean(runs) for runs in at], linestyle=dashes, color=shade, label=method.title)
             axes.fill_between(steps, [min(r) for r in at], [max(r) for r in at], color=shade, alpha=0.12, lw=0)

@@ -153,14 +153,14 @@ def locate(scope: Scope, name: str) -> tuple[Path | None, bool]:
             if not file.resolve().is_relative_to(root.resolve()):
                 raise ScenicError("import", f"{file.name} is a link that leads out of the program's folder")
             return file, scope.source.library
-    known = [*library, *MODULES, *neighbours(scope)]
+    known = [*library, *MODULES, *neighbors(scope)]
     files = {str(file): module for module, file in reversed([*library.items()])}  # each once, by its first name
-    shown = [*reversed(files.values()), "math", "random", *neighbours(scope)]
+    shown = [*reversed(files.values()), "math", "random", *neighbors(scope)]
     notes = [f"    modules that exist: {', '.join(shown)}"]
     raise ScenicError("import", f"there is no module '{name}'", hint=near(name, known), notes=notes)
 
 
-def neighbours(scope: Scope) -> list[str]:
+def neighbors(scope: Scope) -> list[str]:
     """List the programs beside this one."""
     folder = scope.source.folder
     if folder is None or scope.source.library:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from scenic_lite.core.types import Behavior, BehaviorCall, Default, Instance, RandomChoice, ScenicClass, describe_kind
 from scenic_lite.errors import ScenicError, SourceSpan
-from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalised
+from scenic_lite.values.geometry import Vector, as_vector, corners, is_scalar, normalized
 from scenic_lite.values.graph import RandomExpr, Value, any_of, apply, is_number
 from scenic_lite.values.operations import SECTOR_MEETS
 from scenic_lite.values.regions import Region, SectorRegion
@@ -139,7 +139,7 @@ def region_of(value: Value, words: str = "") -> Region:
 ORIENTATION: dict[str, Callable[[Instance], Value]] = {
     "orientation": lambda self: self.properties["heading"],
     "parentOrientation": lambda self: self.parent_heading,
-    "yaw": lambda self: normalised(self.properties["heading"] - self.parent_heading),
+    "yaw": lambda self: normalized(self.properties["heading"] - self.parent_heading),
     "pitch": lambda self: 0.0,
     "roll": lambda self: 0.0,
 }

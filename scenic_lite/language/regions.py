@@ -22,7 +22,7 @@ from scenic_lite.language.classes import is_object, number_of, oriented_point, o
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import UNPLACED, along, cells_field, field_of
 from scenic_lite.values import polygons
-from scenic_lite.values.geometry import Vector, normalised
+from scenic_lite.values.geometry import Vector, normalized
 from scenic_lite.values.graph import Value, is_number
 from scenic_lite.values.lines import NEAR, GridRegion, PointSetRegion, PolylineRegion
 from scenic_lite.values.polygons import MOST_CORNERS, PolygonalRegion, ShapeRegion, polygon_through, union_of
@@ -158,7 +158,7 @@ def piecewise_field(
 
 def heading_for(scope: Scope) -> Callable[[Value], Value]:
     """Return the result of a field's function as a heading, which dialect 3 normalizes."""
-    return number_of if scope.state.dialect == 2 else lambda value: normalised(number_of(value))
+    return number_of if scope.state.dialect == 2 else lambda value: normalized(number_of(value))
 
 
 def field_or_none(value: Value) -> VectorField | None:

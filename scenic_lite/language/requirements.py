@@ -30,7 +30,7 @@ from scenic_lite.language.classes import is_object
 from scenic_lite.syntax import nodes
 from scenic_lite.syntax.nodes import is_temporal
 from scenic_lite.values.formulas import normal_quantile
-from scenic_lite.values.geometry import Vector, normalised
+from scenic_lite.values.geometry import Vector, normalized
 from scenic_lite.values.graph import RandomExpr, Value, apply, columns_of, is_number
 from scenic_lite.values.operations import AND, NOT, OR
 
@@ -138,7 +138,7 @@ def add_noise(state: LoadState, instance: Instance) -> None:
     shift = Vector(noise(state, instance, "x", spread.x), noise(state, instance, "y", spread.y))
     properties["position"] = properties["position"] + shift
     heading = properties["heading"] + noise(state, instance, "heading", properties["headingStdDev"])
-    properties["heading"] = normalised(heading) if state.dialect == 3 else heading
+    properties["heading"] = normalized(heading) if state.dialect == 3 else heading
 
 
 def name_coordinates(instance: Instance) -> None:

@@ -28,7 +28,7 @@ from scenic_lite.language.classes import (
 )
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifier_rules import at_position, moved_along, or_ego, viewer_of
-from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalised
+from scenic_lite.values.geometry import angle_between, as_vector, distance_between, is_scalar, normalized
 from scenic_lite.values.graph import RandomExpr, Value, apply
 from scenic_lite.values.operations import RECTANGLES_MEET
 from scenic_lite.values.polygons import common_part, remainder
@@ -57,13 +57,13 @@ def angle(scope: Scope, start: Value, end: Value) -> Value:
 
 def relative_heading(scope: Scope, heading: Value, base: Value) -> Value:
     base = or_ego(scope, base)
-    return normalised(heading_of(heading, "relative heading of") - heading_of(base, "relative heading ... from"))
+    return normalized(heading_of(heading, "relative heading of") - heading_of(base, "relative heading ... from"))
 
 
 def apparent_heading(scope: Scope, seen: Value, viewpoint: Value) -> Value:
     start = vector_of(or_ego(scope, viewpoint), "apparent heading ... from")
     line = angle_between(start, vector_of(seen, "apparent heading of"))
-    return normalised(heading_of(seen, "apparent heading of") - line)
+    return normalized(heading_of(seen, "apparent heading of") - line)
 
 
 def relative_position(scope: Scope, place: Value, base: Value) -> Value:

@@ -17,7 +17,7 @@ from scenic_lite.language import classes
 from scenic_lite.language.distributions import point_in
 from scenic_lite.language.fields import follow
 from scenic_lite.language.specifiers import MODIFYING, OPTIONAL, REQUIRED, Given, ResolvedSpecifier
-from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalised
+from scenic_lite.values.geometry import Vector, angle_between, as_vector, is_scalar, normalized
 from scenic_lite.values.graph import Value
 from scenic_lite.values.polygons import outside
 from scenic_lite.values.regions import RectangularRegion, Region, VectorField
@@ -109,15 +109,15 @@ def beside(scope: Scope, node: ast.AST, anchor: Value, gap: Value = None) -> Res
         return Vector(shift.x, (half + shift.y) * step_y)
 
     heading = classes.as_heading(anchor) if isinstance(anchor, Instance | RandomChoice) else None
-    centre = classes.vector_of(anchor, words)
+    center = classes.vector_of(anchor, words)
     if heading is None or (isinstance(anchor, RandomChoice) and scope.state.dialect == 2):
         place = LazyValue(
             frozenset({extent, "heading"}),
-            lambda self: centre + offset(self, 0.0).rotated(self.properties["heading"]),
+            lambda self: center + offset(self, 0.0).rotated(self.properties["heading"]),
         )
         return location_specifier(scope, node, place)
     other = own_extent(anchor, extent) if scope.state.dialect == 3 else 0.0
-    place = LazyValue(frozenset({extent}), lambda self: centre + offset(self, other).rotated(heading))
+    place = LazyValue(frozenset({extent}), lambda self: center + offset(self, other).rotated(heading))
     return location_specifier(scope, node, place, heading)
 
 
@@ -198,7 +198,7 @@ def facing(scope: Scope, node: ast.AST, direction: Value) -> ResolvedSpecifier:
     """Return a required heading of any form; dialect 3 normalizes it."""
     if isinstance(direction, VectorField):
         direction = at_position(direction.heading_at)
-    finish = normalised if scope.state.dialect == 3 else lambda heading: heading
+    finish = normalized if scope.state.dialect == 3 else lambda heading: heading
     if isinstance(direction, LazyValue):
         delayed = direction
         heading: Value = LazyValue(delayed.needs, lambda self: finish(delayed.compute(self)))

@@ -25,7 +25,7 @@ from scenic_lite.core.types import (
 from scenic_lite.errors import ScenicError
 from scenic_lite.language.classes import OBJECT, ORIENTED_POINT, SIDES, checked, is_object
 from scenic_lite.syntax import nodes
-from scenic_lite.values.geometry import normalised
+from scenic_lite.values.geometry import normalized
 from scenic_lite.values.graph import Value, is_number
 
 REQUIRED, MODIFYING, OPTIONAL = 1, 2, 3  # priorities: the lower number wins
@@ -204,7 +204,7 @@ def split_heading(
     default = default_of(scope, cls, "heading", instance, "parentOrientation").gives["heading"].value
 
     def turned(self: Instance) -> Value:
-        return normalised(self.properties["parentOrientation"] + self.properties["yaw"])
+        return normalized(self.properties["parentOrientation"] + self.properties["yaw"])
 
     parent = optional("parent heading", instance, "parentOrientation", default.compute, *default.needs)
     by_property.setdefault("parentOrientation", parent)

@@ -154,11 +154,11 @@ def normal_cdfs(z: Any) -> Any:
 def normal_quantile(uniform: Any) -> Any:
     """Return Φ⁻¹ elementwise, by Wichura's algorithm AS 241 (Applied Statistics 37, 1988), accurate to 1e-15."""
     uniform = np.minimum(np.maximum(uniform, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
-    centred = uniform - 0.5
-    inner = centred * rational(0.180625 - centred * centred, CENTRE)
+    centered = uniform - 0.5
+    inner = centered * rational(0.180625 - centered * centered, CENTER)
     tail = np.sqrt(-np.log(np.minimum(uniform, 1 - uniform)))
     outer = either(tail <= 5, rational(tail - 1.6, MIDDLE), rational(tail - 5, FAR))
-    return either(np.abs(centred) <= 0.425, inner, np.copysign(outer, centred))
+    return either(np.abs(centered) <= 0.425, inner, np.copysign(outer, centered))
 
 
 def either(condition: Any, first: Any, second: Any) -> Any:
@@ -178,7 +178,7 @@ def horner(x: Any, coefficients: Sequence[float]) -> Any:
     return total
 
 
-CENTRE = (
+CENTER = (
     (2509.0809287301226727, 33430.575583588128105, 67265.770927008700853, 45921.953931549871457,
      13731.693765509461125, 1971.5909503065514427, 133.14166789178437745, 3.387132872796366608),
     (5226.495278852545925, 28729.085735721942674, 39307.89580009271061, 21213.794301586595867,

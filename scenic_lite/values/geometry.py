@@ -118,7 +118,7 @@ def cosine(angle: Value) -> Value:
     return apply(COSINE, angle)
 
 
-def normalised(angle: Value) -> Value:
+def normalized(angle: Value) -> Value:
     """Return the same angle in [-π, π]; both ends stay unchanged."""
     return apply(NORMALISE, angle)
 
@@ -130,7 +130,7 @@ def distance_between(start: Vector, end: Vector) -> Value:
 def angle_between(start: Vector, end: Vector) -> Value:
     """Return the heading of the ray from `start` to `end`."""
     ray = end - start
-    return normalised(apply(ARC_TANGENT_2, ray.y, ray.x) - math.pi / 2)
+    return normalized(apply(ARC_TANGENT_2, ray.y, ray.x) - math.pi / 2)
 
 
 def corners(position: Vector, heading: Value, width: Value, length: Value) -> list[Vector]:

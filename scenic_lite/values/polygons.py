@@ -79,8 +79,8 @@ class PolygonalRegion(Region):
     def contains_corners(self, corners: list[Vector]) -> Value:
         if len(self.edges) > FEW_EDGES:
             return all_of(super().contains_corners(corners), truth_by(self._holds.rectangles, *coordinates(corners)))
-        centre = (corners[0] + corners[2]) / 2
-        return all_of(self.contains(centre), truth_by(self._clear, *coordinates(corners)))
+        center = (corners[0] + corners[2]) / 2
+        return all_of(self.contains(center), truth_by(self._clear, *coordinates(corners)))
 
     def _clear(self, *numbers: Any) -> Any:
         """Return whether no edge of the boundary enters a rectangle, given x and y of its corners in turn: [N]."""

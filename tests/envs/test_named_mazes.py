@@ -21,7 +21,7 @@ from regista.envs.maze.levels import maze_from
 from regista.envs.maze.named_mazes import LARGE_MAZES, TEST_MAZES
 from regista.envs.maze.painter import AGENT, CELL, FRONT, GOALS, SEEN, WALLS, MazePainter
 from regista.envs.maze.paths import UNREACHABLE, path_lengths
-from regista.envs.maze.picture import AGENT_COLOUR, GOAL_COLOUR, SEEN_WALL, WALL_COLOUR
+from regista.envs.maze.picture import AGENT_COLOR, GOAL_COLOR, SEEN_WALL, WALL_COLOR
 from regista.envs.maze.shortest_path import ShortestPath
 from regista.envs.maze.task import make_mazes, maze
 from ued import METHODS, PPOConfig
@@ -253,10 +253,10 @@ def test_a_picture_shows_walls_goal_and_agent():
         level = mazes.level_family.decode(row)
         size = len(picture) // 15
         corners = picture[1::size, 1::size][:15, :15]  # away from the arrow head
-        dark = (corners == WALL_COLOUR).all(-1) | (corners == SEEN_WALL).all(-1)
+        dark = (corners == WALL_COLOR).all(-1) | (corners == SEEN_WALL).all(-1)
         np.testing.assert_array_equal(dark, np.pad(level.walls, 1, constant_values=True))
-        assert tuple(corners[level.goal[0] + 1, level.goal[1] + 1]) == GOAL_COLOUR
-        agent = np.argwhere((picture == AGENT_COLOUR).all(-1)) // size - 1
+        assert tuple(corners[level.goal[0] + 1, level.goal[1] + 1]) == GOAL_COLOR
+        agent = np.argwhere((picture == AGENT_COLOR).all(-1)) // size - 1
         assert {tuple(cell) for cell in agent.tolist()} == {level.start}
     assert Mazes(1).render() is None
     with pytest.raises(ValueError, match="render_mode"):
@@ -271,7 +271,7 @@ def test_an_agent_is_drawn_facing_where_it_looks():
         mazes.reset(options={"theta": mazes.theta_of(level)[None]})
         picture = mazes.render()[0]
         size = len(picture) // 5
-        agent = np.argwhere((picture[2 * size : 3 * size, 2 * size : 3 * size] == AGENT_COLOUR).all(-1)) - size / 2
+        agent = np.argwhere((picture[2 * size : 3 * size, 2 * size : 3 * size] == AGENT_COLOR).all(-1)) - size / 2
         row, column = agent.mean(0)  # the base is heavier than the tip
         heads.append(int(np.argmax([-column, -row, column, row])))
     assert heads == [0, 1, 2, 3]

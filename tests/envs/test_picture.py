@@ -10,7 +10,7 @@ from pitch import position
 from regista.envs.football.constants import CM, GK, LEFT, RIGHT
 from regista.envs.football.view import picture
 from regista.envs.football.view.picture import BORDER, SCALE, SHARPER, draw_match, write_video
-from regista.envs.football.view.render import LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR
+from regista.envs.football.view.render import LEFT_COLOR, LEFT_KEEPER_COLOR, RIGHT_COLOR, RIGHT_KEEPER_COLOR
 
 PLAYERS = [(-20.0, 10.0, LEFT, CM), (-50.0, 0.0, LEFT, GK), (20.0, -10.0, RIGHT, CM), (50.0, 0.0, RIGHT, GK)]
 
@@ -20,20 +20,20 @@ def pixel(x, y):
     return round((36 + BORDER - y) * SCALE / SHARPER) + 34, round((x + 55 + BORDER) * SCALE / SHARPER)
 
 
-def near(image, x, y, colour, reach=9):
+def near(image, x, y, color, reach=9):
     """Return whether the color is to be seen near a place."""
     line, column = pixel(x, y)
     part = image[line - reach : line + reach, column - reach : column + reach].reshape(-1, 3).astype(int)
-    return bool((np.abs(part - colour).sum(1) < 30).any())
+    return bool((np.abs(part - color).sum(1) < 30).any())
 
 
-def test_everybody_is_where_he_is_in_his_colours():
+def test_every_player_is_drawn_in_place_and_color():
     image = draw_match(position(PLAYERS, (0.0, 20.0))[0])
-    colours = (LEFT_COLOUR, LEFT_KEEPER_COLOUR, RIGHT_COLOUR, RIGHT_KEEPER_COLOUR)
+    colors = (LEFT_COLOR, LEFT_KEEPER_COLOR, RIGHT_COLOR, RIGHT_KEEPER_COLOR)
     assert image.dtype == np.uint8 and image.shape == (594, 826, 3)
-    for (x, y, _, _), colour in zip(PLAYERS, colours, strict=True):
-        assert near(image, x, y, colour)
-        assert not near(image, x, y + 5, colour)
+    for (x, y, _, _), color in zip(PLAYERS, colors, strict=True):
+        assert near(image, x, y, color)
+        assert not near(image, x, y + 5, color)
     assert near(image, 0.0, 20.0, (255, 255, 255), 4)
 
 

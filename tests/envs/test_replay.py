@@ -127,7 +127,7 @@ def test_a_replay_that_comes_out_differently_says_so(tmp_path):
             "cannot load the record's program|differ from the recorded ones",
         ),
         ({"config": lambda a: "{"}, "is damaged"),
-        ({"config": lambda a: '{"colour": 1}'}, "is damaged"),
+        ({"config": lambda a: '{"color": 1}'}, "is damaged"),
     ],
 )
 def test_what_is_wrong_in_a_record_is_named(tmp_path, changes, message):

@@ -72,7 +72,7 @@ class ProbePainter:
 
     bounds = reach = (-60.0, 60.0, -40.0, 40.0)
     background = (24, 58, 36)
-    line_colour = (214, 226, 214)
+    line_color = (214, 226, 214)
     markers = (("walker", (66, 165, 245), 1.2), ("tree", (239, 83, 80), 1.5))
     classes = np.array([0, 1])
     focus = 0

@@ -146,7 +146,7 @@ def test_students_and_baselines_play_its_tests(run, tmp_path, capsys):
     assert main(["play", "ued.probes:frontier", "--player", str(run)]) == 2
     assert "cannot play" in capsys.readouterr().err
     assert main(["play", "ued.probes:frontier", "--scene", "every length", "--player", "idle"]) == 0
-    assert "1 steps by always the first action" in capsys.readouterr().out
+    assert "1 step by always the first action" in capsys.readouterr().out
 
 
 @pytest.mark.slow

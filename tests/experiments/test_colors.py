@@ -22,7 +22,7 @@ TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 
 WHITE = np.array([0.9505, 1.0, 1.089])
 
 
-METHODS_COLORS = {name: shade for name, shade in plots.METHOD_COLOURS.items() if name not in plots.BASELINES}
+METHODS_COLORS = {name: shade for name, shade in plots.METHOD_COLORS.items() if name not in plots.BASELINES}
 SHADES = {name: shades_of(shade)[:3] for name, shade in METHODS_COLORS.items()}  # of variants, by method
 
 
@@ -49,7 +49,7 @@ def closest(colors, deficiency):
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_methods_and_baselines_differ_for_every_reader(deficiency):
-    baselines, methods = [plots.METHOD_COLOURS[name] for name in plots.BASELINES], list(METHODS_COLORS.values())
+    baselines, methods = [plots.METHOD_COLORS[name] for name in plots.BASELINES], list(METHODS_COLORS.values())
     assert closest(methods, deficiency) > 20 and closest(baselines, deficiency) > 10
     apart = lab(methods, deficiency)[:, None] - lab(baselines, deficiency)[None]
     assert np.linalg.norm(apart, axis=2).min() > 20
@@ -76,22 +76,22 @@ def test_variants_have_the_hue_of_their_method():
 
 
 def test_no_method_has_the_color_of_a_team():
-    teams = [*render.PAPER_COLOURS[: render.BALL], *(np.array(shade) / 255 for _, shade, _ in render.MARKERS[:4])]
+    teams = [*render.PAPER_COLORS[: render.BALL], *(np.array(shade) / 255 for _, shade, _ in render.MARKERS[:4])]
     shown = lab([*METHODS_COLORS.values(), *plots.CYCLE])
     assert np.linalg.norm(shown[:, None] - lab(teams)[None], axis=2).min() > 15
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_methods_differ_from_teams_on_paper_for_every_reader(deficiency):
-    teams = lab(render.PAPER_COLOURS[: render.BALL], deficiency)
+    teams = lab(render.PAPER_COLORS[: render.BALL], deficiency)
     assert np.linalg.norm(lab(METHODS_COLORS.values(), deficiency)[:, None] - teams[None], axis=2).min() > 10
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)
 def test_goal_agent_and_ground_of_mazes_differ_for_every_reader(deficiency):
-    shown = [np.array(shade) / 255 for shade in (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)]
+    shown = [np.array(shade) / 255 for shade in (mazes.GOAL_COLOR, mazes.AGENT_COLOR)]
     assert closest(shown, deficiency) > 60  # densities are pale tints of both, one on the other
-    frames = (mazes.WALL_COLOUR, mazes.FLOOR, mazes.SEEN_FLOOR, mazes.SEEN_WALL)
+    frames = (mazes.WALL_COLOR, mazes.FLOOR, mazes.SEEN_FLOOR, mazes.SEEN_WALL)
     recordings = (maze.MazePainter.background, *(shade for _, shade, _ in maze.MARKERS[: maze.GOALS]))
     for grounds in (frames, recordings):
         apart = lab(shown, deficiency)[:, None] - lab([np.array(shade) / 255 for shade in grounds], deficiency)[None]
@@ -100,9 +100,9 @@ def test_goal_agent_and_ground_of_mazes_differ_for_every_reader(deficiency):
 
 def test_mazes_have_the_same_colors_everywhere_and_no_method_has_them():
     markers = {name: shade for name, shade, _ in maze.MARKERS}
-    assert (markers["goal"], markers["agent"]) == (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)
+    assert (markers["goal"], markers["agent"]) == (mazes.GOAL_COLOR, mazes.AGENT_COLOR)
     assert markers["seen cells"] == mazes.SEEN_FLOOR
-    shown = lab([np.array(shade) / 255 for shade in (mazes.GOAL_COLOUR, mazes.AGENT_COLOUR)])
+    shown = lab([np.array(shade) / 255 for shade in (mazes.GOAL_COLOR, mazes.AGENT_COLOR)])
     assert np.linalg.norm(lab([*METHODS_COLORS.values(), *plots.CYCLE])[:, None] - shown[None], axis=2).min() > 15
 
 
@@ -112,16 +112,16 @@ def test_what_is_compared_with_differs_from_ink_for_every_reader(deficiency):
 
 
 def test_a_methods_color_does_not_depend_on_what_is_compared():
-    before = {name: plots.colour(name) for name in plots.METHOD_COLOURS}
+    before = {name: plots.color(name) for name in plots.METHOD_COLORS}
     variants = {f"{method} {k}": method for k in range(3) for method in ("dr", "paired")}
     plots.distinguish(variants)
     try:
-        assert {name: plots.colour(name) for name in plots.METHOD_COLOURS} == before
+        assert {name: plots.color(name) for name in plots.METHOD_COLORS} == before
         assert {plots.line_style(name) for name in before} == {"-"}
         assert not any("hatch" in plots.bar_look(name) for name in before)
         for method in ("dr", "paired"):
             mine = [name for name, known in variants.items() if known == method]
-            assert [plots.colour(name) for name in mine] == SHADES[method]
+            assert [plots.color(name) for name in mine] == SHADES[method]
             assert len({plots.line_style(name) for name in mine} | {"-"}) == 4
             assert len({plots.bar_look(name)["hatch"] for name in mine}) == 3
     finally:

@@ -14,7 +14,7 @@ import pytest
 from regista.envs.football.config import FootballConfig
 from regista.experiments.__main__ import main
 from regista.experiments.commands import compare
-from regista.experiments.pictures.plots import colour
+from regista.experiments.pictures.plots import color
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.evaluator import EvalScenes
 from regista.experiments.run.folder import RunFolder
@@ -98,7 +98,7 @@ def test_a_method_is_compared_with_itself(in_process, tmp_path, capsys):
         "random",
     ]
     assert runs["slow-0"].label == "slow" and "slow" in capsys.readouterr().out
-    assert len({colour(name) for name in ("dr", "slow", "edits")}) == 3
+    assert len({color(name) for name in ("dr", "slow", "edits")}) == 3
     before = (folder / "slow-0" / "metrics.csv").read_bytes()
     assert main([*command, *variants]) == 0 and (folder / "slow-0" / "metrics.csv").read_bytes() == before
     assert main([*command, "--variants", "slow: --learning-rate 1e-4"]) == 1

@@ -51,6 +51,17 @@ def completed(script, line):
         ("regista play maze --player runs/x --vid", ["--video"]),
         ("regista evaluate Gau", []),
         ("regista completion ", list(SHELLS)),
+        ("regista train --engine g", ["grf"]),
+        ("regista play 1v1Free --engine ", ["regista", "grf"]),
+        ("regista train --plr.score max", ["max_mc"]),
+        ("regista train --network c", ["cnn"]),
+        ("regista train --network my_net", []),  # files
+        ("regista train --pixels s", ["sparse"]),
+        ("regista train --out Gau", []),
+        ("regista clone --minigame Gau", ["Gauntlet"]),
+        ("regista compare --seeds ", []),
+        ("regista train --no-record Gau", ["Gauntlet"]),  # a flag without a value
+        ("regista evaluate --csv shi", []),
     ],
 )
 def test_bash_offers_what_fits(script, line, offered):
@@ -74,6 +85,9 @@ def test_the_script_is_one_that_the_shell_reads(shell, tmp_path, capsys):
         assert subprocess.run([shell, "-n", str(tmp_path / "script")], capture_output=True).returncode == 0
     if shell == "fish":  # each line is a whole command, also where fish is not installed
         assert all(shlex.split(line)[:3] == ["complete", "-c", "regista"] for line in script.splitlines())
+        of_train = [line for line in script.splitlines() if "from train" in line]
+        assert any("-l engine -ra" in line and "grf" in line for line in of_train)
+        assert any(line.endswith("-l out -r") for line in of_train)
 
 
 @pytest.mark.parametrize(("words", "message"), [([], "the name of a shell"), (["bsh"], "did you mean 'bash'?")])

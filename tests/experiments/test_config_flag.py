@@ -149,3 +149,13 @@ def test_a_missing_file_and_a_resumed_run_are_refused(run, tmp_path, capsys):
     assert "there is no file" in capsys.readouterr().err
     assert main(["train", "--resume", str(run), "--config", str(run)]) == 2
     assert "--config and --resume exclude each other" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("content", "what"), [(b"GIF89a\xf7\xff", "not a text file"), (b"epochs: 3", "not JSON")])
+def test_a_file_of_another_kind_is_refused_with_what_is_right(content, what, tmp_path, capsys):
+    file = tmp_path / "maze.gif"
+    file.write_bytes(content)
+    assert main(["train", "--config", str(file)]) == 1
+    message = capsys.readouterr().err
+    assert f"{file} is {what}" in message and "expected the config.json of a run, or its folder" in message
+    assert "codec" not in message

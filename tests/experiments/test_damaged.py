@@ -64,8 +64,8 @@ def test_files_of_another_version(folder, tmp_path):
     code, said = quietly(["train", "--resume", str(tmp_path)])
     assert code == 1 and "has version 2 of the checkpoint format; this program reads 3" in said
     settings = json.loads((tmp_path / "config.json").read_text())
-    (tmp_path / "config.json").write_text(json.dumps(settings | {"colour": "blue"}))
-    assert "unknown key 'colour'" in quietly(["train", "--resume", str(tmp_path)])[1]
+    (tmp_path / "config.json").write_text(json.dumps(settings | {"color": "blue"}))
+    assert "unknown key 'color'" in quietly(["train", "--resume", str(tmp_path)])[1]
 
 
 def test_a_table_whose_last_row_was_cut_off_goes_on(tmp_path):

@@ -27,7 +27,7 @@ def test_a_run_with_a_single_evaluation_is_a_dot(tmp_path):
         Table(tmp_path / name / "metrics.csv").append(table)
     figure = curves.learning_figure({"dr": [tmp_path / "long", tmp_path / "short"], "plr": [tmp_path / "other"]})
     dots = [line for line in figure.axes[0].lines if line.get_marker() == "o"]
-    assert len(dots) == 3 and {line.get_color() for line in dots} == {plots.colour("dr"), plots.colour("plr")}
+    assert len(dots) == 3 and {line.get_color() for line in dots} == {plots.color("dr"), plots.color("plr")}
     shown = [np.asarray(line.get_xdata())[np.isfinite(line.get_ydata())] for line in dots]
     assert all(len(places) and np.allclose(places, 3035, atol=50) for places in shown)
     assert figure.axes[0].get_ylim()[0] == 0

@@ -14,7 +14,7 @@ from ued.core.parameters import Choice, Column, Integer, Range
 from ued.levels.batch import LevelBatch
 from ued.levels.record import level_record_dtype, make_records
 from ued.probes import Frontier
-from ued.recorder.shades import student_colour, unit
+from ued.recorder.shades import student_color, unit
 
 rerun = pytest.importorskip("rerun")
 
@@ -103,7 +103,7 @@ def test_a_large_population_is_recorded(tmp_path):
     recorder = CurriculumRecorder(Recording(tmp_path / "many.rrd", "many", "probe", 100, {}), None, DRAWS)
     recorder.record(1, 100, LevelBatch(records, students), {})
     recorder.close()
-    assert len({student_colour(k) for k in range(4)}) == 4 and student_colour(5) == student_colour(1)
+    assert len({student_color(k) for k in range(4)}) == 4 and student_color(5) == student_color(1)
 
 
 def replay_of(steps, episodes):

@@ -11,13 +11,15 @@ import pytest
 
 from regista.experiments.__main__ import main
 from regista.experiments.pictures import gallery
-from regista.experiments.run import build
+from regista.experiments.run import build, watch
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.replays import Replay, Stage, came_out_alike
 from regista.experiments.run.table import read_header, read_rows
+from regista.experiments.run.tasks import CheckedPainter
 from tests.experiments.test_files import documented
+from ued.core.painter import line_color_of
 
 TASK = """
 import numpy as np
@@ -26,7 +28,7 @@ from ued.probes import Frontier
 
 class Ground:
     bounds = reach = (0.0, 4.0, 0.0, 2.0)
-    background, line_colour = (20, 20, 20), (200, 200, 200)
+    background, line_color = (20, 20, 20), (200, 200, 200)
     markers, classes, focus = [("walker", (255, 0, 0), 0.2)], np.array([0]), 0
 
     def lines(self):
@@ -124,6 +126,22 @@ def test_the_levels_of_the_highest_scores_are_kept(run):
         scores = {visit: row["score"] for visit, row in levels.items() if row["update"] == int(update)}
         assert len(kept) == min(6, len(scores))
         assert min(scores[level] for level in kept) >= max([s for k, s in scores.items() if k not in kept], default=-9)
+
+
+def test_an_older_painter_keeps_the_name_of_its_lines(run):
+    class Older:
+        bounds = reach = (0.0, 1.0, 0.0, 1.0)
+        background, line_colour, markers, classes, focus = (0, 0, 0), (1, 2, 3), [], np.zeros(0, int), 0
+
+    painter = CheckedPainter(lambda upomdp: Older(), stage_of(run).env)
+    assert line_color_of(painter) == line_color_of(Older()) == (1, 2, 3)
+
+
+def test_long_replays_show_their_progress(run, capsys, monkeypatch):
+    monkeypatch.setattr(watch, "PATIENCE_SECONDS", 0.0)
+    assert main(["evaluate", str(run.path), "--gallery", "--gallery-replays", "2"]) == 0
+    told = capsys.readouterr().err
+    assert re.search(r"\d+%  \d+ replays?", told) and re.search(r"^\d+ replays, \d+ s$", told, re.M)
 
 
 def test_the_page_shows_levels_cards_scenes_and_replays(run, capsys):

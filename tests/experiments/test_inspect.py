@@ -256,3 +256,31 @@ def test_the_tests_of_a_task_are_checked(tmp_path, capsys):
     )
     assert main(["inspect", f"{path}:odd"]) == 1
     assert "the levels of the test 'strong' do not match" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["inspect"], ["play", "--scene", "strong"]])
+def test_a_test_outside_the_declared_range_names_the_task_as_typed_and_shows_no_levels(
+    command, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "bad" / "range.py").write_text(
+        "import gymnasium, ued\n"
+        "make = lambda n: ued.GymUPOMDP(lambda: gymnasium.make('CartPole-v1'), print, {'force': (1, 2)}, n)\n"
+        "docking = ued.Task(make, tests={'strong': {'force': 3.0}})\n"
+    )
+    assert main([command[0], "bad/range.py:docking", *command[1:]]) == 1
+    shown = capsys.readouterr()
+    assert "the levels of the test 'strong' do not match bad/range.py:docking: " in shown.err
+    assert "force must be a value of Range(low=1.0, high=2.0), got 3.0" in shown.err and "level 0" not in shown.out
+
+
+@pytest.mark.parametrize("check", ["", ", valid=lambda level: level['force'] < 1.5"])
+def test_the_share_of_valid_levels_is_that_of_a_declared_check(check, tmp_path, capsys):
+    path = tmp_path / f"task{len(check)}.py"
+    path.write_text(
+        "import gymnasium, ued\n"
+        f"make = lambda n: ued.GymUPOMDP(lambda: gymnasium.make('CartPole-v1'), print, {{'force': (1, 2)}}, n{check})\n"
+    )
+    assert main(["inspect", f"{path}:make"]) == 0
+    assert ("of random θ pass the check of the task, `valid`" in capsys.readouterr().out) == bool(check)

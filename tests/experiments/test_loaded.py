@@ -57,13 +57,20 @@ def test_tables_of_a_run_are_frames(run):
     ]
 
 
+@pytest.mark.parametrize("load", [regista.load_run, regista.load_comparison])
+@pytest.mark.parametrize("path", [3, None, ["runs/plr"]])
+def test_another_type_than_a_path_is_refused_with_the_argument(load, path):
+    with pytest.raises(ValueError, match="path must be a path, such as 'runs/plr', got"):
+        load(path)
+
+
 @pytest.mark.slow
 def test_figures_are_drawn(run, comparison):
     assert [axes.get_title() for axes in regista.load_run(run).figure().axes if axes.get_visible()] != []
     labels = {text.get_text() for legend in comparison.figure().legends for text in legend.get_texts()}
     assert labels == {METHODS["dr"].title, METHODS["plr"].title, *keys.RUNS}
     colors = comparison.colors()
-    assert set(colors) == {"dr", "plr", *plots.BASELINES} and colors["plr"] == METHODS["plr"].colour
+    assert set(colors) == {"dr", "plr", *plots.BASELINES} and colors["plr"] == METHODS["plr"].color
     (run / "metrics.csv").unlink()
     with pytest.raises(CommandError, match="no update has finished yet"):
         regista.load_run(run).figure()

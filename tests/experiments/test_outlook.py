@@ -8,6 +8,7 @@ import pytest
 from regista.experiments.__main__ import main
 from regista.experiments.run import build
 from regista.experiments.run.config import task_presets
+from regista.experiments.run.events import Learning
 from regista.experiments.run.outlook import outlook, tell, warn_of_annealing
 from regista.experiments.run.table import read_columns, read_rows
 from ued.config import (
@@ -47,6 +48,7 @@ def looked(name, settings=None, limit=1000, envs=16, total=100_000):
 
 def test_the_line_says_how_many_levels_there_are_and_when_the_method_begins():
     assert looked("dr").line() == "about 100 levels of at most 1_000 steps per episode"
+    assert looked("dr", limit=100_000).line() == "about 1 level of at most 100_000 steps per episode"
     assert looked("accel").line() == (
         "about 100 levels of at most 1_000 steps per episode; "
         "ACCEL starts replay after 500 levels or 10_000 env_steps, whichever comes first"
@@ -132,3 +134,11 @@ def test_a_run_that_learns_nothing_says_so_before_during_and_after(tmp_path, cap
     assert [event[0] for event in told] == ["25", "50"]
     assert told[-1][2] == "student has taken no gradient step in 50 updates (4k env_steps)"
     assert shown.out.strip().splitlines()[-1] == told[-1][2]
+
+
+def test_one_update_is_singular():
+    learning = Learning()
+    learning.look({"env_steps": 64, "student/gradient_steps": 0})
+    assert [event.text for event in learning.seldom()] == [
+        "student has taken no gradient step in 1 update (64 env_steps)"
+    ]

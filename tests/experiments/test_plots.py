@@ -64,11 +64,11 @@ def ink(path):
     return float((image < 0.99).any(-1).mean())
 
 
-def has_colour(path, colour):
+def has_color(path, color):
     from matplotlib.colors import to_rgb
 
     image = matplotlib.image.imread(path)[..., :3]
-    return bool((np.abs(image - to_rgb(colour)).max(-1) < 0.02).any())
+    return bool((np.abs(image - to_rgb(color)).max(-1) < 0.02).any())
 
 
 @pytest.mark.slow
@@ -76,7 +76,7 @@ def test_learning_curves(runs, tmp_path):
     path = tmp_path / "curves.png"
     curves.learning_curves(runs, path)
     assert 0.01 < ink(path) < 0.5
-    assert has_colour(path, plots.METHOD_COLOURS["dr"]) and has_colour(path, plots.METHOD_COLOURS["paired"])
+    assert has_color(path, plots.METHOD_COLORS["dr"]) and has_color(path, plots.METHOD_COLORS["paired"])
 
 
 @pytest.mark.slow
@@ -90,7 +90,7 @@ class Dots:
     """Draws the first four columns of θ as two points on a stage of half a meter."""
 
     bounds = reach = (-0.25, 0.25, -0.25, 0.25)
-    background, line_colour, focus = (20, 20, 20), (250, 250, 250), 0
+    background, line_color, focus = (20, 20, 20), (250, 250, 250), 0
     markers = (("me", (200, 40, 200), 0.1), ("goal", (0, 150, 0), 0.1))
     classes = np.array([0, 1])
 
@@ -107,7 +107,7 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
 
     path = tmp_path / "levels.png"
     level_plots.levels(runs, Dots(), path)
-    assert ink(path) > 0.1 and not has_colour(path, "#1f77d0")
+    assert ink(path) > 0.1 and not has_color(path, "#1f77d0")
     figure = plt.figure()
     level_plots.draw_scales(figure, Dots())
     assert [axes.get_title() for axes in figure.axes] == ["me", "goal"]
@@ -120,13 +120,13 @@ def test_levels_of_other_painters_have_the_colors_and_names_of_their_markers(run
 
 
 def test_the_density_of_keepers_alone_has_their_color(painter):
-    from regista.envs.football.view.render import LEFT_KEEPER, PAPER_COLOURS, RIGHT_KEEPER, RIGHT_PLAYER
+    from regista.envs.football.view.render import LEFT_KEEPER, PAPER_COLORS, RIGHT_KEEPER, RIGHT_PLAYER
 
     for opponents, first in (((RIGHT_KEEPER,), RIGHT_KEEPER), ((RIGHT_KEEPER, RIGHT_PLAYER), RIGHT_PLAYER)):
         shown = SimpleNamespace(markers=painter.markers, classes=np.array([0, LEFT_KEEPER, *opponents]))
         (_, mine, blue), (_, theirs, shade) = level_plots.kinds_of(shown)
-        assert blue == PAPER_COLOURS[0] and mine.tolist()[:2] == [True, False] and not mine[2:].any()
-        assert shade == PAPER_COLOURS[first] and theirs.tolist() == [False, False, *[True] * len(opponents)]
+        assert blue == PAPER_COLORS[0] and mine.tolist()[:2] == [True, False] and not mine[2:].any()
+        assert shade == PAPER_COLORS[first] and theirs.tolist() == [False, False, *[True] * len(opponents)]
 
 
 class Squares(Dots):
@@ -175,7 +175,7 @@ def test_overview(runs, painter, tmp_path):
     path = tmp_path / "overview.png"
     overview(Comparison("1v1Restricted", runs, results, painter), path)
     assert ink(path) > 0.2
-    assert all(has_colour(path, plots.METHOD_COLOURS[method]) for method in ("dr", "paired", "shoot"))
+    assert all(has_color(path, plots.METHOD_COLORS[method]) for method in ("dr", "paired", "shoot"))
 
 
 @pytest.mark.drawn
@@ -280,7 +280,7 @@ def test_pictures_of_every_format(runs, tmp_path, kind):
     first = path.read_bytes()
     assert first.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[kind])
     if kind == "svg":
-        assert b"PAIRED" in first and plots.METHOD_COLOURS["paired"].encode() in first  # text, not outlines
+        assert b"PAIRED" in first and plots.METHOD_COLORS["paired"].encode() in first  # text, not outlines
         assert b"'DejaVu Sans', 'Verdana', 'Arial', sans-serif" in first
     if kind != "png":
         curves.learning_curves(runs, path)
@@ -334,8 +334,8 @@ def test_a_short_run_has_levels_in_all_periods(tmp_path):
     assert found == {"first tenth": [0.1], "middle": [0.3, 0.4], "last tenth": [0.6]}
 
 
-def test_every_method_has_a_colour_and_a_name_of_its_own():
-    for known in (plots.METHOD_COLOURS, plots.METHOD_NAMES):
+def test_every_method_has_a_color_and_a_name_of_its_own():
+    for known in (plots.METHOD_COLORS, plots.METHOD_NAMES):
         assert set(METHODS) <= set(known) and len(set(known.values())) == len(known)
 
 

@@ -32,8 +32,8 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_published_picture_has_the_colors_of_its_methods(name):
     methods, variants = PICTURES[name]
-    shades = [plots.METHOD_COLOURS[method] for method in methods]
-    shades += [look.colour for look in looks(dict(variants), plots.METHOD_COLOURS).values()]
+    shades = [plots.METHOD_COLORS[method] for method in methods]
+    shades += [look.color for look in looks(dict(variants), plots.METHOD_COLORS).values()]
     with Image.open(ROOT / name) as picture:
         pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3)
     colors, counts = np.unique(pixels, axis=0, return_counts=True)

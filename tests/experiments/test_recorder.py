@@ -220,9 +220,9 @@ def test_smoothing_keeps_the_mass_and_the_shape():
     assert np.unravel_index(blurred.argmax(), grid.shape) == (10, 16)
 
 
-def test_a_ramp_of_colours_hits_its_ends():
-    colours = ramp(np.array([0.0, 1.0, np.nan]), ((0, 0, 0), (10, 20, 30)))
-    assert colours.tolist() == [[0, 0, 0], [10, 20, 30], [0, 0, 0]]
+def test_a_ramp_of_colors_hits_its_ends():
+    colors = ramp(np.array([0.0, 1.0, np.nan]), ((0, 0, 0), (10, 20, 30)))
+    assert colors.tolist() == [[0, 0, 0], [10, 20, 30], [0, 0, 0]]
 
 
 def test_a_recording_that_is_large_enough_ends(tmp_path, capsys):

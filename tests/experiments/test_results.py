@@ -21,7 +21,7 @@ from regista.experiments.run.results import (
     level_rate,
     mean_return,
     mean_score,
-    summarise_levels,
+    summarize_levels,
 )
 from regista.experiments.run.significance import difference, points
 from regista.experiments.run.table import read_rows
@@ -232,7 +232,7 @@ def test_the_worst_levels_are_found_by_other_episodes():
     goals = np.ones((10, 4), bool)
     goals[0, ::2] = False
     goals[1] = False
-    row = summarise_levels(levels_played(goals), "dr", 3)
+    row = summarize_levels(levels_played(goals), "dr", 3)
     assert (row.method, row.seed, row.levels, row.episodes) == ("dr", 3, 10, 4)
     assert row.goal_rate == pytest.approx(0.85)
     # by the even episodes levels 0 and 1 tie for the worst, with 1 and 0 in the odd ones; by the odd ones it is level 1

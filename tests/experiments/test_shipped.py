@@ -115,11 +115,17 @@ def test_only_policies_have_names(name, capsys):
     assert said(["evaluate", name], capsys)[0] == 2
 
 
+def test_a_policy_plays_another_game_of_the_same_observations_and_actions(capsys):
+    code, shown = said(["play", "maze60", "--player", MAZE, "--steps", "5"], capsys)
+    assert code == 0 and "5 steps by accel after" in shown
+
+
 def test_a_policy_of_another_game_is_refused(capsys):
-    code, shown = said(["play", "maze60", "--player", MAZE], capsys)
-    assert code == 2 and f"{MAZE} is a run on regista.envs.maze.task:maze; it cannot play" in shown
+    code, shown = said(["play", "ued.probes:frontier", "--player", MAZE], capsys)
+    assert code == 2 and f"{MAZE} is a run on maze, whose observations are " in shown
+    assert "it cannot play probes-frontier, whose observations are Box(" in shown
     code, shown = said(["play", "1v1Free", "--player", MAZE], capsys)
-    assert code == 2 and f"{MAZE} is a run on regista.envs.maze.task:maze; it cannot play football" in shown
+    assert code == 2 and f"{MAZE} is a run on maze; it cannot play football" in shown
 
 
 @pytest.mark.parametrize("words", [["train", "--resume"], ["transfer"], ["play", "--id", "1", "--level"]])

@@ -62,6 +62,15 @@ def test_progress_and_time_left_are_shown_once_it_takes_long(clock, capsys):
     assert "20 episodes, 10 s" in capsys.readouterr().err
 
 
+def test_other_things_than_episodes_are_counted_too(clock, capsys):
+    watched = Watch(2, unit="replay")
+    clock.now += 10.0
+    watched.ended(1)
+    watched.finish()
+    told = capsys.readouterr().err
+    assert "50%  1 replay\n" in told and "1 replay, 10 s" in told
+
+
 def evaluation(returns, levels):
     count = len(returns)
     index = np.arange(count) % levels

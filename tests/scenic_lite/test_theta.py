@@ -127,13 +127,13 @@ def test_arrays_describe_many_scenes(figure):
 def test_params_draws_and_properties_are_asked_for_by_name():
     program = things(
         "behavior Walk(speed):\n    wait\nx = Range(0, 4)\nparam day = Range(1, 30)\n"
-        "a = new Thing at x @ 0, with colour Uniform('red', 'blue'), with behavior Walk(Range(1, 5))"
+        "a = new Thing at x @ 0, with color Uniform('red', 'blue'), with behavior Walk(Range(1, 5))"
     )
-    asked = {"x": 3, "day": 12.5, "a": {"colour": "blue"}, "a.behavior.speed": 2}
+    asked = {"x": 3, "day": 12.5, "a": {"color": "blue"}, "a.behavior.speed": 2}
     scenes = program.instantiate(program.theta(asked))
     assert scenes.positions[0, 1, 0] == pytest.approx(3)
     assert scenes.params["day"][0] == pytest.approx(12.5)
-    assert scenes.properties["colour"][1][0] == "blue"
+    assert scenes.properties["color"][1][0] == "blue"
     assert scenes.behavior_arguments[1]["speed"][0] == pytest.approx(2)
 
 

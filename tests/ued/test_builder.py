@@ -218,9 +218,13 @@ def test_a_family_with_both_is_built_unless_it_is_to_be_chosen():
     [
         (Words(), "auto", "or give Words `parameters`, the columns of its codes, or a `builder`"),
         (Words(), "steps", "can be sampled and mutated, but not chosen by theta; use dr, plr"),
-        (DeclaredWords(), "steps", "needs a `builder` of DeclaredWords, which has none; use builder = direct"),
-        (TypedWords(), "direct", "needs a `parameters` of TypedWords, which has none; use builder = steps"),
-        (ThetaSpace(2), "steps", "these are vectors of parameters, so use builder = direct"),
+        (DeclaredWords(), "steps", "needs a `builder` of DeclaredWords, which has none; use builder='direct'"),
+        (TypedWords(), "direct", "needs a `parameters` of TypedWords, which has none; use builder='steps' .--METHOD"),
+        (
+            ThetaSpace(2),
+            "steps",
+            "these are vectors of parameters, so use builder='direct' .--METHOD.adversary.builder direct",
+        ),
     ],
 )
 def test_a_refusal_says_what_would_have_been_right(family, builder, words):
@@ -239,7 +243,7 @@ def test_families_that_contradict_themselves_are_refused():
         (still, "Typist must have at least one step and one action, got 0 steps of 4 actions"),
         (
             vast,
-            "a batch of 32 levels of 100_000_000 steps, each observed as 4 numbers, needs .* or use builder = direct",
+            "a batch of 32 levels of 100_000_000 steps, each observed as 4 numbers, needs .* or use builder='direct'",
         ),
         (flat, r"Typist.observe must return a vector per level, for 2 levels \[2, F\], got \[2\]"),
     ):
@@ -248,7 +252,9 @@ def test_families_that_contradict_themselves_are_refused():
 
 
 def test_a_builder_does_not_observe_the_first_observation_of_a_level():
-    with pytest.raises(ValueError, match="starts from a random vector; use context = random"):
+    with pytest.raises(
+        ValueError, match=r"starts from a random vector; use context='random' \(--METHOD.adversary.context random"
+    ):
         PairedCurriculum(Mazes(4, MAZES), PairedConfig(adversary=AdversaryConfig(context="observation")))
 
 

@@ -8,13 +8,13 @@ import pytest
 
 from ued.levels.gaussian_mixture import GaussianMixture, _clusters, _far_apart, aic, fit, products_of
 
-CENTRES = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
+CENTERS = np.array([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, -1.0, 1.0]])
 
 
 def drawn(count: int = 300) -> np.ndarray:
     """Draw rows around three centers, in turn."""
     rng = np.random.default_rng(5)
-    return CENTRES[np.arange(count) % 3] + 0.1 * rng.standard_normal((count, 3)) * [1.0, 2.0, 0.5]
+    return CENTERS[np.arange(count) % 3] + 0.1 * rng.standard_normal((count, 3)) * [1.0, 2.0, 0.5]
 
 
 def test_densities_by_hand():
@@ -27,9 +27,9 @@ def test_densities_by_hand():
 
 def test_what_was_drawn_is_found():
     mixture = fit(drawn(), [3], np.random.default_rng(0))[0]
-    order = np.array([np.square(mixture.means - centre).sum(1).argmin() for centre in CENTRES])
+    order = np.array([np.square(mixture.means - center).sum(1).argmin() for center in CENTERS])
     assert sorted(order) == [0, 1, 2]
-    assert mixture.means[order] == pytest.approx(CENTRES, abs=0.05)
+    assert mixture.means[order] == pytest.approx(CENTERS, abs=0.05)
     assert mixture.weights == pytest.approx(1 / 3, abs=0.01)
     for covariance in mixture.covariances:
         assert covariance == pytest.approx(np.diag([0.01, 0.04, 0.0025]), abs=0.01)

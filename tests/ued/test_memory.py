@@ -188,5 +188,5 @@ def test_a_player_remembers_each_environment_until_its_episode_ends():
 
 def test_cloning_teaches_feed_forward_students():
     student = Student(Box(-1, 1, (2,)), Discrete(2), QUICK, torch_generator(0))
-    with pytest.raises(ValueError, match="use a student with memory = none"):
+    with pytest.raises(ValueError, match=r"use a student with memory='none' \(--ppo.memory none"):
         Cloner(student, CloningConfig(), torch_generator(0))

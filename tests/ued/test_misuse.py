@@ -263,7 +263,7 @@ class Odd(gymnasium.Wrapper):
         if self.wrong == "old step":
             return seen, reward, False, {}
         seen = {"shape": seen[:2], "nan": seen * np.nan}.get(self.wrong, seen)
-        return seen, np.inf if self.wrong == "reward" else reward, *rest
+        return seen, {"reward": np.inf, "no reward": None}.get(self.wrong, reward), *rest
 
 
 @pytest.mark.parametrize(
@@ -274,6 +274,7 @@ class Odd(gymnasium.Wrapper):
         ("shape", r"the observation has shape \(2,\), observation_space has \(4,\)"),
         ("nan", "environment 0 returned an observation that is not finite"),
         ("reward", "environment 0 returned a reward that is not finite: inf"),
+        ("no reward", "failed in step: ValueError: the reward must be a number, got None"),
     ],
 )
 def test_what_no_environment_may_give(wrong: str, message: str) -> None:

@@ -19,9 +19,9 @@ from ued.methods.cenie import CENIECurriculum
 PPO = PPOConfig(num_steps=16, num_minibatches=2, update_epochs=1, hidden_size=8)
 
 
-def clusters(*centres, rows=100, columns=3):
+def clusters(*centers, rows=100, columns=3):
     rng = np.random.default_rng(7)
-    return np.concatenate([centre + 0.1 * rng.standard_normal((rows, columns)) for centre in centres])
+    return np.concatenate([center + 0.1 * rng.standard_normal((rows, columns)) for center in centers])
 
 
 def coverage(pairs, **settings):
@@ -79,8 +79,8 @@ def test_silhouettes_by_hand():
 
 @pytest.mark.parametrize("count", [2, 4, 8])
 def test_the_silhouette_tells_how_many(count):
-    centres = 4 * np.eye(8)[:count]
-    assert coverage(clusters(*centres, columns=8)).components == count
+    centers = 4 * np.eye(8)[:count]
+    assert coverage(clusters(*centers, columns=8)).components == count
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,7 @@ def test_images_and_levels_without_parameters_are_refused():
 
     with pytest.raises(ValueError, match=r"at most 1,024 entries, got 1,056 \(1056\); use accel"):
         CENIE(Large(2), PPO)
-    with pytest.raises(ValueError, match=r"the environment has none; use cenie\.base = plr"):
+    with pytest.raises(ValueError, match=r"the environment has none; use base='plr' \(--cenie\.base plr\)"):
         CENIE(Fixed(2), PPO)
     CENIE(Fixed(2), PPO, CENIEConfig(base="plr"))
 

@@ -219,7 +219,7 @@ def test_agents_of_one_policy_share_a_network_of_the_user():
     ppo = dataclasses.replace(OWN, team="shared", critic="central")
     metrics = DR(Roles(4), ppo, seed=0).update()
     assert metrics["student/gradient_steps"] > 0
-    with pytest.raises(OwnCodeError, match="supports one policy: several agents need team = shared"):
+    with pytest.raises(OwnCodeError, match=r"supports one policy: several agents need team='shared' \(--team shared"):
         DR(Roles(4), OWN, seed=0)
 
 

@@ -66,7 +66,7 @@ def test_it_is_gymnasiums_over_several_rollouts():
     reward, terminated, truncated, scaled = played(60, 5)
     ours = RewardScale((5,), GAMMA)
     parts = [
-        ours.normalise(rollout_of(reward[at : at + 20], terminated[at : at + 20], truncated[at : at + 20])).reward
+        ours.normalize(rollout_of(reward[at : at + 20], terminated[at : at + 20], truncated[at : at + 20])).reward
         for at in (0, 20, 40)
     ]
     np.testing.assert_allclose(torch.cat(parts).numpy(), np.clip(scaled, -LIMIT, LIMIT), rtol=2e-5)
@@ -77,7 +77,7 @@ def test_rewards_are_limited_at_first():
     rare = np.zeros((40, 4))
     rare[-1, 0] = 1.0
     none = np.zeros((40, 4), bool)
-    assert RewardScale((4,), GAMMA).normalise(rollout_of(rare, none, none)).reward.max() == LIMIT
+    assert RewardScale((4,), GAMMA).normalize(rollout_of(rare, none, none)).reward.max() == LIMIT
 
 
 def test_steps_that_are_only_evaluated_do_not_count():
@@ -86,8 +86,8 @@ def test_steps_that_are_only_evaluated_do_not_count():
     train[:, 3:] = False
     reward[:, 3:] *= 1000
     some, few = RewardScale((6,), GAMMA), RewardScale((3,), GAMMA)
-    some.normalise(rollout_of(reward, none, none, train))
-    few.normalise(rollout_of(reward[:, :3], none[:, :3], none[:, :3]))
+    some.normalize(rollout_of(reward, none, none, train))
+    few.normalize(rollout_of(reward[:, :3], none[:, :3], none[:, :3]))
     assert some.scale == pytest.approx(few.scale) and some.scale < 10
 
 
@@ -95,7 +95,7 @@ def test_opponents_share_a_scale():
     ours = RewardScale((2, 2), GAMMA)
     rollout = rollout_of(np.ones((3, 2)), np.zeros((3, 2), bool), np.zeros((3, 2), bool))
     rollout.reward = torch.tensor([[[1.0, -1.0]] * 2] * 3)
-    assert ours.normalise(rollout).reward.shape == (3, 2, 2) and ours.mean == 0.0
+    assert ours.normalize(rollout).reward.shape == (3, 2, 2) and ours.mean == 0.0
 
 
 class Rich(type(frontier())):
@@ -172,5 +172,7 @@ def test_compiled_rollouts_are_normalized_as_those_of_torch(monkeypatch):
 
 
 def test_students_that_learn_from_regret_refuse_it():
-    with pytest.raises(ValueError, match="students learn from regret, not from rewards: use norm_reward = off"):
+    with pytest.raises(
+        ValueError, match=r"students learn from regret, not from rewards: use norm_reward=False \(--no-norm-reward"
+    ):
         PairedLiteral(frontier(), NORMED)

@@ -198,6 +198,19 @@ class Infinite(Walk):
         return self.see(), float("inf"), False, False, {}
 
 
+class Unrewarded(SyncVectorEnv):
+    def step(self, actions):
+        seen, _, *rest = super().step(actions)
+        return seen, np.array([0.0, None]), *rest
+
+
+def test_a_reward_of_none_is_named():
+    upomdp = VectorUPOMDP(lambda count: Unrewarded([Walk] * count), "each", KINDS, 2)
+    upomdp.reset(seed=0)
+    with pytest.raises(LevelError, match=r"environment 1 returned None as its reward, not a number \(level: theta"):
+        upomdp.advance(np.zeros(2, int))
+
+
 @pytest.mark.parametrize(
     ("env", "message"),
     [

@@ -309,7 +309,9 @@ class GymUPOMDP(UPOMDP):
         if self.vectorization == "async":
             raise NotImplementedError('environments in other processes support no state; use vectorization="sync"')
         for env in self.vector.envs:
-            if isinstance(env.unwrapped, gymnasium.utils.EzPickle):  # Box2D, MuJoCo: a copy is made anew, without level
+            if isinstance(
+                env.unwrapped, gymnasium.utils.EzPickle
+            ):  # Box2D, MuJoCo: the copy is a new one, without level
                 raise NotImplementedError(f"{name_of(env)} cannot be copied: it is a gymnasium.utils.EzPickle")
         try:
             envs = copy.deepcopy(self.vector)

@@ -76,6 +76,8 @@ class LevelEnv(gymnasium.Wrapper):
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         try:
             observation, reward, terminated, truncated, info = self.env.step(action)
+            if reward is None:
+                raise ValueError("the reward must be a number, got None")
             _check_number("the reward", reward)
             for name in SUCCESS:
                 if name in info:

@@ -178,7 +178,10 @@ class VectorUPOMDP(UPOMDP):
             observations[ended] = self._final_observations(infos, ended)
             infos = infos.get("final_info", {})
         self._observations = observations
-        self._check_finite("a reward", np.asarray(rewards))
+        if (rows := np.asarray(rewards)).dtype == object and None in rows.tolist():  # would become NaN
+            index = rows.tolist().index(None)
+            raise LevelError(f"environment {index} returned None as its reward, not a number ({self._level(index)})")
+        self._check_finite("a reward", rows.astype(np.float64))
         self._check_finite("an observation", observations)
         info = {"success": self._success(infos, ended)}
         return observations.copy(), np.array(rewards, np.float64), terminated, truncated, info

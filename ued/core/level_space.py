@@ -115,6 +115,16 @@ class LevelSpace:
         rows = check_theta(theta, self.theta_dim)
         return np.ones(len(rows), bool) if self.theta_map is None else np.asarray(self.theta_map.valid(rows), bool)
 
+    @property
+    def may_reject(self) -> bool:
+        """Whether some θ may be invalid: a program, a family, `valid` or a subclass checks them."""
+        if type(self).valid is not LevelSpace.valid:
+            return True
+        rows = self.theta_map
+        if not isinstance(rows, parameters.ThetaMap):
+            return rows is not None
+        return rows.check is not None or hasattr(rows.level_family or rows.program, "valid")
+
     def describe(self, theta: Any) -> list[dict[str, Any]]:
         """Return each row of θ `[N, D]` in the units of the program: N dicts from name to value."""
         rows = check_theta(theta, self.theta_dim)

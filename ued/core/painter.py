@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 
 
 class ScenePainter(Protocol):
@@ -20,9 +20,9 @@ class ScenePainter(Protocol):
 
     bounds: tuple[float, float, float, float]  # of initial positions: x low, x high, y low, y high
     reach: tuple[float, float, float, float]  # of positions during an episode, in the same order
-    background: Colour
-    line_colour: Colour
-    markers: Sequence[tuple[str, Colour, float]]  # by class: name, color, radius (m)
+    background: Color
+    line_color: Color
+    markers: Sequence[tuple[str, Color, float]]  # by class: name, color, radius (m)
     classes: np.ndarray  # [K] the class of each point of a scene
     focus: int  # index of the point that represents a level on maps
 
@@ -34,6 +34,11 @@ class ScenePainter(Protocol):
 
     def frame(self, env: Any) -> np.ndarray:
         """Return the current points of the first environment of `env`: `[K, 2]`."""
+
+
+def line_color_of(painter: ScenePainter) -> Color:
+    """Return the color of a painter's ground lines; older painters of users call it `line_colour`."""
+    return painter.line_color if hasattr(painter, "line_color") else painter.line_colour  # type: ignore[attr-defined]
 
 
 def tiles_of(painter: ScenePainter) -> np.ndarray:

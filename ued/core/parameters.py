@@ -244,7 +244,7 @@ class ThetaMap:
         self.seeds = theta if isinstance(theta, Seeds) else None
         if valid is not None and not callable(valid):
             raise ValueError(f"valid must be a function of a level's values, got {valid!r}")
-        self._valid = None if valid is None else partial(call, "valid", valid)
+        self.check = None if valid is None else partial(call, "valid", valid)
         if isinstance(theta, int):
             if theta < 0:
                 raise ValueError(f"theta_dim must be 0 or more, got {theta}")
@@ -267,9 +267,9 @@ class ThetaMap:
         """Return which rows of θ `[n, D]` are valid: bool `[n]`."""
         check = getattr(self.level_family if self.program is None else self.program, "valid", None)
         good = np.ones(len(theta), bool) if check is None else np.array(check(theta), bool)
-        if self._valid is not None:
+        if self.check is not None:
             for row in np.flatnonzero(good):
-                good[row] = bool(self._valid(self.values(theta[row])))
+                good[row] = bool(self.check(self.values(theta[row])))
         return good
 
     def values(self, row: np.ndarray) -> Any:

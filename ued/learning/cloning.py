@@ -100,7 +100,7 @@ class Cloner(Resumable):
 
     def __init__(self, student: Student, config: CloningConfig, generator: torch.Generator) -> None:
         if student.memory_width:
-            raise ValueError("cloning supports no memory: use a student with memory = none")
+            raise ValueError("cloning supports no memory: use a student with memory='none' (--ppo.memory none)")
         self.student, self.config, self.generator = student, config, generator
         self.optimizer = Adam(student.parameters(), config.learning_rate, 1e-5)
         self.weights = torch.ones(num_actions(student))

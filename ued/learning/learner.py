@@ -57,7 +57,7 @@ class Learner:
         scripted: bool = False,
     ) -> None:
         if upomdp.individual_rewards and config.critic == "central":
-            raise ValueError("opponents have different values, so they need critic = own")
+            raise ValueError("opponents have different values, so they need critic='own' (--critic own)")
         weights, actions, minibatches = (torch_generator(seeds.next()) for _ in range(3))
         self.name, self.upomdp, self.config = name, upomdp, config
         spaces, agents = (upomdp.agent_observation_space, upomdp.agent_action_space), upomdp.num_agents
@@ -115,7 +115,7 @@ class Learner:
         """Compute advantages; return the critic's statistics of the E episodes that ended, `[E]` by name."""
         discounts, rollout = (self.config.gamma, self.config.gae_lambda), self.rollout
         if self.rewards is not None:
-            rollout = self.rewards.normalise(rollout)
+            rollout = self.rewards.normalize(rollout)
         self.advantages = gae(rollout, *discounts)  # [T, N]
         negative = negative_advantages(rollout, *discounts) if self.values.negative else None
         if self.rewards is not None:  # scores are in units of raw returns

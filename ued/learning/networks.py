@@ -155,11 +155,11 @@ def linear(inputs: int, outputs: int, gain: float, generator: torch.Generator, p
         layer = nn.utils.skip_init(nn.Linear, inputs, outputs)
     else:
         layer = nn.utils.skip_init(Linears, inputs, outputs, policies)
-    initialise(layer, gain, generator, policies)
+    initialize(layer, gain, generator, policies)
     return layer
 
 
-def initialise(layer: nn.Linear | nn.Conv2d, gain: float, generator: torch.Generator, policies: int) -> None:
+def initialize(layer: nn.Linear | nn.Conv2d, gain: float, generator: torch.Generator, policies: int) -> None:
     """Give each policy's share of a layer orthogonal weights scaled by `gain`, and zero bias."""
     for own in layer.weight.data.chunk(policies):
         nn.init.orthogonal_(own, gain, generator=generator)
@@ -225,7 +225,7 @@ def convolutions(
     for outputs, kernel, stride in CONVOLUTIONS if min(height, width) >= LARGE else small:
         sizes = policies * channels, policies * outputs, kernel, stride
         layer = nn.utils.skip_init(nn.Conv2d, *sizes, groups=policies)
-        initialise(layer, math.sqrt(2), generator, policies)
+        initialize(layer, math.sqrt(2), generator, policies)
         layers += [layer, nn.ReLU()]
         channels, height, width = outputs, (height - kernel) // stride + 1, (width - kernel) // stride + 1
     features = channels * height * width

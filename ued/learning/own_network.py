@@ -36,7 +36,7 @@ def own_torso(space: Space, config: PPOConfig, generator: torch.Generator, team:
     """
     name = config.network
     if team.policies > 1:
-        raise OwnCodeError(f"network = {name} supports one policy: several agents need team = shared")
+        raise OwnCodeError(f"the network {name} supports one policy: several agents need team='shared' (--team shared)")
     made = load(name)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(int(torch.randint(2**62, (1,), generator=generator)))

@@ -47,7 +47,7 @@ class RewardScale(Resumable):
         """Discard the open episodes, after a reset of all environments."""
         self.returns[:] = 0.0
 
-    def normalise(self, rollout: Rollout) -> Rollout:
+    def normalize(self, rollout: Rollout) -> Rollout:
         """Return a rollout with normalized rewards, step by step; each step first updates the statistics."""
         rewards = rollout.reward.numpy()  # [T, N] or [T, N, A]
         train, terminated, ended = (

@@ -329,8 +329,8 @@ class Student(nn.Module):
         with np.errstate(over="ignore"):  # a box as wide as its type has no bounds
             bounded = np.isfinite(high - low)
         bottom, top = np.where(bounded, low, -1.0), np.where(bounded, high, 1.0)
-        centre, reach = (bottom + top) / 2, (top - bottom) / 2
-        scaled = np.clip(centre + reach * array, low, high)
+        center, reach = (bottom + top) / 2, (top - bottom) / 2
+        scaled = np.clip(center + reach * array, low, high)
         return (np.rint(scaled) if np.issubdtype(space.dtype, np.integer) else scaled).astype(space.dtype)
 
 

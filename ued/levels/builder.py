@@ -193,6 +193,11 @@ def ppo_settings(config: AdversaryConfig, steps: int) -> PPOConfig:
     )
 
 
+def builder_setting(kind: str) -> str:
+    """Return the setting for this builder, as it is typed in Python and on the command line."""
+    return f"builder={kind!r} (--METHOD.adversary.builder {kind})"
+
+
 def _check(builder: LevelBuilder) -> int:
     """Return the size of a builder's observations. Raises `ValueError` for one that cannot be used."""
     name = type(builder).__name__
@@ -207,6 +212,7 @@ def _check(builder: LevelBuilder) -> int:
     if needed > machine_bytes():
         raise ValueError(
             f"a batch of {BATCH} levels of {builder.steps:_} steps, each observed as {shape[1]:_} numbers, needs "
-            f"{size(needed)}, this machine has {size(machine_bytes())}; build smaller levels, or use builder = direct"
+            f"{size(needed)}, this machine has {size(machine_bytes())}; build smaller levels, or use "
+            f"{builder_setting('direct')}"
         )
     return shape[1]

@@ -168,16 +168,16 @@ def _clusters(data: np.ndarray, counts: Sequence[int], rng: np.random.Generator)
 
     k-means with k-means++ initialization. Rows equally close to two clusters belong to both.
     """
-    centres, starts = _far_apart(data, counts, rng), np.array([0, *counts]).cumsum()[:-1]  # [K, D]
-    share = np.zeros((len(centres), len(data)))
+    centers, starts = _far_apart(data, counts, rng), np.array([0, *counts]).cumsum()[:-1]  # [K, D]
+    share = np.zeros((len(centers), len(data)))
     for _ in range(MOST_STEPS):
-        distance = 0.5 * (centres**2).sum(1)[:, None] - centres @ data.T  # half the squared distance + a row constant
+        distance = 0.5 * (centers**2).sum(1)[:, None] - centers @ data.T  # half the squared distance + a row constant
         mine = distance == np.repeat(np.minimum.reduceat(distance, starts), counts, 0)
         before, share = share, mine / np.repeat(np.add.reduceat(mine, starts, dtype=float), counts, 0)
         if (share == before).all():
             break
         total = share.sum(1)[:, None]
-        centres = np.where(total > 0, share @ data / np.maximum(total, 1), centres)
+        centers = np.where(total > 0, share @ data / np.maximum(total, 1), centers)
     return share
 
 

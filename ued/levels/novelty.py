@@ -69,10 +69,10 @@ class Coverage(Resumable):
         """Return -log p of pairs `[n, D]` in nats, for columns in the scale of the window: `[n]`. Needs a mixture."""
         assert self.mixture is not None
         parts = {name: part.astype(np.float32) for name, part in self.mixture.items()}  # half the time of float64
-        centre, scale = parts.pop("center"), parts.pop("scale")
+        center, scale = parts.pop("center"), parts.pop("scale")
         mixture, rows = GaussianMixture(**parts), max(1, BLOCK // pairs.shape[1])
         blocks = [pairs[start : start + rows] for start in range(0, len(pairs), rows)]
-        return np.concatenate([_unlikelihood(_log_densities(mixture, _scaled(each, centre, scale))) for each in blocks])
+        return np.concatenate([_unlikelihood(_log_densities(mixture, _scaled(each, center, scale))) for each in blocks])
 
     def refit(self) -> None:
         """Refit the mixture to the window after `fit_every` updates, or when the number of updates has doubled."""
@@ -80,15 +80,15 @@ class Coverage(Resumable):
         counts = [count for count in COUNTS if count <= most]
         if not counts or self.updates - self.fitted < max(1, min(self.config.fit_every, self.fitted)):
             return
-        centre = self.pairs.mean(0)
+        center = self.pairs.mean(0)
         scale = np.maximum(self.pairs.std(0), LEAST_SCALE * np.ptp(self.pairs, 0))
         scale[scale == 0] = 1.0  # constant columns
-        rows = _scaled(self.pairs, centre, scale).astype(np.float64)
+        rows = _scaled(self.pairs, center, scale).astype(np.float64)
         mixtures = fit(rows, counts, self.rng, False, REGULARISER)
         judged = rows[self.rng.permutation(len(rows))[:JUDGED]]
         best = max(mixtures, key=lambda mixture: silhouette(judged, _nearest(mixture, judged)))
         found = {name: getattr(best, name) for name in ("weights", "means", "covariances")}
-        self.mixture, self.fitted = found | {"center": centre, "scale": scale}, self.updates
+        self.mixture, self.fitted = found | {"center": center, "scale": scale}, self.updates
 
 
 class EpisodeNovelty(EpisodeValues):
@@ -183,8 +183,8 @@ def _nearest(mixture: GaussianMixture, rows: np.ndarray) -> np.ndarray:
     return mixture.log_densities(products_of(rows, False)).argmax(0)
 
 
-def _scaled(pairs: np.ndarray, centre: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    rows = pairs - centre
+def _scaled(pairs: np.ndarray, center: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    rows = pairs - center
     rows *= 1 / scale
     return np.clip(rows, -CLIP, CLIP, out=rows)
 

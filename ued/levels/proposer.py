@@ -22,7 +22,7 @@ from ued.core.families import LevelFamily
 from ued.core.level_space import LevelSpace
 from ued.core.parameters import cells_in, family_columns
 from ued.levels.adversary import Adversary, Proposals
-from ued.levels.builder import Builder
+from ued.levels.builder import Builder, builder_setting
 
 
 class Proposer(Protocol):
@@ -94,8 +94,8 @@ def make_adversary(
     if family is None:
         if kind == "steps":
             raise ValueError(
-                "builder = steps needs levels of a LevelFamily with a `builder`; these are vectors of parameters, so "
-                "use builder = direct"
+                "the builder 'steps' needs levels of a LevelFamily with a `builder`; these are vectors of parameters, "
+                f"so use {builder_setting('direct')}"
             )
         return Adversary(space.parameters, config, generator, context_size, space.program_parameters)
     builder = getattr(family, "builder", None)
@@ -103,7 +103,10 @@ def make_adversary(
         if builder is None:
             raise ValueError(_lacking(family, "steps", "builder"))
         if context_size is not None:
-            raise ValueError("an adversary that builds levels starts from a random vector; use context = random")
+            raise ValueError(
+                "an adversary that builds levels starts from a random vector; use context='random' "
+                "(--METHOD.adversary.context random)"
+            )
         return Builder(builder, config, generator)
     if family_columns(family) is None:
         raise ValueError(_lacking(family, kind, "parameters"))
@@ -116,7 +119,7 @@ def _lacking(family: LevelFamily, kind: str, lacks: str) -> str:
     other = {"builder": "parameters", "parameters": "builder"}[lacks]
     if getattr(family, other, None) is not None:
         right = {"builder": "direct", "parameters": "steps"}[lacks]
-        return f"builder = {kind} needs a `{lacks}` of {name}, which has none; use builder = {right}"
+        return f"the builder {kind!r} needs a `{lacks}` of {name}, which has none; use {builder_setting(right)}"
     return (
         f"levels of {name} can be sampled and mutated, but not chosen by theta; use dr, plr, robust_plr, accel, "
         f"cenie, sfl or ncc, or give {name} `parameters`, the columns of its codes, or a `builder`, the steps in which "

@@ -23,7 +23,7 @@ class MethodRow:
         module: the file that holds it.
         class_name: the class in it, made with (upomdp, ppo, settings, seed).
         settings: creates its default settings.
-        title, colour: name and color in all figures.
+        title, color: name and color in all figures.
         paper: its source, or – without one.
         help: one line on how it chooses levels.
         steps: simulated steps per step that the student learns from, with the default settings.
@@ -35,7 +35,7 @@ class MethodRow:
     class_name: str
     settings: Callable[[], Any]
     title: str
-    colour: str
+    color: str
     paper: str
     help: str
     steps: str

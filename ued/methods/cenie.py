@@ -48,7 +48,9 @@ class CENIE(Method):
     def setup(self, config: CENIEConfig | None, seed: int) -> None:
         config = config or CENIEConfig()
         if config.base == "accel" and not self.upomdp.theta_dim:
-            raise ValueError("CENIE needs parameters to edit: the environment has none; use cenie.base = plr")
+            raise ValueError(
+                "CENIE needs parameters to edit: the environment has none; use base='plr' (--cenie.base plr)"
+            )
         columns = pair_columns(self.upomdp)
         self.curriculum = CENIECurriculum(self.upomdp, config, seed, self.budget, columns)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, drop_stale_proposals=False)

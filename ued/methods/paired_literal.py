@@ -35,9 +35,12 @@ class PairedLiteral(Method):
 
     def setup(self, config: PairedLiteralConfig | None, seed: int) -> None:
         if self.ppo.norm_reward:
-            raise ValueError("students learn from regret, not from rewards: use norm_reward = off, or method = paired")
+            raise ValueError(
+                "students learn from regret, not from rewards: use norm_reward=False (--no-norm-reward), or the method "
+                "paired"
+            )
         if self.upomdp.individual_rewards:
-            raise ValueError("regret is that of the first side, so opponents cannot learn from it: use method = paired")
+            raise ValueError("regret is that of the first side, so opponents cannot learn from it: use paired")
         self.config = PairedConfig(**vars(config or PairedLiteralConfig()), roles="dennis2020")
         self.curriculum = PairedCurriculum(self.upomdp, self.config, seed, self.budget)
         self.queue = LevelQueue(self.curriculum, self.upomdp.num_envs, max_lead=0)  # no new level within a rollout

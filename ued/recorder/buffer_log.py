@@ -55,7 +55,7 @@ class BufferLog:
         axis = rerun.Points2D(ends, labels=texts, radii=0.001, colors=(205, 210, 215), show_labels=True)
         self.stream.log("buffer/tree/axis", axis)
 
-    def _histogram(self, name: str, values: np.ndarray, colour: tuple[int, int, int]) -> None:
+    def _histogram(self, name: str, values: np.ndarray, color: tuple[int, int, int]) -> None:
         counts, edges = np.histogram(values, bins=BINS)
-        chart = rerun.BarChart(counts.astype(float), color=colour, **bars_between(edges, 0.92))
+        chart = rerun.BarChart(counts.astype(float), color=color, **bars_between(edges, 0.92))
         self.stream.log(f"buffer/{name}", chart)

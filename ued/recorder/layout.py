@@ -16,8 +16,8 @@ import numpy as np
 import rerun
 import rerun.blueprint as rrb
 
-from ued.core.painter import Colour, ScenePainter
-from ued.recorder.shades import SOURCE_COLOURS
+from ued.core.painter import Color, ScenePainter, line_color_of
+from ued.recorder.shades import SOURCE_COLORS
 from ued.recorder.writer import Writer
 
 PlayState = Literal["Paused", "Playing", "Following"]
@@ -26,13 +26,13 @@ Corner = Literal["LeftTop", "RightTop", "LeftBottom", "RightBottom"]
 TOP_LEVELS = 6  # slots of the Levels tab
 MAP_WIDTH, MAP_HEIGHT, MAP_GAP = 240.0, 120.0, 3.0  # of the densities over updates, in view units
 MAP_LEFT = 104.0  # room for labels beside them
-SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLOURS)
+SOURCES = tuple(f"/metrics/levels/{source}" for source in SOURCE_COLORS)
 ENTROPIES = ("/metrics/adversary/entropy", "/metrics/theta_entropy")
 BUFFERED = ("/metrics/buffer/score", "/metrics/buffer/generation")
 RETURNS, SCORE, TESTS = "/metrics/return_per_level/", "/metrics/score_per_level", "/metrics/eval/"
 PROGRAMS, CHOICES = "/metrics/program/", "/metrics/choice_ratio/"
 CURVES = (*SOURCES, *ENTROPIES, *BUFFERED, RETURNS, SCORE, TESTS, PROGRAMS, CHOICES)  # what views show
-DARK: Colour = (12, 12, 14)
+DARK: Color = (12, 12, 14)
 
 
 def layout(
@@ -85,9 +85,9 @@ def turn_y_up(stream: rerun.RecordingStream) -> None:
 
 def log_ground(stream: rerun.RecordingStream, root: str, painter: ScenePainter) -> None:
     """Write a painter's classes and static lines below `root`."""
-    infos = [rerun.AnnotationInfo(k, name, colour) for k, (name, colour, _) in enumerate(painter.markers)]
+    infos = [rerun.AnnotationInfo(k, name, color) for k, (name, color, _) in enumerate(painter.markers)]
     stream.log(root, rerun.AnnotationContext(infos), static=True)
-    strips = rerun.LineStrips2D(painter.lines(), colors=painter.line_colour, radii=0.12, draw_order=-8)
+    strips = rerun.LineStrips2D(painter.lines(), colors=line_color_of(painter), radii=0.12, draw_order=-8)
     stream.log(f"{root}/ground", strips, static=True)
 
 
@@ -106,7 +106,7 @@ def blueprint(views: Any, timeline: str, fps: float, play: PlayState = "Paused")
     )
 
 
-def plane_view(bounds: Sequence[float], background: Colour, name: str, *paths: str) -> Any:
+def plane_view(bounds: Sequence[float], background: Color, name: str, *paths: str) -> Any:
     """Return a view of these paths within bounds: x low, x high, y low, y high."""
     x_low, x_high, y_low, y_high = bounds
     return rrb.Spatial2DView(

@@ -44,7 +44,7 @@ from ued.recorder.film_log import FilmLog
 from ued.recorder.layout import TOP_LEVELS, layout, shown
 from ued.recorder.rows import MOVIE_SECONDS, Rows
 from ued.recorder.scene_log import Episodes, SceneLog
-from ued.recorder.shades import SCENE_COLOURS, SCORE_COLOUR, SOURCE_COLOURS, Colour, student_colour
+from ued.recorder.shades import SCENE_COLORS, SCORE_COLOR, SOURCE_COLORS, Color, student_color
 from ued.recorder.theta_log import ThetaLog
 from ued.recorder.writer import Writer, compact
 
@@ -171,10 +171,10 @@ class CurriculumRecorder:
         self.stream.send_property("config", rerun.AnyValues(**self.recording.properties))
         self._opened = True
         for index, student in enumerate(students):
-            self._look(f"metrics/return_per_level/{student}", student, student_colour(index))
-        self._look("metrics/score_per_level", "score", SCORE_COLOUR)
-        for source, colour in SOURCE_COLOURS.items():
-            looks = rerun.SeriesLines(colors=[colour], names=[source], widths=[2.0])
+            self._look(f"metrics/return_per_level/{student}", student, student_color(index))
+        self._look("metrics/score_per_level", "score", SCORE_COLOR)
+        for source, color in SOURCE_COLORS.items():
+            looks = rerun.SeriesLines(colors=[color], names=[source], widths=[2.0])
             self.stream.log(f"metrics/levels/{source}", looks, static=True)
         for path in ("levels/card", "teacher/aim", *(f"levels/{slot}" for slot in range(TOP_LEVELS))):
             markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
@@ -213,12 +213,12 @@ class CurriculumRecorder:
     def _look_of_scene(self, name: str) -> None:
         """Write the style of a test scene's curve with its first value: a color of its own, a wide line."""
         if name.startswith("eval/") and name not in self._scenes:
-            shade = SCENE_COLOURS[len(self._scenes) % len(SCENE_COLOURS)]
+            shade = SCENE_COLORS[len(self._scenes) % len(SCENE_COLORS)]
             self._scenes.add(name)
             looks = rerun.SeriesLines(colors=[shade], names=[name.removeprefix("eval/")], widths=[2.5])
             self.stream.log(rerun.new_entity_path(["metrics", *name.split("/")]), looks, static=True)
 
-    def _look(self, path: str, name: str, colour: Colour) -> None:
+    def _look(self, path: str, name: str, color: Color) -> None:
         """Write the style of a band."""
-        style = rerun.Measurements.from_fields(colors=[colour], names=[name], widths=[2.0])
+        style = rerun.Measurements.from_fields(colors=[color], names=[name], widths=[2.0])
         self.stream.log(path, style, static=True)

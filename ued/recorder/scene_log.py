@@ -20,7 +20,7 @@ from ued.recorder.shades import CALM_TO_RED, INFERNO, ramp, smooth, unit
 
 HEAT_CELL = 2.0  # m
 HEAT_MEMORY = 0.85  # decay of the heat map per update
-MARK_COLOUR = (235, 235, 235)  # of starts and ends
+MARK_COLOR = (235, 235, 235)  # of starts and ends
 END_SIZE = 0.55  # size of end points relative to start points
 FILLING_RADIUS = 0.31  # of a line that fills a square from -1 to 1, as Rerun has no filled squares
 FILLING = 0.23 * np.array([(-3, -3), (3, -3), (3, -1), (-3, -1), (-3, 1), (3, 1), (3, 3), (-3, 3)])  # its points
@@ -62,7 +62,7 @@ class SceneLog:
 
     def __init__(self, stream: rerun.RecordingStream, painter: ScenePainter) -> None:
         self.stream, self.painter = stream, painter
-        self._colours = np.array([colour for _, colour, _ in painter.markers], np.uint8)[painter.classes]  # [K, 3]
+        self._colors = np.array([color for _, color, _ in painter.markers], np.uint8)[painter.classes]  # [K, 3]
         self._radii = np.array([radius for _, _, radius in painter.markers])[painter.classes]  # [K]
         self._tiles, self._trails = tiles_of(painter), trails_of(painter)  # [K]
         x_low, x_high, y_low, y_high = painter.bounds
@@ -125,13 +125,13 @@ class SceneLog:
         """Write the whole paths of a student's episodes, with the start and the labeled end of each."""
         root, parts = f"scene/rollout/{student}/path", episodes.parts()
         strips = [strip for part in parts for strip in part[:, self._trails].transpose(1, 0, 2)]
-        colours = np.tile(self._colours[self._trails], (len(parts), 1))
-        self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colours, radii=0.2))
+        colors = np.tile(self._colors[self._trails], (len(parts), 1))
+        self.stream.log(f"{root}/lines", rerun.LineStrips2D(strips, colors=colors, radii=0.2))
         self.stream.log(f"{root}/start", rerun.Points2D.from_fields(positions=self._moving(parts[0][0])))
         ends = np.concatenate([part[-1, self._trails] for part in parts])
         radii = np.tile(self._radii[self._trails] * END_SIZE, len(parts))
         self._log_tiles(root, parts[0][0])
-        self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colours, radii=radii, show_labels=False))
+        self.stream.log(f"{root}/end", rerun.Points2D(ends, colors=colors, radii=radii, show_labels=False))
         self._log_marks(root, parts, episodes.ended())
         self.stream.log(f"rollouts/{student}", rerun.TextDocument.from_fields(text=episodes.card()))
 
@@ -145,13 +145,13 @@ class SceneLog:
         texts = [f"start {', '.join(numbers)}" if len(starts) > 1 else "start" for numbers in starts.values()]
         texts += [f"end {k}: {end}" if many else f"end: {end}" for k, end in enumerate(ended, start=1)]
         places = np.array([*starts, *(part[-1, focus] for part in parts)])
-        marks = rerun.Points2D(places, colors=MARK_COLOUR, radii=0.35, draw_order=40)
+        marks = rerun.Points2D(places, colors=MARK_COLOR, radii=0.35, draw_order=40)
         self.stream.log(f"{root}/marks", marks)
         below = spread(places, texts, self.painter.reach)
-        labels = rerun.Points2D(below, labels=texts, colors=MARK_COLOUR, radii=0.001, show_labels=True, draw_order=41)
+        labels = rerun.Points2D(below, labels=texts, colors=MARK_COLOR, radii=0.001, show_labels=True, draw_order=41)
         self.stream.log(f"{root}/labels", labels)
         leaders = np.stack([places, below], 1)[np.abs(places - below).max(1) > 0]  # [m, 2, 2], of those that moved
-        lines = rerun.LineStrips2D(leaders, colors=(*MARK_COLOUR, 150), radii=0.1, draw_order=39)
+        lines = rerun.LineStrips2D(leaders, colors=(*MARK_COLOR, 150), radii=0.1, draw_order=39)
         self.stream.log(f"{root}/leaders", lines)
 
     def _marked(self, parts: Sequence[np.ndarray]) -> int:
@@ -186,7 +186,7 @@ class SceneLog:
         shown = self._tiles & np.isfinite(places).all(1)
         strips = places[shown, None] + self._radii[shown, None, None] * FILLING  # [n, 8, 2]
         radii = self._radii[shown] * FILLING_RADIUS
-        tiles = rerun.LineStrips2D(strips, colors=self._colours[shown], radii=radii, draw_order=-6)
+        tiles = rerun.LineStrips2D(strips, colors=self._colors[shown], radii=radii, draw_order=-6)
         self.stream.log(f"{root}/tiles", tiles)
 
     def _looks(self) -> Any:

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from ued.core.painter import Colour
+from ued.core.painter import Color
 
-STUDENT_COLOURS: tuple[Colour, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
-SCORE_COLOUR: Colour = (255, 82, 82)
-SCENE_COLOURS: tuple[Colour, ...] = (  # of test scenes, on a dark background: Okabe and Ito 2008, lightened
+STUDENT_COLORS: tuple[Color, ...] = ((66, 165, 245), (255, 152, 0), (186, 104, 200), (102, 187, 106))
+SCORE_COLOR: Color = (255, 82, 82)
+SCENE_COLORS: tuple[Color, ...] = (  # of test scenes, on a dark background: Okabe and Ito 2008, lightened
     (86, 180, 233),
     (230, 159, 0),
     (0, 205, 150),
@@ -24,14 +24,14 @@ SCENE_COLOURS: tuple[Colour, ...] = (  # of test scenes, on a dark background: O
     (235, 235, 235),
     (150, 130, 255),
 )
-SOURCE_COLOURS: dict[str, Colour] = {  # of levels, by source
+SOURCE_COLORS: dict[str, Color] = {  # of levels, by source
     "random": (158, 158, 158),
     "proposed": (66, 165, 245),
     "replaced": (186, 104, 200),
     "replayed": (255, 152, 0),
     "edited": (102, 187, 106),
 }
-INFERNO: tuple[Colour, ...] = (
+INFERNO: tuple[Color, ...] = (
     (0, 0, 4),
     (40, 11, 84),
     (101, 21, 110),
@@ -41,12 +41,12 @@ INFERNO: tuple[Colour, ...] = (
     (250, 193, 39),
     (252, 255, 164),
 )
-CALM_TO_RED: tuple[Colour, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
+CALM_TO_RED: tuple[Color, ...] = ((176, 190, 178), (255, 213, 79), (255, 112, 67), (255, 45, 45))
 
 
-def student_colour(index: int) -> Colour:
+def student_color(index: int) -> Color:
     """Return the color of a student by its number; those of large populations repeat."""
-    return STUDENT_COLOURS[index % len(STUDENT_COLOURS)]
+    return STUDENT_COLORS[index % len(STUDENT_COLORS)]
 
 
 def unique_names(draws: Sequence[Any]) -> list[str]:
@@ -55,7 +55,7 @@ def unique_names(draws: Sequence[Any]) -> list[str]:
     return [name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}" for k, name in enumerate(names)]
 
 
-def ramp(share: np.ndarray, table: Sequence[Colour]) -> np.ndarray:
+def ramp(share: np.ndarray, table: Sequence[Color]) -> np.ndarray:
     """Return the colors uint8 `[..., 3]` of numbers in [0, 1], by interpolation in a table of equally spaced colors."""
     rows = np.array(table, float)  # [C, 3]
     place = np.clip(np.nan_to_num(share), 0, 1) * (len(rows) - 1)

@@ -108,10 +108,10 @@ class ThetaLog:
         options = np.bincount(known.index(theta), minlength=known.count)
         return options[np.arange(BINS) * known.count // BINS]
 
-    def _bars(self, d: int, count: int, width: float, colour: tuple[int, ...]) -> dict[str, Any]:
+    def _bars(self, d: int, count: int, width: float, color: tuple[int, ...]) -> dict[str, Any]:
         """Return places, widths and color of `count` bars of a column."""
         edges = np.linspace(*self._range(d), count + 1)  # for a choice, one bar per option
-        return bars_between(edges, width) | {"color": colour}
+        return bars_between(edges, width) | {"color": color}
 
     def record_densities(self, update: int, growth: float = MAP_GROWTH) -> None:
         """Write the densities of all columns of θ over updates, stacked in one view.

@@ -20,12 +20,12 @@ import numpy as np
 from regista.envs.football.constants import GK, GOAL_HALF_WIDTH, HALF_LENGTH, HALF_WIDTH, LEFT, NOBODY, STEP
 from regista.envs.football.view.render import (
     GOAL_DEPTH,
-    LEFT_COLOUR,
-    LEFT_KEEPER_COLOUR,
+    LEFT_COLOR,
+    LEFT_KEEPER_COLOR,
     PENALTY_SPOT,
-    RIGHT_COLOUR,
-    RIGHT_KEEPER_COLOUR,
-    Colour,
+    RIGHT_COLOR,
+    RIGHT_KEEPER_COLOR,
+    Color,
     pitch_lines,
 )
 from ued.core.files import partial_of
@@ -52,11 +52,11 @@ BODY = 1.3  # m, radius of a player, larger than life
 BALL = 0.55  # m, likewise
 RISE = 0.55  # m that the ball is drawn higher per meter of its height
 GROWTH = 0.12  # by which it is drawn larger per meter of height
-GRASS: tuple[Colour, Colour] = ((46, 125, 66), (54, 137, 74))
-CHALK: Colour = (232, 240, 232)
-DARK: Colour = (18, 24, 20)
-MARKED: Colour = (255, 235, 59)  # players moved by agents
-CARD: Colour = (255, 214, 0)
+GRASS: tuple[Color, Color] = ((46, 125, 66), (54, 137, 74))
+CHALK: Color = (232, 240, 232)
+DARK: Color = (18, 24, 20)
+MARKED: Color = (255, 235, 59)  # players moved by agents
+CARD: Color = (255, 214, 0)
 
 
 def draw_match(match: Any) -> np.ndarray:
@@ -163,8 +163,8 @@ class _Palette:
     def _of_keys(self) -> Image:
         from PIL import Image
 
-        colours = np.concatenate([key.reshape(1, -1, 3) for key in self.keys], 1)
-        return Image.fromarray(colours).quantize(256, Image.Quantize.MAXCOVERAGE)
+        colors = np.concatenate([key.reshape(1, -1, 3) for key in self.keys], 1)
+        return Image.fromarray(colors).quantize(256, Image.Quantize.MAXCOVERAGE)
 
 
 def _write_mp4(path: Path, first: np.ndarray, rest: Iterable[np.ndarray], rate: float) -> None:
@@ -197,10 +197,10 @@ def _at(x: float, y: float) -> tuple[float, float]:
     return (x + HALF_LENGTH + BORDER) * SCALE, (HALF_WIDTH + BORDER - y) * SCALE + BAR
 
 
-def _disc(draw: ImageDraw, centre: tuple[float, float], radius: float, **colours: Any) -> None:
+def _disc(draw: ImageDraw, center: tuple[float, float], radius: float, **colors: Any) -> None:
     """Draw a disc with center and radius in pixels."""
-    x, y = centre
-    draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colours)
+    x, y = center
+    draw.ellipse((x - radius, y - radius, x + radius, y + radius), **colors)
 
 
 @cache
@@ -244,7 +244,7 @@ def _draw_net(draw: ImageDraw, side: int) -> None:
 def _draw_player(draw: ImageDraw, player: Any) -> None:
     x, y = _at(player["x"], player["y"])
     radius = BODY * SCALE
-    shirts = (LEFT_COLOUR, RIGHT_COLOUR), (LEFT_KEEPER_COLOUR, RIGHT_KEEPER_COLOUR)
+    shirts = (LEFT_COLOR, RIGHT_COLOR), (LEFT_KEEPER_COLOR, RIGHT_KEEPER_COLOR)
     shirt = shirts[int(player["role"] == GK)][0 if player["team"] == LEFT else 1]
     _disc(draw, (x + 0.25 * SCALE, y + 0.3 * SCALE), radius, fill=(36, 98, 52))  # shadow
     if player["agent"] != NOBODY:
@@ -277,17 +277,17 @@ def _draw_bar(draw: ImageDraw, match: Any) -> None:
     font, middle = _font(round(0.6 * BAR)), BAR / 2
     seconds = int(match["step"] * STEP)
     draw.text((WIDTH / 2, middle), f"{match['score'][0]} : {match['score'][1]}", fill=CHALK, font=font, anchor="mm")
-    for side, colour in ((-1, LEFT_COLOUR), (1, RIGHT_COLOUR)):
-        _disc(draw, (WIDTH / 2 + side * 1.6 * BAR, middle), 0.25 * BAR, fill=colour)
+    for side, color in ((-1, LEFT_COLOR), (1, RIGHT_COLOR)):
+        _disc(draw, (WIDTH / 2 + side * 1.6 * BAR, middle), 0.25 * BAR, fill=color)
     clock = f"{seconds // 60}:{seconds % 60:02d}"
     draw.text((0.4 * BAR, middle), clock, fill=CHALK, font=font, anchor="lm")
     event = {1: "goal, left", -1: "goal, right"}.get(int(match["goal"]), MODES[int(match["game_mode"])])
     draw.text((WIDTH - 0.4 * BAR, middle), event, fill=MARKED, font=font, anchor="rm")
 
 
-def _faded(colour: Colour) -> Colour:
+def _faded(color: Color) -> Color:
     """Draw a player on the ground."""
-    return tuple(round(0.55 * part + 0.45 * grass) for part, grass in zip(colour, GRASS[0], strict=True))  # type: ignore[return-value]
+    return tuple(round(0.55 * part + 0.45 * grass) for part, grass in zip(color, GRASS[0], strict=True))  # type: ignore[return-value]
 
 
 @cache

@@ -27,23 +27,23 @@ if TYPE_CHECKING:
 
     from regista.envs.football.scenic.lineup import Lineup
 
-Colour = tuple[int, int, int]
+Color = tuple[int, int, int]
 
-LEFT_COLOUR: Colour = (66, 165, 245)
-RIGHT_COLOUR: Colour = (239, 83, 80)
-LEFT_KEEPER_COLOUR: Colour = (128, 203, 196)
-RIGHT_KEEPER_COLOUR: Colour = (255, 202, 40)
-BALL_COLOUR: Colour = (255, 255, 255)
-GRASS: Colour = (24, 58, 36)
-CHALK: Colour = (214, 226, 214)
+LEFT_COLOR: Color = (66, 165, 245)
+RIGHT_COLOR: Color = (239, 83, 80)
+LEFT_KEEPER_COLOR: Color = (128, 203, 196)
+RIGHT_KEEPER_COLOR: Color = (255, 202, 40)
+BALL_COLOR: Color = (255, 255, 255)
+GRASS: Color = (24, 58, 36)
+CHALK: Color = (214, 226, 214)
 
 # Markers: name, color, radius in meters, larger than life. The classes of `FootballPainter` are indices into it.
 MARKERS = (
-    ("left team", LEFT_COLOUR, 1.1),
-    ("left keeper", LEFT_KEEPER_COLOUR, 1.1),
-    ("right team", RIGHT_COLOUR, 1.1),
-    ("right keeper", RIGHT_KEEPER_COLOUR, 1.1),
-    ("ball", BALL_COLOUR, 0.7),
+    ("left team", LEFT_COLOR, 1.1),
+    ("left keeper", LEFT_KEEPER_COLOR, 1.1),
+    ("right team", RIGHT_COLOR, 1.1),
+    ("right keeper", RIGHT_KEEPER_COLOR, 1.1),
+    ("ball", BALL_COLOR, 0.7),
 )
 LEFT_PLAYER, LEFT_KEEPER, RIGHT_PLAYER, RIGHT_KEEPER, BALL = range(5)
 
@@ -77,8 +77,8 @@ class FootballPainter:
     """
 
     background = GRASS
-    line_colour = CHALK
-    markers: Sequence[tuple[str, Colour, float]] = MARKERS
+    line_color = CHALK
+    markers: Sequence[tuple[str, Color, float]] = MARKERS
     reach = (-HALF_LENGTH - MARGIN, HALF_LENGTH + MARGIN, -HALF_WIDTH - MARGIN, HALF_WIDTH + MARGIN)
 
     def __init__(self, lineup: Lineup) -> None:
@@ -159,7 +159,7 @@ def _arc(x: float, radius: float, start: float, end: float) -> np.ndarray:
 NOSE = 3.2  # m, length of a heading from the center of a player
 PAPER_GRASS = "#f3f6f2"
 PAPER_CHALK = "#b9c6bb"
-PAPER_COLOURS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light background
+PAPER_COLORS = ("#1f77d0", "#3aa79b", "#d9413d", "#e5a50a", "#222222")  # of MARKERS, for a light background
 
 
 def draw_pitch(axes: Axes, bounds: tuple[float, float, float, float]) -> None:
@@ -180,11 +180,11 @@ def draw_headings(axes: Axes, places: np.ndarray, facing: np.ndarray, classes: n
     """Draw where players at `places` `[K, 2]` face, unit vectors `[P, 2]`; `classes` `[K]` index MARKERS."""
     for place, ahead, kind in zip(places, facing, classes, strict=False):
         x, y = np.stack([place, place + NOSE * ahead], 1)
-        axes.plot(x, y, color=PAPER_COLOURS[kind], linewidth=1.6, zorder=2, solid_capstyle="round")
+        axes.plot(x, y, color=PAPER_COLORS[kind], linewidth=1.6, zorder=2, solid_capstyle="round")
 
 
 def draw_scene(axes: Axes, places: np.ndarray, classes: np.ndarray, dots: float = 60.0) -> None:
     """Draw players and ball at `places` `[K, 2]`; `classes` `[K]` index MARKERS, `dots` is the size in points²."""
-    colours = [PAPER_COLOURS[kind] for kind in classes]
+    colors = [PAPER_COLORS[kind] for kind in classes]
     sizes = np.where(classes == BALL, 0.3 * dots, dots)
-    axes.scatter(places[:, 0], places[:, 1], s=sizes, c=colours, edgecolors="white", linewidths=0.7, zorder=3)
+    axes.scatter(places[:, 0], places[:, 1], s=sizes, c=colors, edgecolors="white", linewidths=0.7, zorder=3)

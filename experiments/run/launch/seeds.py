@@ -15,6 +15,7 @@ from regista.experiments.run.folder import RunFolder
 from regista.experiments.run.launch.signals import StopRequest
 from regista.experiments.run.launch.variants import Variant
 from regista.experiments.run.launch.workers import LaunchConfig, train_unfinished
+from regista.experiments.run.progress import counted
 from ued.config import FineTuningConfig
 
 
@@ -55,5 +56,5 @@ def train_together(runs: Sequence[RunFolder], how: LaunchConfig) -> int:
         trained = train_unfinished(runs, how, stop)
     if trained:
         names = dict.fromkeys(f"{run.path.parent / run.name}-*" for run in runs)
-        print(f"{len(runs)} runs finished; evaluate them: regista evaluate {' '.join(names)}")
+        print(f"{counted(len(runs), 'run')} finished; evaluate them: regista evaluate {' '.join(names)}")
     return stop.exit_code

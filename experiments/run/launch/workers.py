@@ -24,7 +24,7 @@ from typing import Any, Literal, Protocol, TextIO
 
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.launch.signals import PARENT, StopRequest, end_with, held_back
-from regista.experiments.run.progress import Progress
+from regista.experiments.run.progress import Progress, counted
 from ued.config import Checked, most_threads, setting
 
 POLL_SECONDS = 1.0  # between reads of the tables, which take processor time from training
@@ -110,11 +110,11 @@ def train_unfinished(runs: Sequence[Job], how: LaunchConfig, stop: StopRequest, 
         return not unfinished
     if how.launcher == "commands":
         print("\n".join(map(command_line, unfinished)))
-        say = f"{len(unfinished)} of {len(runs)} runs to train; then run the same command again"
+        say = f"{len(unfinished)} of {counted(len(runs), 'run')} to train; then run the same command again"
         print(say, file=how.messages, flush=True)
         return False
     most = how.at_a_time(unfinished[0].config.threads, len(unfinished))
-    print(f"{len(runs)} runs, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
+    print(f"{counted(len(runs), 'run')}, {len(runs) - len(unfinished)} finished; {most} at a time", flush=True)
     train_all(unfinished, most, stop, how.launcher, over)
     if stop:
         print("continue with the same command; finished runs are skipped")
@@ -162,7 +162,7 @@ def train_all(runs: Sequence[Job], most: int, stop: StopRequest, launcher: str =
     finally:  # leave no child processes
         pool.ask(active)
         pool.close(active)
-    progress.finish(f"{len(runs)} runs trained" if not stop else "stopped")
+    progress.finish(f"{counted(len(runs), 'run')} trained" if not stop else "stopped")
 
 
 def _trained(run: Job) -> int:

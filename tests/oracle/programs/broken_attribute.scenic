@@ -2,4 +2,4 @@
 #! kind: error
 #! tags: unknown attribute of an object
 ego = new Object at 3 @ 4
-param c = ego.colour
+param c = ego.paint

@@ -1,9 +1,9 @@
 #! id: classes_with_defaults
 #! kind: static
 #! tags: classes, inheritance, random and dependent defaults
-#! props: colour,weight,reach; n: 500
+#! props: paint,weight,reach; n: 500
 class Marker:
-    colour: Uniform('red', 'blue')
+    paint: Uniform('red', 'blue')
     weight: Range(1, 3)
     reach: self.weight * 2
     requireVisible: False
@@ -12,4 +12,4 @@ class HeavyMarker(Marker):
     width: Range(1, 2)
 ego = new Marker at 0 @ 0
 b = new Marker at 10 @ 0, with weight 7
-c = new HeavyMarker at 20 @ 0, with colour 'green'
+c = new HeavyMarker at 20 @ 0, with paint 'green'
