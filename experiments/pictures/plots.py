@@ -45,8 +45,19 @@ OTHER_COLOUR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of what is no method
 MARKERS = {  # of methods' curves
-    **{"dr": "o", "paired": "s", "plr": "^", "robust_plr": "D", "accel": "v", "sfl": "P", "minimax": "X"},
-    **{"paired_literal": "<", "self_regret": "*", "repaired": "p", "cenie": ">", "ncc": "h", "alp_gmm": "8"},
+    "dr": "o",
+    "paired": "s",
+    "plr": "^",
+    "robust_plr": "D",
+    "accel": "v",
+    "sfl": "P",
+    "minimax": "X",
+    "paired_literal": "<",
+    "self_regret": "*",
+    "repaired": "p",
+    "cenie": ">",
+    "ncc": "h",
+    "alp_gmm": "8",
     "lessons": "d",
 }
 SLIGHT = {"*": 1.7, "X": 1.2, "P": 1.2, "p": 1.15}  # markers that look smaller than others: factors of their size

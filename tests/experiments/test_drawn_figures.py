@@ -33,6 +33,54 @@ def test_a_run_with_a_single_evaluation_is_a_dot(tmp_path):
     assert figure.axes[0].get_ylim()[0] == 0
 
 
+def write_metrics(folder, rows):
+    folder.mkdir()
+    Table(folder / "metrics.csv").append(rows)
+    return folder
+
+
+@pytest.mark.parametrize("count", [3, curves.FEW - 1, curves.FEW, 60])
+def test_curves_of_few_values_have_a_marker_at_each(tmp_path, count):
+    """Runs are evaluated at slightly different steps; their mean has one marker for both."""
+    rows = [
+        [{"update": k, "env_steps": 1000 * k + apart, "eval/easy": k % 3} for k in range(count)] for apart in (0, 4)
+    ]
+    runs = [write_metrics(tmp_path / str(k), mine) for k, mine in enumerate(rows)]
+    axes = curves.learning_figure({"dr": runs}).axes[0]
+    *thin, mean = axes.lines
+    assert {line.get_marker() for line in thin} == {""}
+    if count >= curves.FEW:
+        assert mean.get_marker() == "None"
+        return
+    marked = np.array(mean.get_xydata())[mean.get_markevery()]
+    assert mean.get_marker() == "o" and np.allclose(marked[:, 0], 1000 * np.arange(count), atol=5)
+    assert np.allclose(marked[1:-1, 1], np.arange(count)[1:-1] % 3, atol=0.01)  # not off the corners
+
+
+def test_many_methods_have_the_markers_of_the_legend(tmp_path):
+    rows = [{"update": k, "env_steps": k, "eval/easy": k} for k in range(99)]
+    runs = {name: [write_metrics(tmp_path / name, rows)] for name in ("dr", "paired", "plr", "accel", "sfl")}
+    figure = curves.learning_figure(runs)
+    shown = [line.get_marker() for line in figure.axes[0].lines]
+    assert shown == [plots.MARKERS[name] for name in runs]
+    assert [handle.get_marker() for handle in figure.legends[0].legend_handles] == shown
+
+
+def test_values_of_few_episodes_are_pooled_with_their_neighbors(tmp_path):
+    """The first update finished one level, which is solved; the last one finished few, too."""
+    counts, success = [1, 9, 30, 40, 5], [1.0, 0.0, 0.2, 0.5, 1.0]
+    rows = [
+        {"update": k, "env_steps": 10 * k, "levels": n, "success": y, "return/a": y, "episodes/a": 100}
+        for k, (n, y) in enumerate(zip(counts, success, strict=True), 1)
+    ]
+    panels = curves._panels({"dr": [write_metrics(tmp_path / "run", rows)]})
+    curve = panels["success on training levels"].curves[0][1]
+    assert curve.steps.tolist() == [30, 50] and curve.values[0] == pytest.approx([7 / 40, 25 / 45])
+    assert panels["return on training levels"].curves[0][1].values[0].tolist() == success  # of 100 episodes each
+    few = curves.pooled(np.array([1.0, 2.0]), np.array([1.0, 0.0]), np.array([1.0, 3.0]))
+    assert [values.tolist() for values in few] == [[2.0], [0.25]]
+
+
 def test_no_period_of_training_is_shown_twice():
     (rows,) = pictures._level_rows({"paired": [Path("a")]})
     assert [title for title, _, _ in rows] == [f"PAIRED, {name}" for name in ("all of training", *level_plots.PERIODS)]
