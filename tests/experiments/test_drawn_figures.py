@@ -13,7 +13,7 @@ from regista.experiments.pictures import overview as pictures
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
 from regista.experiments.run.table import Table
-from ued.core.parameters import Choice, Column, Integer, Range
+from ued.core.parameters import Choice, Column, Integer, LogRange, Range
 
 pytestmark = pytest.mark.drawn
 THETA = [f"theta/{d}" for d in range(6)]
@@ -130,3 +130,19 @@ def test_choices_have_a_bar_for_each_value_beside_its_weight(tmp_path, monkeypat
     Table(tmp_path / "wide" / "levels.csv").append(wide)
     theta_plots.levels({"dr": [tmp_path / "wide"]}, tmp_path / "levels.png")
     assert found[1].legends[0].get_title().get_text() == "levels of (the first 8 of 40 parameters)"
+
+
+def test_numbers_label_the_axes_of_levels_in_their_own_units(tmp_path, monkeypatch):
+    kinds = {"length": LogRange(0.1, 4), "push": Range(2, 15), "narrow": LogRange(1, 4), "steps": Integer(0, 100)}
+    draws = [*(Column(name, kind) for name, kind in kinds.items()), Column("free", Range(0, 0))]
+    Table(tmp_path / "levels.csv").append([{"update": 1} | {f"theta/{draw.name}": 0.0 for draw in draws}])
+    found = []
+    monkeypatch.setattr(plots, "save", lambda figure, path: found.append(figure))
+    theta_plots.levels({"dr": [tmp_path]}, tmp_path / "levels.png", draws)
+    for axes, kind in zip(found[0].axes, kinds.values(), strict=False):
+        labels = [float(label.get_text()) for label in axes.get_xticklabels()]
+        assert 2 <= len(labels) <= 6 and min(labels) >= kind.low and max(labels) <= kind.high
+        known = [kind.to_unit(value) for value in labels]
+        assert np.allclose(axes.get_xticks(), known, atol=0.03) and axes.get_xlabel() == "value"
+    assert [label.get_text() for label in found[0].axes[0].get_xticklabels()] == ["0.1", "1"]
+    assert found[0].axes[4].get_xlabel() == "θ (lowest to highest value)"  # a single value has no scale
