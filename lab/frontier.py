@@ -29,6 +29,7 @@ from ued.statistics import Bootstrap, Difference, Interval, bootstrap, detectabl
 SCENE = "every length"  # one level of each length: its success rate is the share of the turns that a student knows
 PAGE, PICTURE = Path("RESULTS.md"), Path("experiments/gallery/frontier.png")
 ROWS = Path("lab/results/frontier.csv")
+APART = 0.017  # between the intervals of two methods at the end, relative to the curves
 NOTE = (
     "Differences in percentage points; IQM: mean of the middle half of the runs; P(better): probability that a run of "
     "the method knows more turns than one of dr. 95% CI: bootstrap over runs; of P(better), Newcombe's."
@@ -77,29 +78,36 @@ def percent(interval: Interval) -> str:
 
 
 def draw(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
-    """Draw the success rate of each method over the steps simulated: mean over runs, and their middle half."""
+    """Draw the success rate of each method over the steps simulated: mean over runs, and its interval at the end."""
     with plots.style():
         import matplotlib.pyplot as plt
 
-        figure, axes = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
-        for name, paths in runs.items():
-            tables = [read_columns(path / "metrics.csv") for path in paths]
-            tested = [np.isfinite(columns[f"eval/{SCENE}"]) for columns in tables]
-            count = min(int(mask.sum()) for mask in tested)
-            found = [
-                np.stack([columns[key][mask][:count] for columns, mask in zip(tables, tested, strict=True)])
-                for key in (f"eval/{SCENE}", "env_steps")
-            ]
-            low, high = np.quantile(found[0], [0.25, 0.75], axis=0)
-            axes.plot(found[1].mean(0), found[0].mean(0), color=plots.color(name), label=plots.title(name))
-            axes.fill_between(found[1].mean(0), low, high, color=plots.color(name), alpha=0.15, linewidth=0)
+        figure, axes = plt.subplots(figsize=(7.5, 4.6), layout="constrained")
+        known = {name: evaluations(paths) for name, paths in runs.items()}
+        last = max(steps[-1] for steps, _ in known.values())
+        for place, (name, (steps, rates)) in enumerate(known.items()):
+            axes.plot(steps, rates.mean(0), **plots.curve_look(name, len(runs)))
+            end = bootstrap(rates[:, -1], np.random.default_rng(0)).interval()
+            plots.whisker(axes, last * (1.025 + APART * place), end, name)
         plots.label_steps(axes)
         axes.set_ylabel("share of the turns known")
-        axes.set_xlim(left=0)
+        plots.leave_room(axes, last, last * (1.035 + APART * len(runs)))
         plots.rate_axis(axes)
-        handles = keys.method_handles(runs, (keys.MEAN, keys.MIDDLE))
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8)
+        handles = keys.method_handles(runs, (keys.MEAN, keys.WHISKER))
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=8, handlelength=3)
         plots.save(figure, path)
+
+
+def evaluations(paths: Sequence[Path]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the steps `[X]` of the evaluations of all runs, means over runs, and the success rates `[R, X]`."""
+    tables = [read_columns(path / "metrics.csv") for path in paths]
+    tested = [np.isfinite(columns[f"eval/{SCENE}"]) for columns in tables]
+    count = min(int(mask.sum()) for mask in tested)
+    steps, rates = (
+        np.stack([columns[key][mask][:count] for columns, mask in zip(tables, tested, strict=True)])
+        for key in ("env_steps", f"eval/{SCENE}")
+    )
+    return steps.mean(0), rates
 
 
 def main() -> None:

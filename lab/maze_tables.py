@@ -302,8 +302,7 @@ def draw(study: Study, path: Path) -> None:
         labels = ("simulated steps, all students", "steps that the student learned from")
         for axes, key, label in zip(panels, ("env_steps", "trained_steps"), labels, strict=True):
             known = [
-                draw_method(axes, [row for row in study.curves if row["method"] == name], key, name, APART * index)
-                for index, name in enumerate(study.methods)
+                draw_method(axes, study, key, name, APART * (1 + index)) for index, name in enumerate(study.methods)
             ]
             axes.set_xlabel(label)
             axes.set_xlim(left=0)
@@ -317,21 +316,19 @@ def draw(study: Study, path: Path) -> None:
         plots.save(figure, path)
 
 
-def draw_method(axes: plots.Axes, curve: Sequence[Mapping[str, str]], key: str, name: str, aside: float) -> bool:
+def draw_method(axes: plots.Axes, study: Study, key: str, name: str, aside: float) -> bool:
     """Draw the mean over a method's runs, and the 95% interval of its last value; return whether it is known.
 
     `aside`: distance between the end of the curve and the interval, as a share of the curve.
     """
+    curve = [row for row in study.curves if row["method"] == name]
     seeds = unique([row["seed"] for row in curve])
     runs = [[row for row in curve if row["seed"] == seed] for seed in seeds]
     count = min(map(len, runs))
     steps, solved = (np.array([[float(row[k]) for row in run[:count]] for run in runs]) for k in (key, "solved"))
-    color = plots.color(name)
-    axes.plot(steps.mean(0), solved.mean(0), color=color, linestyle=plots.line_style(name))
+    axes.plot(steps.mean(0), solved.mean(0), **plots.curve_look(name, len(study.methods)))
     end = bootstrap(solved[:, -1], np.random.default_rng(0)).interval()
-    if end.known:
-        whisker = [[max(end.estimate - end.low, 0.0)], [max(end.high - end.estimate, 0.0)]]
-        axes.errorbar(steps[:, -1].mean() * (1 + aside), end.estimate, whisker, color=color, elinewidth=1.2, capsize=3)
+    plots.whisker(axes, steps[:, -1].mean() * (1 + aside), end, name)
     return end.known
 
 

@@ -20,7 +20,8 @@ PICTURE = Path(__file__).parents[1] / "experiments" / "gallery" / "rare_levels.p
 EVEN, ENTROPY = "dr, equally likely options", "paired, adversary entropy 0.1"
 VARIANTS = {EVEN: "dr", ENTROPY: "paired"}  # of which method
 NAMES = {"dr": "DR", EVEN: "DR, equally\nlikely options", ENTROPY: "PAIRED,\nentropy 0.1"}
-BARS = "three bars: the program lists the rare option first, in the middle, last; lines: runs of PAIRED"
+BARS = "Three bars of a method, from left to right: the program lists the rare option first, in the middle, last"
+A_RUN, MEAN = "a run of PAIRED", "mean of {}"  # lines
 Rows = Sequence[Mapping[str, str]]
 
 
@@ -47,7 +48,7 @@ def draw(rows: Rows, fifths: int, path: Path = PICTURE) -> None:
         grid[0, 0].set_ylabel("success on the rare scene")
         grid[1, 0].set_ylabel("rare option's share\nof the proposals")
         lines = [line_handle(name) for name in ("paired", ENTROPY) if any(row["variant"] == name for row in rows)]
-        marks = [keys.mark_handle(keys.WHISKER), run_handle(), *lines]
+        marks = [keys.mark_handle(keys.WHISKER), run_handle(), thin_handle(), *lines]
         figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), title=BARS, title_fontsize=9)
         plots.save(figure, path)
 
@@ -80,23 +81,34 @@ def places_of(place: int, bars: int) -> np.ndarray:
 
 
 def line_handle(setting: str) -> Any:
-    """Return what the legend shows of the runs of a setting of PAIRED."""
+    """Return what the legend shows of the mean over the runs of a setting of PAIRED."""
     from matplotlib.lines import Line2D
 
-    label = NAMES.get(setting, plots.title(setting)).replace("\n", " ")
-    return Line2D([], [], color=plots.color(setting), linestyle=plots.line_style(setting), label=label)
+    name = NAMES.get(setting, plots.title(setting)).replace("\n", " ")
+    return Line2D([], [], linewidth=2.4, label=MEAN.format(name), **plots.curve_look(setting))
+
+
+def thin_handle() -> Any:
+    """Return what the legend shows of a single run of PAIRED."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=A_RUN, **THIN)
+
+
+THIN: dict[str, Any] = {"color": plots.FAINT, "linewidth": 0.6, "alpha": 0.6}  # of a run
 
 
 def draw_shares(axes: Any, rows: Rows, fifths: int) -> None:
-    """Draw a line for each run of PAIRED: how many of its proposals had the rare option in each part of the run."""
+    """Draw how many of PAIRED's proposals had the rare option in each part of the run: runs, and means of settings."""
     centers = (np.arange(fifths) + 0.5) / fifths
+    found: dict[str, list[list[float]]] = {}
     for row in rows:
         shares = [float(row[f"rare_share_{k}"] or "nan") for k in range(fifths)]
         if not np.all(np.isnan(shares)):
-            name = row["variant"]
-            axes.plot(
-                centers, shares, linestyle=plots.line_style(name), color=plots.color(name), linewidth=0.9, alpha=0.6
-            )
+            found.setdefault(row["variant"], []).append(shares)
+            axes.plot(centers, shares, **THIN)
+    for name, runs in found.items():
+        axes.plot(centers, np.nanmean(runs, 0), linewidth=2.4, zorder=plots.ABOVE_AXES, **plots.curve_look(name))
     axes.set_xlim(0, 1)
     axes.set_xlabel("fraction of training")
     plots.rate_axis(axes)

@@ -19,13 +19,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WINDOW = 0.04  # window of the running mean, relative to the curve's length
+FEW = 15  # values of a run, below which each has a marker: lines would suggest more
+APART = 0.01  # least distance between markers, relative to the curve: runs are evaluated at slightly different steps
+EPISODES = 20  # least number of finished episodes behind a value on training levels
 
 
 class Curve(NamedTuple):
-    """One metric of several runs on a common axis: `steps` [X], `values` [R, X] (NaN before a run's first value)."""
+    """One metric of several runs on a common axis: `steps` [X], `values` [R, X] (NaN before a run's first value).
+
+    `few`: each run has fewer than FEW values, and the axis consists of their steps.
+    """
 
     steps: np.ndarray
     values: np.ndarray
+    few: bool = False
 
 
 def learning_curves(runs: Mapping[str, Sequence[Path]], path: Path) -> None:
@@ -59,7 +66,7 @@ def learning_figure(runs: Mapping[str, Sequence[Path]]) -> Figure | None:
         figure = Figure(figsize=(wide, 2.75 * rows + legend))
         grid = figure.subplots(rows, columns, squeeze=False)
         for axes, (name, panel) in zip(grid.flat, panels.items(), strict=False):
-            _draw_panel(axes, name, panel)
+            _draw_panel(axes, name, panel, len(runs))
         for axes in grid.flat[len(panels) :]:
             axes.set_visible(False)
         for axes in grid.flat[max(0, len(panels) - columns) : len(panels)]:
@@ -77,9 +84,9 @@ class Panel(NamedTuple):
     rate: bool = False
 
 
-def _draw_panel(axes: Axes, name: str, panel: Panel) -> None:
+def _draw_panel(axes: Axes, name: str, panel: Panel, among: int) -> None:
     for method, curve in panel.curves:
-        draw_curve(axes, curve, method)
+        draw_curve(axes, curve, method, among=among)
     plots.heading(axes, name)
     axes.set_ylabel(panel.unit)
     axes.margins(x=0.01)
@@ -106,7 +113,7 @@ def _panels(runs: Mapping[str, Sequence[Path]]) -> dict[str, Panel]:
         curves = []
         for method, paths in runs.items():
             column = next((header for header in headers[method] if _is_column(header, name)), None)
-            curve = read_curve(paths, column) if column else None
+            curve = read_curve(paths, column, weights=_episodes_of(column)) if column else None
             if curve is not None:
                 curves.append((method, curve))
         if curves:
@@ -119,23 +126,60 @@ def _is_column(column: str, name: str) -> bool:
     return column.startswith(name) if name.endswith("/") else column == name
 
 
+def _episodes_of(column: str) -> str | None:
+    """Return the column with the number of episodes behind each value; None for test scenes and θ.
+
+    Of levels, it is the number of those that all students have finished: at least one episode each.
+    """
+    if column.startswith("return/"):
+        return column.replace("return/", "episodes/", 1)
+    return "levels" if column in ("success", "regret") else None
+
+
 def _scene_heading(scene: str) -> str:
     return f"return on the {scene}" if "distribution" in scene else f"return on test scene “{scene}”"
 
 
-def read_curve(runs: Sequence[Path], column: str, points: int = 200) -> Curve | None:
-    """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it."""
+def read_curve(runs: Sequence[Path], column: str, points: int = 200, weights: str | None = None) -> Curve | None:
+    """Read a column of the runs' metrics onto a common axis of env_steps; None if no run has it.
+
+    `weights`: column with the number of episodes behind each value, if any; see `pooled`.
+    """
     curves = []
     for run in runs:
         table = read_columns(run / "metrics.csv")
         if column in table:
             known = np.isfinite(table[column])
             if known.any():
-                curves.append((table["env_steps"][known], table[column][known]))
+                x, y = table["env_steps"][known], table[column][known]
+                curves.append(pooled(x, y, table[weights][known]) if weights in table else (x, y))
     if not curves:
         return None
+    few = max(len(x) for x, _ in curves) < FEW
     steps = np.linspace(min(x[0] for x, _ in curves), max(x[-1] for x, _ in curves), points)
-    return Curve(steps, np.stack([_on_axis(steps, x, _running_mean(y)) for x, y in curves]))
+    if few:
+        steps = np.unique(np.concatenate([x for x, _ in curves]))
+    return Curve(steps, np.stack([_on_axis(steps, x, _running_mean(y)) for x, y in curves]), few)
+
+
+def pooled(x: np.ndarray, y: np.ndarray, episodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return values `y` at `x` `[N]`, neighbors pooled until EPISODES episodes are behind each: `[M]`, `[M]`.
+
+    A pooled value is the mean over episodes, at the last of its steps; the last one has the rest, too. The first
+    updates of a run finish few episodes, the shortest ones, whose mean tells little.
+    """
+    count = np.nan_to_num(episodes)
+    ends, behind = [], 0.0
+    for index, more in enumerate(count):
+        behind += more
+        if behind >= EPISODES:
+            ends.append(index)
+            behind = 0.0
+    ends = [*ends[:-1], len(x) - 1]  # the rest of the last pool
+    begins = np.array([0, *(end + 1 for end in ends[:-1])])
+    total = np.add.reduceat(count, begins)
+    mean = np.add.reduceat(count * y, begins) / np.maximum(total, 1e-9)
+    return x[ends], np.where(total > 0, mean, y[ends])
 
 
 def _on_axis(steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -146,8 +190,11 @@ def _on_axis(steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return values
 
 
-def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) -> None:
-    """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band."""
+def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None, among: int = 1) -> None:
+    """Draw the mean of the runs, the runs themselves as thin lines, and the range between them as a band.
+
+    `among`: the number of methods in the picture; see `plots.curve_look`.
+    """
     shade = plots.color(method)
     steps, values = curve.steps, curve.values
     known = np.isfinite(values).any(0)
@@ -156,16 +203,26 @@ def draw_curve(axes: Axes, curve: Curve, method: str, label: str | None = None) 
         axes.fill_between(steps, np.nanmin(values, 0), np.nanmax(values, 0), color=shade, alpha=0.14, linewidth=0)
         for row in values:
             axes.plot(steps, row, color=shade, linewidth=0.7, alpha=0.45, marker=_mark_of(steps, row), markersize=2.5)
-    label, dashes = label or plots.title(method), plots.line_style(method)
     of_all = np.isfinite(values).all(0)  # a shorter run ends the mean: it would jump to that of the others
     steps, mean = steps[of_all], values[:, of_all].mean(0)
-    look = {"linestyle": dashes, "marker": _mark_of(steps, mean), "markersize": 5}
-    axes.plot(steps, mean, color=shade, linewidth=2.0, label=label, zorder=plots.ABOVE_AXES, **look)
+    look = plots.curve_look(method, among)
+    if curve.few or _mark_of(steps, mean):
+        look |= {"marker": "o", "markersize": 4.5} | look | {"markevery": _marked(steps)}
+    axes.plot(steps, mean, linewidth=2.0, label=label or plots.title(method), zorder=plots.ABOVE_AXES, **look)
 
 
 def _mark_of(steps: np.ndarray, values: np.ndarray) -> str:
     """Return the marker of a curve: a dot where it is a single point, which no line shows."""
     return "o" if len(np.unique(steps[np.isfinite(values)])) == 1 else ""
+
+
+def _marked(steps: np.ndarray) -> list[int]:
+    """Return the indices of the steps that have a marker: those of several runs that lie close together share one."""
+    found: list[int] = []
+    for index, step in enumerate(steps):
+        if not found or step - steps[found[-1]] > APART * (steps[-1] - steps[0]):
+            found.append(index)
+    return found
 
 
 def _running_mean(values: np.ndarray) -> np.ndarray:

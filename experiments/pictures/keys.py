@@ -26,10 +26,10 @@ def method_handles(methods: Iterable[str], marks: Sequence[str] = (), filled: bo
     from matplotlib.patches import Patch
 
     handles: list[Any] = []
-    for name in methods:
-        shade, label = plots.color(name), plots.title(name)
-        dashes = plots.line_style(name)
-        line = Line2D([], [], color=shade, linewidth=2.0, linestyle=dashes, label=label)
+    names = list(methods)
+    for name in names:
+        label, look = plots.title(name), plots.curve_look(name, len(names))
+        line = Line2D([], [], linewidth=2.0, label=label, **look)
         handles.append(Patch(**plots.bar_look(name), label=label) if filled else line)
     return handles + [mark_handle(mark) for mark in marks]
 
@@ -56,9 +56,11 @@ def _bar() -> Any:
 
 
 def columns_for(handles: Sequence[Any], inches: float) -> int:
-    """Return how many columns of these handles fit a width, at most `plots.LEGEND_COLUMNS`."""
+    """Return how many columns of these handles fit a width, at most `plots.LEGEND_COLUMNS`, in rows of like length."""
     longest = max(len(handle.get_label()) for handle in handles)
-    return int(np.clip(inches / (0.55 + 0.075 * longest), 1, min(plots.LEGEND_COLUMNS, len(handles))))
+    most = int(np.clip(inches / (0.55 + 0.075 * longest), 1, min(plots.LEGEND_COLUMNS, len(handles))))
+    rows = -(-len(handles) // most)
+    return -(-len(handles) // rows)
 
 
 def opacity(density: np.ndarray) -> np.ndarray:

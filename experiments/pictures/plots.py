@@ -1,7 +1,8 @@
 """The style of all pictures. Matplotlib is imported when a picture is drawn.
 
 Each method has the same color in all pictures, which no team has and which readers with a color vision deficiency can
-tell from the others. A variant of a method has its hue, see `pictures.variants`.
+tell from the others. A variant of a method has its hue, see `pictures.variants`. Where many methods are drawn, curves
+have markers, too, which differ in gray print.
 
 Read next: `pictures.keys`, legends; `pictures.curves`, `pictures.level_plots`; then `pictures.overview`.
 """
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ued.statistics import Interval
+
 INK = "#22262b"
 FAINT = "#8a9199"
 REFERENCE = "#b0006d"  # of what is compared with: weights of a program, measurements
@@ -39,6 +42,25 @@ METHOD_COLORS = {name: row.color for name, row in METHODS.items()} | {k: color f
 OTHER_COLOR = "#5f6670"
 METHOD_NAMES = {name: row.title for name, row in METHODS.items()} | {k: title for k, (title, _) in BASELINES.items()}
 CYCLE = ("#b0006d", "#005f3c", "#cc79a7", "#7a9a01", "#4d7f17", "#e377e0")  # of what is no method
+MARKERS = {  # of methods' curves
+    "dr": "o",
+    "paired": "s",
+    "plr": "^",
+    "robust_plr": "D",
+    "accel": "v",
+    "sfl": "P",
+    "minimax": "X",
+    "paired_literal": "<",
+    "self_regret": "*",
+    "repaired": "p",
+    "cenie": ">",
+    "ncc": "h",
+    "alp_gmm": "8",
+    "lessons": "d",
+}
+SLIGHT = {"*": 1.7, "X": 1.2, "P": 1.2, "p": 1.15}  # markers that look smaller than others: factors of their size
+MANY = 5  # methods of a picture from which on their curves have markers
+BETWEEN_MARKERS = 0.12  # on a curve, relative to the diagonal of its axes
 ABOVE_AXES = 2.6  # zorder of curves: a curve at 0 would lie below the axis
 LEGEND_COLUMNS = 6  # maximum number of columns in a legend
 CHARACTER = 0.084  # inches, mean width of a character of a heading
@@ -87,12 +109,15 @@ def style() -> AbstractContextManager:
 
 
 _variants: dict[str, Look] = {}  # of the comparison that is drawn
+_methods: dict[str, str] = {}  # of these variants
 
 
 def distinguish(variants: Mapping[str, str]) -> None:
     """Give the variants of a comparison looks of their own, in the hue of their methods: `variants` says of which."""
     _variants.clear()
     _variants.update(looks(variants, METHOD_COLORS))
+    _methods.clear()
+    _methods.update(variants)
 
 
 def color(method: str) -> str:
@@ -118,6 +143,44 @@ def sequence(count: int) -> list[Any]:
 def line_style(method: str) -> Any:
     """Return the line style of a method's curves; those of variants are dashed."""
     return _variants[method].dashes if method in _variants else "-"
+
+
+def curve_look(method: str, among: int = 1) -> dict[str, Any]:
+    """Return what curves of a method or a variant are drawn with: color, line style, and a marker `among` many."""
+    look: dict[str, Any] = {"color": color(method), "linestyle": line_style(method)}
+    return look | marker_look(method, 5.5) if among >= MANY else look
+
+
+def marker_look(method: str, size: float) -> dict[str, Any]:
+    """Return the marker of a method's curves; those of two curves begin at different places, not to cover each other.
+
+    A variant has the marker of its method.
+    """
+    known = _methods.get(method, method)
+    begin = [*MARKERS].index(known) / len(MARKERS) * BETWEEN_MARKERS if known in MARKERS else 0.0
+    marker = MARKERS.get(known, "o")
+    look = {"marker": marker, "markersize": size * SLIGHT.get(marker, 1.0), "markeredgecolor": "white"}
+    return look | {"markeredgewidth": 0.6, "markevery": (begin, BETWEEN_MARKERS)}
+
+
+def whisker(axes: Axes, at: float, interval: Interval, method: str) -> None:
+    """Draw an interval at a place of the horizontal axis, with the method's marker at its estimate; if it is known."""
+    if interval.known:
+        low, high = interval.estimate - interval.low, interval.high - interval.estimate
+        span = [[max(low, 0.0)], [max(high, 0.0)]]  # rounding may make one negative
+        shade = color(method)
+        axes.errorbar(at, interval.estimate, span, color=shade, elinewidth=1.3, capsize=2.5)
+        mark = {key: value for key, value in marker_look(method, 5.0).items() if key != "markevery"}
+        axes.plot([at], [interval.estimate], color=shade, linestyle="", zorder=ABOVE_AXES, clip_on=False, **mark)
+
+
+def leave_room(axes: Axes, end: float, until: float) -> None:
+    """Let the horizontal axis go from 0 to `until`, without ticks beyond the `end` of the curves: whiskers stand there.
+
+    Whiskers stand beside each other; a place between them is no number of steps.
+    """
+    axes.set_xlim(0, until)
+    axes.set_xticks([tick for tick in axes.get_xticks() if 0 <= tick <= 1.001 * end])
 
 
 def title(method: str) -> str:

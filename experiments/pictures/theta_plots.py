@@ -16,7 +16,7 @@ from regista.experiments.pictures.level_plots import read_periods
 from regista.experiments.run.level_table import read_levels
 from regista.experiments.run.proposals import PERIODS
 from ued.core.cells import Cells
-from ued.core.parameters import Parameter, choice_in
+from ued.core.parameters import LogRange, Parameter, Range, choice_in
 from ued.recorder.shades import unique_names
 
 if TYPE_CHECKING:
@@ -24,20 +24,22 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 8  # drawn columns of θ
 BINS = 20
+WIDE = 30  # ratio of the ends of a LogRange, from which on its round values are powers of 10
 MOST_NAMES = 8  # of the values of a choice; more would overlap
 
 
 def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training.
 
-    A column that `draws` describe as a choice, or as a few integers, has a bar for each value.
+    A column that `draws` describe as a choice, or as a few integers, has a bar for each value. The axis of a finite
+    range has the units of the parameter.
     """
     import matplotlib.pyplot as plt
 
     nothing = np.zeros(0, np.int64)  # names alone
     tables = (read_levels(run, "theta/", rows=nothing) for paths in runs.values() for run in paths)
     known = next((_names(table) for table in tables if table), [])
-    names, choices = known[:MOST_COLUMNS], _choices(draws)
+    names, choices, scales = known[:MOST_COLUMNS], _choices(draws), _scales(draws)
     if not names:
         return
     more = f" (the first {len(names)} of {len(known)} parameters)" if len(known) > len(names) else ""
@@ -54,7 +56,9 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Param
                 plots.heading(axes, f"{plots.title(method)}: {name}")
             line[0].set_ylabel("share of levels")
         for axes, name in zip(grid[-1], names, strict=True):
-            axes.set_xlabel("value" if name in choices else "θ (lowest to highest value)")
+            if name in scales:
+                axes.set_xticks(*scales[name])
+            axes.set_xlabel("value" if name in choices or name in scales else "θ (lowest to highest value)")
             axes.set_ylim(bottom=0)  # of the whole column, after all of it is drawn
         handles, labels = grid[0][0].get_legend_handles_labels()
         figure.legend(
@@ -74,6 +78,28 @@ def _choices(draws: Sequence[Parameter]) -> dict[str, tuple[Cells, list[str]]]:
         cells = choice_in(draw)
         if cells is not None:
             found[name] = cells, [*(cells.names or (f"{draw.low + k:g}" for k in range(cells.count)))]
+    return found
+
+
+def _scales(draws: Sequence[Parameter]) -> dict[str, tuple[list[float], list[str]]]:
+    """Return where round values of the other columns lie in [-1, 1], and their labels, by column.
+
+    Columns without a finite range have none.
+    """
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    found = {}
+    for name, draw in zip(unique_names(draws), draws, strict=True):
+        low, high, kind = draw.low, draw.high, getattr(draw, "kind", None)
+        if choice_in(draw) is not None or not (np.isfinite([low, high]).all() and low < high):
+            continue
+        linear: Any = MaxNLocator(4, steps=[1, 2, 5, 10])
+        wide = isinstance(kind, LogRange) and high >= WIDE * low
+        values = (LogLocator() if wide else linear).tick_values(low, high)
+        slack = 1e-9 * (high - low)
+        inside = [float(value) for value in values if low - slack <= value <= high + slack]
+        to_unit = kind.to_unit if isinstance(kind, LogRange) else Range(low, high).to_unit
+        found[name] = [to_unit(value) for value in inside], [f"{value:g}" for value in inside]
     return found
 
 

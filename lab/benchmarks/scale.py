@@ -22,6 +22,7 @@ from regista.experiments.run import build
 from regista.experiments.run.config import TrainConfig
 from regista.experiments.run.games import find_minigame
 from regista.experiments.run.programs import load_program
+from regista.experiments.run.progress import count
 from regista.experiments.run.table import cannot_write
 from ued.config import ACCELConfig, BufferConfig, PairedConfig, PLRConfig
 from ued.core.curriculum import Curriculum, ThetaSpace
@@ -225,7 +226,11 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
             for curve in dict.fromkeys(point.curve for point in mine):
                 x, y = zip(*((point.x, point.per_second) for point in mine if point.curve == curve), strict=True)
                 shade = plots.METHOD_COLORS.get(curve)  # no method: the next color of the style
-                axes.plot(x, y, "o-", markersize=4, color=shade, label=plots.title(curve))
+                look: dict[str, Any] = {"color": shade, "label": plots.title(curve)}
+                if name == "threads":  # two points are no curve
+                    axes.bar(x, y, 0.5, **look)
+                else:
+                    axes.plot(x, y, "o-", markersize=4, **look)
             axes.set(xlabel=panel.x, ylabel=panel.y)
             axes.set_title(panel.title, pad=24)  # above the legend
             _scale_axes(axes, name)
@@ -237,12 +242,21 @@ def draw(points: Sequence[Point], folder: Path) -> Path:
 
 
 def _scale_axes(axes: Any, name: str) -> None:
+    """Choose the scales of a panel's axes, and write their numbers as 500k, 2M in all panels."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
     if name in ("environments", "columns", "buffer"):
         axes.set(xscale="log", yscale="log")
+        low, high = axes.get_ylim()
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100 * low else (1,)))
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_minor_formatter(NullFormatter())
     else:
         axes.set_ylim(bottom=0)
-        axes.yaxis.set_major_formatter("{x:,.0f}")
-        axes.set_xticks(sorted({int(x) for line in axes.lines for x in line.get_xdata()}))
+        places = [x for line in axes.lines for x in line.get_xdata()] + [bar.get_center()[0] for bar in axes.patches]
+        axes.set_xticks(sorted({round(x) for x in places}))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda value, _: count(value))
 
 
 def rows_of(points: Sequence[Point]) -> list[list[str]]:

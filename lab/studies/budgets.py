@@ -24,11 +24,13 @@ from ued.statistics import Difference, bootstrap, detectable
 
 COMMAND = "python -m lab.studies.tables curricula"
 PARTS = (0.1, 0.3, 0.5, 1.0)  # of the budget
+MOST_COLUMNS = 4  # panels of the picture in a row
+APART = 0.045  # between the intervals of two methods at the end, relative to the curves
 EQUAL, SIMULATED = "equal student steps", "equal simulated steps"
 PICTURE = ROOT / "experiments" / "gallery" / "curricula.png"
 LINK = """![Success on test scenes over simulated steps](../../experiments/gallery/curricula.png)
 
-*Means over runs, with their 95% intervals: `python -m lab.studies curricula --publish`.*"""  # on a page
+*Means over runs, with their 95% intervals at the end: `python -m lab.studies curricula --publish`.*"""  # on a page
 
 
 def section(points: Sequence[Point]) -> str:
@@ -154,20 +156,17 @@ def nearest(curve: Sequence[Point], part: float) -> Point:
 def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
     """Draw success on the test scenes over training steps: a panel for each game, means and intervals over runs."""
     games, names = unique([point.game for point in points]), methods(points)
+    rows = -(-len(games) // MOST_COLUMNS)
+    columns = -(-len(games) // rows)
     with plots.style():
         import matplotlib.pyplot as plt
 
-        columns = max(2, min(4, len(games)))  # the legend needs the width of two panels
-        rows = -(-len(games) // columns)
-        figure = plt.figure(figsize=(2 + 2.25 * columns, 2.6 * rows), layout="constrained")
+        wide = max(6.5, 1 + 2.6 * columns)  # inches, for the legend
+        figure = plt.figure(figsize=(wide, 2.7 * rows + 0.5), layout="constrained")
         grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
         for index, (axes, game) in enumerate(zip(grid.flat, games, strict=False)):
-            mine = [point for point in points if point.game == game]
-            for name in names:
-                draw_method(axes, mine, name)
+            draw_game(axes, [point for point in points if point.game == game], names)
             axes.set_title(game)
-            axes.set_xlim(left=0)
-            plots.rate_axis(axes)
             if index + columns < len(games):
                 plots.shorten_steps(axes)
             else:  # no panel stands below it
@@ -176,20 +175,22 @@ def draw(points: Sequence[Point], path: Path = PICTURE) -> None:
             axes.set_visible(False)
         for row in grid:
             row[0].set_ylabel("success on test scenes")
-        handles = keys.method_handles(names, (keys.MEAN, keys.INTERVAL))
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 2 * columns))
+        handles = keys.method_handles(names, (keys.MEAN, keys.WHISKER))
+        across = keys.columns_for(handles, wide)
+        figure.legend(handles=handles, loc="outside lower center", ncols=across, handlelength=3)
         plots.save(figure, path)
 
 
-def draw_method(axes: plots.Axes, points: Sequence[Point], name: str) -> None:
-    """Draw the mean over a method's runs of one game, with the band of its 95% interval."""
+def draw_game(axes: plots.Axes, points: Sequence[Point], names: Sequence[str]) -> None:
+    """Draw the mean over each method's runs of one game, and the 95% intervals at the end side by side."""
     budget, rng = max(point.env_steps for point in points), np.random.default_rng(0)
     parts = np.linspace(0.1, 1, 10)
-    found = [bootstrap(mine, rng).interval() for part in parts if len(mine := rates(points, name, part))]
-    if not found:
-        return
-    color = plots.color(name)
-    axes.plot(budget * parts, [at.estimate for at in found], color=color, label=plots.title(name))
-    if found[0].known:
-        low, high = ([at[k] for at in found] for k in (1, 2))
-        axes.fill_between(budget * parts, low, high, color=color, alpha=0.2, lw=0)
+    for place, name in enumerate(names):
+        curve = [mine for part in parts if len(mine := rates(points, name, part))]
+        if curve:
+            means = [float(mine.mean()) for mine in curve]
+            look = plots.curve_look(name, len(names)) | {"linewidth": 1.3, "clip_on": False}
+            axes.plot(budget * parts, means, label=plots.title(name), **look)
+            plots.whisker(axes, budget * (1.05 + APART * place), bootstrap(curve[-1], rng).interval(), name)
+    plots.leave_room(axes, budget, budget * (1.05 + APART * len(names)))
+    plots.rate_axis(axes)

@@ -1,5 +1,7 @@
 """Figures of the lab: shared colors, and legends that say what is drawn and fit."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,8 @@ def test_the_figure_of_scale_names_methods_in_their_colors(drawn, tmp_path):
     assert [line.get_label() for line in axes.lines] == ["domain randomization", "PLR", "ACCEL", "PAIRED"]
     assert axes.lines[3].get_color() == plots.METHOD_COLORS["paired"]
     figure.canvas.draw()
+    labels = [label.get_text() for axes in figure.axes for label in (*axes.get_xticklabels(), *axes.get_yticklabels())]
+    assert labels and all(re.fullmatch(r"\d+(\.\d+)?[kMG]?", label) for label in labels), labels
     legends = [axes.get_legend().get_window_extent() for axes in figure.axes]
     assert max(box.x1 for box in legends) <= figure.bbox.x1
     assert not any(one.overlaps(other) for one in legends for other in legends if one is not other)

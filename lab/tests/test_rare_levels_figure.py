@@ -34,10 +34,14 @@ def test_a_bar_for_each_setting_and_order_with_an_interval_where_there_are_five_
     assert [label.get_text() for label in axes.get_xticklabels()] == ["DR", plots.title("paired")]
 
 
-def test_a_line_for_each_run_that_proposed_levels(axes):
-    figure.draw_shares(axes, ROWS, 3)
-    assert len(axes.lines) == 4 and list(axes.lines[0].get_ydata()) == [0.1, 0.5, 0.9]
-    assert {line.get_color() for line in axes.lines} == {plots.color("paired")}
+def test_a_thin_line_for_each_run_that_proposed_levels_and_the_mean_of_each_setting(axes):
+    more = [row(figure.ENTROPY, "first", seed, 70, (f"0.{seed}", "0.4", "0.4")) for seed in (2, 6)]
+    figure.draw_shares(axes, ROWS + more, 3)
+    thin, bold = axes.lines[:6], axes.lines[6:]
+    assert list(thin[0].get_ydata()) == [0.1, 0.5, 0.9] and {line.get_color() for line in thin} == {plots.FAINT}
+    assert [list(line.get_ydata()) for line in bold] == [pytest.approx(y) for y in ([0.1, 0.5, 0.9], [0.4, 0.4, 0.4])]
+    assert bold[0].get_color() == plots.color("paired")
+    assert min(line.get_linewidth() for line in bold) > 3 * max(line.get_linewidth() for line in thin)
 
 
 @pytest.mark.drawn

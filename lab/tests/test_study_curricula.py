@@ -236,8 +236,33 @@ def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, m
     budgets.draw(points("dr", 0.2), tmp_path / "curves.png")
     panels = drawn[0].axes[:2]
     assert all(axes.get_xlabel() == "simulated steps, all students" for axes in panels)
-    assert all(line.get_xdata()[0] == pytest.approx(10) for axes in panels for line in axes.lines)
+    curves = [line.get_xdata() for axes in panels for line in axes.lines if len(line.get_xdata()) > 1]
+    assert len(curves) == 2 and all(steps[0] == pytest.approx(10) for steps in curves)
     assert panels[0].get_ylim() == (0, 1) and panels[0].get_ylabel() == "success on test scenes"
+    plt.close(drawn[0])
+
+
+@pytest.mark.drawn
+@pytest.mark.parametrize("games", range(1, 8))
+def test_the_picture_fits_any_number_of_games(games, tmp_path, monkeypatch):
+    """Intervals stand beside each other behind the curves, without ticks; no row of the legend is nearly empty."""
+    from matplotlib import pyplot as plt
+
+    drawn, names = [], ("dr", "paired", "robust_plr", "accel", "sfl")
+    monkeypatch.setattr(plots, "save", lambda figure, path: drawn.append(figure))
+    both = [point for name in names for point in points(name, 0.2) if point.game == "a"]
+    budgets.draw([point._replace(game=f"game {k}") for k in range(games) for point in both], tmp_path / "a.png")
+    shown = [axes for axes in drawn[0].axes if axes.get_visible()]
+    assert len(shown) == games
+    for axes in shown:
+        ends = [
+            line.get_xdata()[0] for line in axes.lines if line.get_marker() != "None" and len(line.get_xdata()) == 1
+        ]
+        assert len(set(ends)) == 5 and min(ends) > 101 >= max(axes.get_xticks())
+        assert axes.get_xlim()[1] > max(ends)
+    legend = drawn[0].legends[0]
+    rows = -(-len(legend.texts) // legend._ncols)
+    assert len(legend.texts) == 7 and legend._ncols == -(-7 // rows)  # with fewer columns, there would be more rows
     plt.close(drawn[0])
 
 

@@ -10,6 +10,7 @@ from regista.envs.football.view import render
 from regista.envs.maze import painter as maze
 from regista.envs.maze import picture as mazes
 from regista.experiments.pictures import plots
+from regista.experiments.pictures.keys import method_handles
 from regista.experiments.pictures.variants import shades_of
 
 # Machado, Oliveira and Fernandes 2009, severity 1: linear RGB as it is seen, rows by channel.
@@ -58,6 +59,19 @@ def test_methods_and_baselines_differ_for_every_reader(deficiency):
 def test_methods_are_dark_enough_on_white():
     assert min(map(contrast, METHODS_COLORS.values())) > 2.99
     assert min(contrast(shade) for shades in SHADES.values() for shade in shades) > 2.99
+
+
+def test_methods_are_not_nearly_black():
+    assert lab(METHODS_COLORS.values())[:, 0].min() > 25
+
+
+def test_every_method_has_a_marker_of_its_own_which_many_curves_show():
+    """In gray print, colors of the same lightness look alike."""
+    markers = [plots.curve_look(name, plots.MANY)["marker"] for name in METHODS_COLORS]
+    assert len(set(markers)) == len(METHODS_COLORS) and "marker" not in plots.curve_look("dr", plots.MANY - 1)
+    handles = method_handles(METHODS_COLORS)
+    assert [handle.get_marker() for handle in handles] == markers
+    assert {handle.get_marker() for handle in method_handles(["dr", "paired"])} == {"None"}
 
 
 @pytest.mark.parametrize("deficiency", DEFICIENCIES)

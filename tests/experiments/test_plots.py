@@ -346,7 +346,7 @@ def test_curves_of_students_whatever_their_names(tmp_path):
     rows = [{"update": k, "env_steps": k, "return/student0": 1.0, "return/student1": 0.0} for k in range(1, 9)]
     Table(run / "metrics.csv").append(rows)
     (panel,) = curves._panels({"paired": [run]}).values()
-    assert panel.curves[0][1].values.tolist() == [[1.0] * 200]
+    assert panel.curves[0][1].values.tolist() == [[1.0] * 8]
 
 
 def test_several_runs_are_one_recording(runs, tmp_path):

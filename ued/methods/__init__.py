@@ -58,7 +58,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
         "a random level for every episode", "1",
     ),
     MethodRow(
-        "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#690f00", "Dennis et al. 2020",
+        "minimax", "ued.methods.minimax", "Minimax", config.MinimaxConfig, "minimax", "#6f2c02", "Dennis et al. 2020",
         "an adversary lowers the student's return", "1",
     ),
     MethodRow(
@@ -68,15 +68,15 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
-        "#794141", "the same, to the letter",
+        "#484566", "the same, to the letter",
         "students learn from regret, without entropy", "2, plus truncated episodes",
     ),
     MethodRow(
-        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#4941a1", "–",
+        "self_regret", "ued.methods.self_regret", "SelfRegret", config.SelfRegretConfig, "self-regret", "#5046b6", "–",
         "an adversary maximizes a student's improvement", "1",
     ),
     MethodRow(
-        "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#4b004b",
+        "repaired", "ued.methods.repaired", "Repaired", config.RepairedConfig, "REPAIRED", "#cb8612",
         "Jiang et al. 2021a", "PAIRED with a level buffer", "4",
     ),
     MethodRow(
@@ -84,31 +84,31 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
         "random levels, and replayed ones with high scores", "1",
     ),
     MethodRow(
-        "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#0f0078", "Jiang et al. 2021a",
+        "robust_plr", "ued.methods.plr", "RobustPLR", config.PLRConfig, "PLR⊥", "#ac6bff", "Jiang et al. 2021a",
         "PLR that learns only from replayed levels", "2", settings_of="plr",
     ),
     MethodRow(
-        "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#4b001e", "Parker-Holder et al. 2022",
+        "accel", "ued.methods.accel", "ACCEL", config.ACCELConfig, "ACCEL", "#830032", "Parker-Holder et al. 2022",
         "edited copies of replayed levels enter the buffer", "2.25",
     ),
     MethodRow(
-        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#d961f1", "Teoh et al. 2024",
+        "cenie", "ued.methods.cenie", "CENIE", config.CENIEConfig, "CENIE", "#4b00b7", "Teoh et al. 2024",
         "ACCEL, or robust PLR, by regret and novelty", "2.25",
     ),
     MethodRow(
-        "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#5a3cd2", "Rutherford et al. 2024",
+        "sfl", "ued.methods.sfl", "SFL", config.SFLConfig, "SFL", "#0800fa", "Rutherford et al. 2024",
         "levels that the student solves half of the time", "1 / (1 − share of candidates)",
     ),
     MethodRow(
-        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#599971", "Monette et al. 2025",
+        "ncc", "ued.methods.ncc", "NCC", config.NCCConfig, "NCC", "#5d8a65", "Monette et al. 2025",
         "a learned distribution over a buffer of levels", "2",
     ),
     MethodRow(
-        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#d18101", "Portelas et al. 2019",
+        "alp_gmm", "ued.methods.alp_gmm", "ALPGMM", config.ALPGMMConfig, "ALP-GMM", "#34357d", "Portelas et al. 2019",
         "levels with learning progress, by Gaussian mixtures", "1",
     ),
     MethodRow(
-        "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#0000ff", "Bengio et al. 2009",
+        "lessons", "ued.methods.lessons", "Lessons", config.LessonsConfig, "lessons", "#8d3ffd", "Bengio et al. 2009",
         "ranges that you plan, lesson by lesson", "1",
     ),
 )}
