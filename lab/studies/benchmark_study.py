@@ -233,7 +233,7 @@ def run_benchmark(name: str, config: BenchmarkStudyConfig, typed: dict[str, Any]
 
 
 def places_of(config: BenchmarkStudyConfig) -> Places:
-    """Return where a study writes: beneath its folder, or in the repository if it is told to."""
+    """Return where a study writes: beneath its folder, or in the repository if the settings say so."""
     return Places.of(None if config.publish else config.out, "BENCHMARK.md")
 
 

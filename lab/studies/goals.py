@@ -28,7 +28,7 @@ COMPARED = {  # policies whose numbers are compared with published ones in a sen
 }
 # Attacks have positive numbers and defenses negative ones, which alone gives a correlation over all games.
 SIDES = {"all": ("",), "attacks": ("grf/", "offense/"), "defenses": ("defense/",)}
-FEWEST = 4  # games from which a correlation is told
+FEWEST = 4  # games that a correlation needs
 
 
 class Cell(NamedTuple):

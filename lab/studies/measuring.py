@@ -1,6 +1,6 @@
-"""Playing a run, uniform keys or a semi-expert program on all scenes of a minigame, and making rows of it.
+"""Playing a run, random actions or a semi-expert program on all scenes of a minigame, and making rows of it.
 
-Goals count, whatever paid in training. All policies meet the same levels. Read next: `lab/studies/rows.py`.
+Goals count, whatever the rewards of training. All policies meet the same levels. Read next: `lab/studies/rows.py`.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ def learning_curve(run: RunFolder, agent: str) -> list[Point]:
 
 
 def measure_random(config: TrainConfig, episodes: int) -> list[Row]:
-    """Play so many episodes of uniform keys on each scene of a minigame, moving those whom a run moves."""
+    """Play so many episodes of random actions on each scene of a minigame, of the players that a run moves."""
     scenes = EvalScenes(config, build.find_game(config.minigame), episodes)
     policy = scenes.task.make_baselines(scenes.scenes[TRAINING_SCENE])["random"]
     return rows_of(config, scenes.play(policy), {"agent": "random", "seed": 0, "env_steps": 0, "seconds": 0.0})
