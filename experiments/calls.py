@@ -79,8 +79,8 @@ def evaluate(
 
     Args:
         runs: a run folder, a folder of runs, or several of either.
-        episodes: on each test scene, for each run.
-        levels: random levels; 0: none.
+        episodes: on each test scene, for each run; the command `regista evaluate` plays 500 by default.
+        levels: random levels; 0: none; the command plays 200 by default.
         level_episodes: on each of them.
         trusted: whether a Python task that only the run folder names may be imported, which executes its file.
 
