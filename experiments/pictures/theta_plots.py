@@ -31,8 +31,8 @@ MOST_NAMES = 8  # of the values of a choice; more would overlap
 def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Parameter] = ()) -> None:
     """Draw methods x columns of θ: histograms of levels in the first, a middle and the last tenth of training.
 
-    A column that `draws` describe as a choice, or as a few integers, has a bar for each value. Numbers of a finite range
-    label the axis in the units of the parameter.
+    A column that `draws` describe as a choice, or as a few integers, has a bar for each value. Numbers of a finite
+    range label the axis in the units of the parameter.
     """
     import matplotlib.pyplot as plt
 
