@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 8  # drawn columns of θ
 BINS = 20
-WIDE = 30  # ratio of the ends of a LogRange, from which on its round values are powers of 10
+DECADE, DECADES = 10, 200  # ratios of the ends of a LogRange: round values are 1, 2, 5, 10, ... and powers of 10 alone
 MOST_NAMES = 8  # of the values of a choice; more would overlap
 
 
@@ -53,11 +53,11 @@ def levels(runs: Mapping[str, Sequence[Path]], path: Path, draws: Sequence[Param
             found = dict(zip(PERIODS, thetas, strict=True))
             for column, (axes, name) in enumerate(zip(line, names, strict=True)):
                 _draw(axes, column, found, choices.get(name))
+                if name in scales:
+                    axes.set_xticks(*scales[name])
                 plots.heading(axes, f"{plots.title(method)}: {name}")
             line[0].set_ylabel("share of levels")
         for axes, name in zip(grid[-1], names, strict=True):
-            if name in scales:
-                axes.set_xticks(*scales[name])
             axes.set_xlabel("value" if name in choices or name in scales else "θ (lowest to highest value)")
             axes.set_ylim(bottom=0)  # of the whole column, after all of it is drawn
         handles, labels = grid[0][0].get_legend_handles_labels()
@@ -93,9 +93,10 @@ def _scales(draws: Sequence[Parameter]) -> dict[str, tuple[list[float], list[str
         low, high, kind = draw.low, draw.high, getattr(draw, "kind", None)
         if choice_in(draw) is not None or not (np.isfinite([low, high]).all() and low < high):
             continue
-        linear: Any = MaxNLocator(4, steps=[1, 2, 5, 10])
-        wide = isinstance(kind, LogRange) and high >= WIDE * low
-        values = (LogLocator() if wide else linear).tick_values(low, high)
+        locator: Any = MaxNLocator(4, steps=[1, 2, 5, 10])
+        if isinstance(kind, LogRange) and high >= DECADE * low:
+            locator = LogLocator(subs=(1, 2, 5) if high < DECADES * low else (1,))
+        values = locator.tick_values(low, high)
         slack = 1e-9 * (high - low)
         inside = [float(value) for value in values if low - slack <= value <= high + slack]
         to_unit = kind.to_unit if isinstance(kind, LogRange) else Range(low, high).to_unit

@@ -138,11 +138,14 @@ def test_numbers_label_the_axes_of_levels_in_their_own_units(tmp_path, monkeypat
     Table(tmp_path / "levels.csv").append([{"update": 1} | {f"theta/{draw.name}": 0.0 for draw in draws}])
     found = []
     monkeypatch.setattr(plots, "save", lambda figure, path: found.append(figure))
-    theta_plots.levels({"dr": [tmp_path]}, tmp_path / "levels.png", draws)
-    for axes, kind in zip(found[0].axes, kinds.values(), strict=False):
+    theta_plots.levels({"dr": [tmp_path], "plr": [tmp_path]}, tmp_path / "levels.png", draws)
+    above, below = found[0].axes[:5], found[0].axes[5:]
+    for axes, other in zip(above[:4], below, strict=False):
+        assert list(axes.get_xticks()) == list(other.get_xticks())
+    for axes, kind in zip(below, kinds.values(), strict=False):
         labels = [float(label.get_text()) for label in axes.get_xticklabels()]
         assert 2 <= len(labels) <= 6 and min(labels) >= kind.low and max(labels) <= kind.high
         known = [kind.to_unit(value) for value in labels]
         assert np.allclose(axes.get_xticks(), known, atol=0.03) and axes.get_xlabel() == "value"
-    assert [label.get_text() for label in found[0].axes[0].get_xticklabels()] == ["0.1", "1"]
-    assert found[0].axes[4].get_xlabel() == "θ (lowest to highest value)"  # a single value has no scale
+    assert [label.get_text() for label in below[0].get_xticklabels()] == ["0.1", "0.2", "0.5", "1", "2"]
+    assert below[4].get_xlabel() == "θ (lowest to highest value)"  # a single value has no scale

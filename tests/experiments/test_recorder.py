@@ -23,7 +23,7 @@ from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.layout import layout, shown
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
-from ued.recorder.shades import ramp, smooth, unique_names
+from ued.recorder.shades import SOURCE_COLOURS, ramp, smooth, unique_names
 from ued.recorder.theta_log import MOST_COLUMNS, ThetaLog
 from ued.recorder.writer import Writer
 
@@ -79,6 +79,7 @@ def recorded(tmp_path_factory):
     batches = [batch(update, rng) for update in range(1, UPDATES + 1)]
     for update, levels in enumerate(batches, start=1):
         metrics = {"regret": float(levels.score.mean()), "eval/a scene": 0.5, "nothing": float("nan")}
+        metrics |= {"levels/random": 32.0, "levels/edited": 0.0, "levels/replayed": float(update == 9)}
         recorder.record(update, update * 1000, levels, metrics)
         if update % 15 == 0:
             for student in levels.returns:
@@ -176,6 +177,21 @@ def test_looks_are_written_once(recorded):
         assert looks.column("Points2D:show_labels").to_pylist() == [[False]]
     assert table(path, "/theta/depth/histogram", "BarChart:values").keys() == {1, *range(5, UPDATES + 1, 5)}
     assert len(still["/theta/depth/histogram"].column("BarChart:widths").to_pylist()[0]) == 24
+
+
+def test_sources_are_shown_from_their_first_level_on(recorded):
+    """The legend lists no source that a method never has."""
+    from rerun.chunk import RrdReader
+
+    path, _ = recorded
+    shown = {name: table(path, f"/metrics/levels/{name}", "Scalars:scalars") for name in SOURCE_COLOURS}
+    assert [*shown["random"]] == [*range(1, UPDATES + 1)] and [*shown["replayed"]] == [*range(9, UPDATES + 1)]
+    assert shown["replayed"][9] == [1.0] and shown["replayed"][10] == [0.0]
+    known = {str(chunk.entity_path) for chunk in RrdReader(str(path)).stream()}
+    assert {f"/metrics/levels/{name}" for name in SOURCE_COLOURS} & known == {
+        "/metrics/levels/random",
+        "/metrics/levels/replayed",
+    }
 
 
 @pytest.mark.parametrize(

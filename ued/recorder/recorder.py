@@ -86,6 +86,7 @@ class CurriculumRecorder:
         self.buffer = BufferLog(self.stream)
         self._opened, self._views = False, None
         self._scenes: set[str] = set()  # test scenes whose curves have a style
+        self._sources: set[str] = set()  # of levels, that occurred
         self._flushes = 0
         self._last = 0  # update that was recorded
 
@@ -103,7 +104,7 @@ class CurriculumRecorder:
         self._at(update, env_steps)
         self._last = update
         for name, value in metrics.items():
-            if name not in TIMELINES and np.isfinite(value):
+            if name not in TIMELINES and np.isfinite(value) and self._occurs(name, value):
                 self._look_of_scene(name)
                 self.rows.scalars(["metrics", *name.split("/")], [value])
         if not len(batch.theta):
@@ -173,9 +174,6 @@ class CurriculumRecorder:
         for index, student in enumerate(students):
             self._look(f"metrics/return_per_level/{student}", student, student_color(index))
         self._look("metrics/score_per_level", "score", SCORE_COLOR)
-        for source, color in SOURCE_COLORS.items():
-            looks = rerun.SeriesLines(colors=[color], names=[source], widths=[2.0])
-            self.stream.log(f"metrics/levels/{source}", looks, static=True)
         for path in ("levels/card", "teacher/aim", *(f"levels/{slot}" for slot in range(TOP_LEVELS))):
             markdown = rerun.TextDocument.from_fields(media_type=rerun.MediaType.MARKDOWN)
             self.stream.log(path, markdown, static=True)
@@ -209,6 +207,20 @@ class CurriculumRecorder:
             texts |= {f"levels/{slot}": cards.slot_card(batch, level, rule) for slot, level in enumerate(best)}
         for path, text in texts.items():
             self.stream.log(path, rerun.TextDocument.from_fields(text=text))
+
+    def _occurs(self, name: str, value: float) -> bool:
+        """Return whether a metric is written: of a source of levels, from its first level on, which gives it a style.
+
+        The legend would list sources that the method never has.
+        """
+        source = name.removeprefix("levels/")
+        if source == name or source not in SOURCE_COLORS or source in self._sources:
+            return True
+        if value > 0:
+            self._sources.add(source)
+            looks = rerun.SeriesLines(colors=[SOURCE_COLORS[source]], names=[source], widths=[2.0])
+            self.stream.log(f"metrics/levels/{source}", looks, static=True)
+        return value > 0
 
     def _look_of_scene(self, name: str) -> None:
         """Write the style of a test scene's curve with its first value: a color of its own, a wide line."""
