@@ -23,7 +23,7 @@ from ued.levels.record import NONE, level_record_dtype, make_records
 from ued.recorder.layout import layout, shown
 from ued.recorder.recorder import CurriculumRecorder, Recording
 from ued.recorder.scene_log import Episodes
-from ued.recorder.shades import SOURCE_COLOURS, ramp, smooth, unique_names
+from ued.recorder.shades import SOURCE_COLORS, ramp, smooth, unique_names
 from ued.recorder.theta_log import MOST_COLUMNS, ThetaLog
 from ued.recorder.writer import Writer
 
@@ -184,11 +184,11 @@ def test_sources_are_shown_from_their_first_level_on(recorded):
     from rerun.chunk import RrdReader
 
     path, _ = recorded
-    shown = {name: table(path, f"/metrics/levels/{name}", "Scalars:scalars") for name in SOURCE_COLOURS}
+    shown = {name: table(path, f"/metrics/levels/{name}", "Scalars:scalars") for name in SOURCE_COLORS}
     assert [*shown["random"]] == [*range(1, UPDATES + 1)] and [*shown["replayed"]] == [*range(9, UPDATES + 1)]
     assert shown["replayed"][9] == [1.0] and shown["replayed"][10] == [0.0]
     known = {str(chunk.entity_path) for chunk in RrdReader(str(path)).stream()}
-    assert {f"/metrics/levels/{name}" for name in SOURCE_COLOURS} & known == {
+    assert {f"/metrics/levels/{name}" for name in SOURCE_COLORS} & known == {
         "/metrics/levels/random",
         "/metrics/levels/replayed",
     }
