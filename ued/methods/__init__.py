@@ -64,7 +64,7 @@ METHODS = {row.name: row for row in (  # tests/experiments/test_colors.py says w
     MethodRow(
         "paired", "ued.methods.paired", "Paired", config.PairedConfig, "PAIRED", "#965a00", "Dennis et al. 2020",
         "an adversary maximizes a protagonist's regret",
-        "2, for the student that counts",
+        "2 (protagonist only)",
     ),
     MethodRow(
         "paired_literal", "ued.methods.paired_literal", "PairedLiteral", config.PairedLiteralConfig, "literal PAIRED",
