@@ -30,6 +30,7 @@ def python(*words, folder=ROOT):
     return run([sys.executable, *words], folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", ["import envs", "import minigames", "import experiments", "import regista.envs"])
 def test_a_module_has_one_copy_whichever_name_comes_first(first):
     done = python("-c", ONCE.format(first=first))

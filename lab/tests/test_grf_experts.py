@@ -57,6 +57,7 @@ def test_a_runner_scores_and_a_team_passes():
     assert np.mean([len(row) >= 2 for row in owners]) > 0.7
 
 
+@pytest.mark.slow
 def test_rates_and_ranks_are_told_of_both_engines():
     chosen = [each for each in experts() if each.name in ("run_to_score", "team_pass_and_shoot")]
     found = list(play_experts(chosen, OURS, 4))

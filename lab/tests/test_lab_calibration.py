@@ -197,6 +197,7 @@ def test_time_since_a_kick():
 # ---------------------------------------------------------------- stored measurements, knobs and profiles
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TABLES)
 def test_stored_measurements_can_be_fitted(name):
     rows = read(TABLES[name].source)
@@ -236,6 +237,7 @@ def test_bad_knobs_are_refused():
         group("nothing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GROUPS)
 def test_groups_name_numbers_of_the_simulator(name):
     for each in map(knobs.parse, group(name)):

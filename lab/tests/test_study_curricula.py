@@ -242,6 +242,7 @@ def test_curves_begin_with_the_first_evaluation_and_axes_are_labeled(tmp_path, m
     plt.close(drawn[0])
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 @pytest.mark.parametrize("games", range(1, 8))
 def test_the_picture_fits_any_number_of_games(games, tmp_path, monkeypatch):

@@ -57,6 +57,7 @@ def test_harm_is_told_and_ends_no_suite(tmp_path, monkeypatch, capsys, crash):
     assert suite.main(["--report", str(tmp_path / "report.json"), "--mended", name]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at_work", [False, True])
 def test_the_worker_of_a_suite_that_was_killed_ends(tmp_path, at_work):
     """Whether it was waiting for the next round or in the middle of one."""

@@ -103,6 +103,7 @@ def assert_same(ours, theirs):
         assert metrics["env_steps"] == other_metrics["env_steps"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
     method, ours = trained(case, True, monkeypatch)

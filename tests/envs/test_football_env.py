@@ -37,6 +37,7 @@ def rollout(env, steps=120, seed=7):
 # ---------------------------------------------------------------- contracts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", minigames.MINIGAMES)
 @pytest.mark.parametrize("representation", ["features", "raw"])
 def test_the_single_environment_passes_gymnasiums_check(name, representation):

@@ -170,6 +170,7 @@ def check_turned(here: np.ndarray, there: np.ndarray) -> None:
         np.testing.assert_allclose(here["ball"][name], -there["ball"][name], rtol=0, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_strange_scenes_turn_too(seed: int) -> None:
     """Piles, corners, everybody on one line or on the ball: where things are exactly even, too; half play by keys."""

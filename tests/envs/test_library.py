@@ -125,6 +125,7 @@ def test_the_nearest_players_leave_out_oneself() -> None:
     assert answer(f"1 if {of_a_place} is near else 0", scene) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("place", "inside"), [("4 @ 0", 1), ("3 @ 2.9", 1), ("2 @ 3", 0), ("6 @ 0", 0), ("-3 @ 0", 0)])
 def test_the_runway_is_a_quarter_disc_ahead(place: str, inside: int) -> None:
     assert answer("1 if opponentInRunway(self) else 0", f"{EAST}RightCB at {place}\n") == inside

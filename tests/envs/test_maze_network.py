@@ -58,6 +58,7 @@ def test_without_the_setting_mazes_are_seen_by_an_mlp():
     assert isinstance(space, Parts) and not any(isinstance(m, torch.nn.Conv2d) for m in student.modules())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method_name", ["dr", "plr", "paired"])
 def test_it_trains_and_goes_on_bit_for_bit(method_name):
     def method():

@@ -43,6 +43,7 @@ def walk(env: FootballParallelEnv, steps: int, seed: int = 0, **options: object)
     return seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("control", "right_control", "count"),
     [
@@ -145,6 +146,7 @@ def test_infos_are_numbers_under_the_same_names_throughout() -> None:
     assert not any(reasons[:-1]) and reasons[-1] in (GOAL, OUT_OF_PLAY, POSSESSION, DURATION)
 
 
+@pytest.mark.slow
 def test_a_copy_by_pickle_is_made_with_the_same_arguments() -> None:
     env = minigames.parallel_env("3v2FourBehaviors", control="allNonGK", representation="simple115")
     twin = pickle.loads(pickle.dumps(env))

@@ -74,6 +74,7 @@ def ending(moment) -> int:
     return moment.ended
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("folder", "part"), SAMPLES)
 def test_compiled_behaviors_play_as_the_reference_does(folder: str, part: str) -> None:
     for path in sample(folder, part):

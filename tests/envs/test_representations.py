@@ -174,6 +174,7 @@ def planes(raw):
     return scope
 
 
+@pytest.mark.slow
 def test_smm_is_made_of_raw_as_in_the_original():
     for raw, seen, _ in side_by_side("smm"):
         assert seen.dtype == np.uint8
@@ -264,6 +265,7 @@ def test_the_batch_keeps_the_contract_of_vector_environments(representation, con
         assert rewards.shape == terminated.shape == truncated.shape == (3,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 def test_a_state_resumes_bit_for_bit_in_another_environment(representation):
     env, twin = make(representation, "closest2"), make(representation, "closest2")

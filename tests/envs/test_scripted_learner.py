@@ -140,6 +140,7 @@ def test_of_several_actions_an_agent_takes_the_first_and_nothing_for_what_is_lef
     assert env.program_actions().tolist() == [[5, 0, 0]] * 2
 
 
+@pytest.mark.slow
 def test_a_program_without_behaviors_wants_nothing():
     env = FootballVectorEnv("model football.model\nego = LeftCF at 80 @ 0\nBall ahead of ego by 1\n", 2)
     env.reset(seed=0)

@@ -76,6 +76,7 @@ def test_a_recording_and_a_gallery_show_mazes(run, capsys):
     assert sum(tiles) == 13 * 13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [80, 100])
 def test_lines_of_the_list_fit_the_terminal(columns, monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", str(columns))
@@ -111,6 +112,7 @@ def test_inspect_and_list_say_what_it_is(tmp_path, capsys):
     assert "did you mean 'maze' or 'maze60'?" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "message"),
     [

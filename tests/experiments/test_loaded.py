@@ -172,6 +172,7 @@ def test_a_task_and_a_program_are_inspected():
         regista.inspect(GAME, n=0)
 
 
+@pytest.mark.slow
 def test_python_and_the_command_line_have_the_same_defaults(tmp_path, monkeypatch):
     usual = {name: value.default for name, value in inspect.signature(regista.compare).parameters.items()}
     typed = CompareConfig()

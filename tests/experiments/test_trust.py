@@ -149,6 +149,7 @@ def test_a_note_that_others_may_write_is_none(run, tmp_path):
     assert not trust.allows(f"{tmp_path}/honest_task.py:make")
 
 
+@pytest.mark.slow
 def test_a_link_that_leads_elsewhere_by_now_is_another_task(tmp_path):
     write(tmp_path / "first_task.py")
     marker = write(tmp_path / "second_task.py")

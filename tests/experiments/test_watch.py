@@ -93,6 +93,7 @@ def run(tmp_path_factory):
     return out
 
 
+@pytest.mark.slow
 def test_evaluate_plays_whole_rounds_with_all_policies_alike(run, capsys):
     assert main(["evaluate", str(run), "--minutes", "0.01", "--levels", "0", "--json"]) == 0
     told = capsys.readouterr()

@@ -71,6 +71,7 @@ OUT_OF_REACH = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "message"), TOO_MUCH)
 def test_budget(text, message):
     with pytest.raises(ScenicError) as caught:

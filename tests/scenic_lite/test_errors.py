@@ -375,6 +375,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_error(name):
     program, expected = (textwrap.dedent(text).strip("\n") for text in CASES[name])

@@ -76,6 +76,7 @@ def test_the_map_from_the_square_preserves_area(text):
     assert value < 0.25 * cells
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", FIXED)
 def test_the_way_back_from_points(text):
     program = things(f"spot = new Thing in {text}", 3)

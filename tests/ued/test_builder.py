@@ -120,6 +120,7 @@ def test_a_resumed_teacher_goes_on_as_it_would_have(family):
         assert mine.tobytes() == theirs.tobytes() and told == heard
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("builder", ["direct", "steps"])
 def test_a_resumed_run_on_mazes_goes_on_as_it_would_have(builder):
     def started(seed):
@@ -168,6 +169,7 @@ def test_every_teacher_runs_on_mazes(name, builder):
         np.testing.assert_array_equal(method.upomdp.level_family.encode(method.upomdp.level_family.decode(code)), code)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["paired", "repaired", "minimax"])
 def test_every_teacher_runs_on_the_mazes_of_the_example(name):
     path = Path(__file__).parent.parent.parent / "examples" / "own_levels.py"

@@ -115,6 +115,7 @@ def test_a_batch_is_torchrls_environment(make):
     assert env.batch_size == (4,)
 
 
+@pytest.mark.slow
 def test_torchrl_sees_whole_episodes_each_on_its_level():
     pytest.importorskip("torchrl")
     from ued.adapters.torchrl import TorchRLEnv

@@ -217,6 +217,7 @@ def trained(method, adapter, updates=6):
     return watch.starts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "adapter"), CASES)
 def test_every_episode_of_a_level_starts_alike(method, adapter):
     starts = trained(method, adapter)

@@ -103,6 +103,7 @@ def test_what_was_before_an_episode_is_forgotten():
 SEVERAL = [(3, *each) for each in ARRANGEMENTS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("agents", "team", "critic"), [(1, "independent", "own"), *SEVERAL])
 @pytest.mark.parametrize("shared_torso", [False, True])
 def test_looking_back_it_thinks_what_it_thought(agents, team, critic, shared_torso):

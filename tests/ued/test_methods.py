@@ -116,6 +116,7 @@ QUICK = (
 )  # of each kind of teacher one; the others take a minute together
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in METHODS]
 )

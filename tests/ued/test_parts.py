@@ -112,6 +112,7 @@ def test_images_are_at_least_5_high_and_wide():
     assert not isinstance(plain, Parts) and plain.shape == (50,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("vectorization", ["sync", "async"])
 @pytest.mark.parametrize("name", ["dict", "tuple", "nested", "two images"])
 def test_convolutions_get_the_pixels_of_the_environment(name, vectorization):

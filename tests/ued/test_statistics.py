@@ -53,6 +53,7 @@ def test_the_interval_covers_the_truth_about_as_often_as_it_says(runs):
     assert 0.89 < hits / 200 < 0.99
 
 
+@pytest.mark.slow
 def test_it_is_as_wide_as_student_has_it():
     """Five runs with mean 0 and deviation 1: 2.776 / sqrt(5); the many runs that say the same: 1.96 / sqrt(500)."""
     few = np.array([-1.0, -1.0, 0.0, 1.0, 1.0])

@@ -96,6 +96,7 @@ def test_a_sync_vector_env_trains_as_its_single_environments(mode, apply, refere
     assert_alike(trained(VectorUPOMDP(sync(mode), apply, KINDS, 4)), reference)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 def test_an_async_vector_env_trains_as_its_single_environments(mode, reference):
     assert_alike(trained(VectorUPOMDP(asynchronous(mode), "each", KINDS, 4)), reference)

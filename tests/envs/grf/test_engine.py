@@ -46,6 +46,7 @@ def keys(env: FootballVectorEnv, seed: int, steps: int) -> list[np.ndarray]:
     return [rng.integers(0, 19, env.action_space.shape) for _ in range(steps)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", ["features", "simple115", "smm", "smm_stacked"])
 def test_observations_are_those_of_our_own_simulator(python, representation):
     real, ours = (
@@ -120,6 +121,7 @@ def test_a_state_of_the_simulator_is_refused(python):
     assert same(real.matches, before)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -46,6 +46,7 @@ def _same_seed(monkeypatch):
     monkeypatch.setattr(engine, "draw_seeds", lambda matches, where: np.full(len(where), SEED))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ACADEMIES)
 def test_an_academy_is_the_official_one(scene, tmp_path, same_seed):
     python = real_python()
@@ -68,6 +69,7 @@ def test_an_academy_is_the_official_one(scene, tmp_path, same_seed):
     env.close()
 
 
+@pytest.mark.slow
 def test_a_team_of_agents_is_the_official_one(tmp_path, same_seed):
     """Right players too: theirs is the frame of their own team."""
     python = real_python()
@@ -86,6 +88,7 @@ def test_a_team_of_agents_is_the_official_one(tmp_path, same_seed):
     env.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["3_vs_1_with_keeper", "counterattack_easy"])
 def test_both_engines_begin_alike(scene):
     real, ours = (make(real_python(), academy(scene), engine=engine) for engine in ("grf", "regista"))
@@ -103,6 +106,7 @@ def test_both_engines_begin_alike(scene):
     real.close()
 
 
+@pytest.mark.slow
 def test_what_was_played_is_repeated_bit_for_bit():
     python = real_python()
     env = make(python, academy("3_vs_1_with_keeper"))
@@ -119,6 +123,7 @@ def test_what_was_played_is_repeated_bit_for_bit():
     twin.close()
 
 
+@pytest.mark.slow
 def test_behaviors_and_monitors_play_on_the_real_engine():
     program = """
 behavior RunAndShoot():

@@ -115,6 +115,7 @@ def test_a_long_list_is_copied_by_one_row() -> None:
     assert COPY_MANY in code.rows[:, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(900, 930))
 def test_loops_over_objects_share_their_rows_with_the_same_commands(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lists, "MANY", 2)
