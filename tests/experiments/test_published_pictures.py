@@ -22,7 +22,7 @@ PICTURES = {  # methods, and variants with their methods in the order in which t
     ),
     "docs/pictures/scale.png": (("dr", "plr", "accel", "paired"), ()),
     "experiments/gallery/curricula.png": (("dr", "paired", "robust_plr", "accel", "sfl"), ()),
-    "experiments/gallery/overview.png": (("dr", "paired"), ()),
+    "experiments/gallery/overview.png": (("dr",), (("paired_direct", "paired"),)),
     "experiments/gallery/figure_4_4.png": (("built-in",), ()),
     "experiments/gallery/figure_4_9.png": (("dr", "paired", "paired_literal"), (DENNIS,)),
 } | {f"experiments/gallery/figure_4_{k}.png": (("dr", "paired", "paired_literal"), (HALF, DENNIS)) for k in range(5, 9)}
