@@ -9,39 +9,9 @@ from PIL import Image
 from regista.experiments.__main__ import main
 from regista.experiments.run.errors import CommandError
 from regista.experiments.run.rendering import fitted, picture
+from tests.experiments.test_play_level import TASK
 
-TASK = """
-import gymnasium
-import numpy as np
-import ued
-
-class Cave(gymnasium.Env):
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 10}
-    observation_space = gymnasium.spaces.Box(0, 1, (1,), np.float32)
-    action_space = gymnasium.spaces.Discrete(2)
-    render_mode = "rgb_array"
-    size = 8
-
-    def reset(self, *, seed=None, options=None):
-        super().reset(seed=seed)
-        self.size, self.t = int(self.np_random.integers(8, 17)), 0
-        return np.zeros(1, np.float32), {}
-
-    def step(self, action):
-        self.t += 1
-        return np.zeros(1, np.float32), 1.0, self.t >= 3, False, {}
-
-    def render(self):
-        RENDER
-
-def put(env, values):
-    pass
-
-def make(num_envs):
-    return ued.GymUPOMDP(Cave, put, {"depth": (0, 1)}, num_envs)
-
-caves = ued.Task(make)
-"""
+RENDERED = "np.full((16, 16, 3), int(255 * self.walls[0]), np.uint8)"  # of the task of test_play_level
 BAD = {
     "raise RuntimeError('no screen')": "the environment cannot render: RuntimeError: no screen",
     "return None": "the environment's render() returned None; for",
@@ -55,7 +25,8 @@ BAD = {
 
 
 def task(folder, render):
-    (folder / "caves.py").write_text(TASK.replace("RENDER", render))
+    assert TASK.count(f"return {RENDERED}") == 1
+    (folder / "caves.py").write_text(TASK.replace(f"return {RENDERED}", render))
     return f"{folder / 'caves.py'}:caves"
 
 
@@ -81,7 +52,9 @@ def test_gray_pictures_and_those_with_an_alpha_channel_are_shown():
 
 
 def test_episodes_of_different_size_are_one_film(tmp_path):
-    cave = task(tmp_path, "return np.full((self.size, 2 * self.size, 4), 200, np.uint8)")
+    cave = task(
+        tmp_path, "return np.full((8 + int(8 * self.walls[0]), 16 + 2 * int(8 * self.walls[0]), 4), 200, np.uint8)"
+    )
     assert main(["play", cave, "--episodes", "6", "--video", str(tmp_path / "a.webp")]) == 0
     with Image.open(tmp_path / "a.webp") as film:
         assert film.n_frames >= 1 and film.width == 2 * film.height
