@@ -46,7 +46,7 @@ IDIOMS = (  # how this project must not speak: shared words in place of those of
 ENGINES = r"\| ?(?:here|there) ?\||\((?:here|there) [\d`]|goals (?:here|there)\b|\bin the engine there\b"
 HASH = r"\b(?=[0-9]*[a-f])(?=[a-f]*[0-9])[0-9a-f]{7,40}\b"
 
-GENERATED = re.compile(r"^<!-- (?!end)[\w: ]+ -->\n(.*?)^<!-- end -->", re.M | re.S)
+GENERATED = re.compile(r"^<!-- (?!end|source)[\w:, ]+ -->\n(.*?)^<!-- end -->", re.M | re.S)
 COMMAND = re.compile(r"(?:python -m|regista|make) \w")
 
 

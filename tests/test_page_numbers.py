@@ -1,0 +1,78 @@
+"""No number on a page without its source: a generated table, or a mark that names a command or a file.
+
+Numbers are percentages, decimals, signed numbers, intervals and points. Each stands in a generated table of its page
+or of a page that it links to; or its paragraph, item or table has a mark `<!-- source: COMMAND OR FILE -->`; or the
+head of the page, above its first section, has `<!-- source of this page: COMMAND OR FILE -->`. Read next: `test_prose`.
+"""
+
+import re
+from importlib.util import find_spec
+
+import pytest
+
+from tests.pages import LINK, ROOT, prose
+from tests.test_prose import GENERATED, PAGES, read, said
+
+NUMBER = r"\d+(?:,\d{3})*(?:\.\d+)?"
+MEASURED = re.compile(
+    rf"(?<![\w.,/^])(?:[-+]?{NUMBER}%|[-+]\d[\d.]*(?![\w-])|{NUMBER}(?= (?:percentage )?points)|\d+\.\d+(?![\w.]))"
+    rf"|\[[-+]?{NUMBER}, [-+]?{NUMBER}\]"
+)
+DEFINED = re.compile(  # code, ranges, levels of confidence, none and all, papers
+    r"`[^`]+`|(?:in|to|of) \[-?\d+, \d+\]|\b95%(?= (?:CI|bootstrap|confidence|interval))|\b(?:0|100)%|\d{4}\.\d{5}"
+)
+# A name with its number: a version, a figure, a license
+VERSION = re.compile(r"\b(?:[A-Z][\w-]*|[a-z]+(?:-[a-z]+)+)\]?(?: below)?[ -]\d[\d.]*(?:,?(?: and| or| to)? \d[\d.]*)*")
+MARK = re.compile(r"<!-- source: (.+?) -->")
+PAGE_MARK = re.compile(r"<!-- source of this page: (.+?) -->")
+
+
+def known(path):
+    """Return the numbers in generated tables of a page and of pages that it links to."""
+    linked = [path]
+    for _, link in LINK.findall(prose(path.read_text())):
+        file = link.partition("#")[0]
+        linked += [(path.parent / file).resolve()] if file.endswith(".md") else []
+    tables = (table[1] for page in linked if page.is_file() for table in GENERATED.finditer(page.read_text()))
+    return set(re.findall(NUMBER, "\n".join(tables)))
+
+
+def without_source(text, known):
+    """Return what a page says with a number that has no source, by its first words."""
+    if PAGE_MARK.search(text.partition("\n## ")[0]):
+        return []
+    lines = []
+    for paragraph in re.split(r"\n\s*\n|\n(?=- )", prose(GENERATED.sub("", text))):
+        if not MARK.search(paragraph):
+            plain = VERSION.sub("", said(DEFINED.sub("", paragraph)))
+            missing = [number for each in MEASURED.findall(plain) for number in re.findall(NUMBER, each)]
+            missing = [number for number in missing if number not in known]
+            lines += [f"{', '.join(missing)}: {paragraph[:80]}"] if missing else []
+    return lines
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_numbers_have_a_source(name):
+    path = PAGES[name]
+    assert without_source(path.read_text(), known(path)) == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_sources_exist(name):
+    for source in [*MARK.findall(read(name)), *PAGE_MARK.findall(read(name))]:
+        module = re.match(r"python -m ([\w.]+)", source)
+        if module:
+            assert find_spec(module[1]), source
+        elif not re.match(r"(?:regista|make) \w", source):
+            assert (ROOT / source).is_file(), source
+
+
+def test_a_number_without_a_source_is_found():
+    page = "# A\n\nDR solves 84%.\n\n- PAIRED gains +5 points [-1, +12].\n\nPython 3.11 or 3.12, θ in [-1, 1].\n"
+    assert [line.partition(":")[0] for line in without_source(page, set())] == ["84", "5, 1, 12"]
+    assert without_source(page, {"84", "5", "1", "12"}) == []
+    assert without_source(page.replace("DR", "<!-- source: a.py -->\nDR"), {"5", "1", "12"}) == []
+    assert without_source(f"<!-- source of this page: make demo -->\n{page}", set()) == []
+    assert without_source(f"{page}\n## B\n\n<!-- source of this page: make demo -->\n", set()) != []
+    table = "<!-- study: fast, teams -->\n| 84% |\n<!-- end -->\n"
+    assert without_source(table, set()) == [] and len(GENERATED.findall(table)) == 1
