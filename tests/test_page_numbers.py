@@ -59,7 +59,13 @@ def test_numbers_have_a_source(name):
 
 @pytest.mark.parametrize("name", PAGES)
 def test_sources_exist(name):
-    for source in [*MARK.findall(read(name)), *PAGE_MARK.findall(read(name))]:
+    """A mark has a line of its own: what follows it in its line would not be read as Markdown."""
+    text = read(name)
+    marks = [*MARK.findall(text), *PAGE_MARK.findall(text)]
+    assert (
+        len(marks) == len(re.findall(r"^ *<!-- source.* -->$", text, re.M)) == len(re.findall(r"<!--\s*source", text))
+    )
+    for source in marks:
         module = re.match(r"python -m ([\w.]+)", source)
         if module:
             assert find_spec(module[1]), source
