@@ -106,6 +106,7 @@ def allowed_in(name: str) -> set[str]:
     return EXCEPTIONS.get(name, MAY_IMPORT[max(prefixes, key=len)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("package", [place for place in MAY_IMPORT if "/" not in place])
 def test_packages_import_only_what_the_design_allows(package):
     for path in sources(package):
@@ -127,6 +128,7 @@ def test_tests_need_no_lab():
         assert not [name for name in imported(path) if within(name, {"lab"})], path
 
 
+@pytest.mark.slow
 def test_only_recordings_import_rerun():
     users = [p.name for package in OURS for p in sources(package) if any(within(m, {"rerun"}) for m in imported(p))]
     assert users == [

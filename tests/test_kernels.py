@@ -79,6 +79,7 @@ def test_a_cache_of_somebody_else_is_not_used(tmp_path: Path) -> None:
     assert not Path(found).exists()
 
 
+@pytest.mark.slow
 def test_old_caches_are_removed_and_foreign_files_kept(tmp_path: Path) -> None:
     for i in range(8):
         folder = tmp_path / f"{i:016x}"
@@ -92,6 +93,7 @@ def test_old_caches_are_removed_and_foreign_files_kept(tmp_path: Path) -> None:
     assert len(left) == 1 + jit.KEPT_CACHES
 
 
+@pytest.mark.slow
 def test_a_cache_that_a_program_may_use_just_now_stays(tmp_path: Path) -> None:
     for i in range(8):
         (tmp_path / f"{i:016x}").mkdir()

@@ -121,6 +121,7 @@ def test_parries_and_holds_are_recovered():
     assert (hands.hold_chances(HOLD, met) > 0.0).tolist() == [value >= HOLD.from_ease for value in ease]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["at_rest", "brought_down"])
 def test_first_touches_are_recovered(name):
     table = TABLES[name]

@@ -19,7 +19,7 @@ QUOTED = sorted(
         command.partition("  #")[0].strip()
         for page in PAGES
         if page.name != "CHANGELOG.md"
-        for command in re.findall(r"python -m lab\.[^`\n]+", page.read_text())
+        for command in re.findall(r"python -m lab\.(?:(?! -->)[^`\n])+", page.read_text())
     }
 )
 

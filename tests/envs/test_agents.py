@@ -162,6 +162,7 @@ def facing(control: MatchConfig) -> np.ndarray:
     return kick_off(places, np.zeros((1, 2)), roster, [0], control).view(np.recarray)
 
 
+@pytest.mark.slow
 def test_a_right_agent_sees_and_moves_the_turned_pitch() -> None:
     """Both teams stand turned by 180°: with equal keys until the ball is near, both go the same way as each sees it."""
     matches = facing(MatchConfig(control="2", right_control="2", use_magnet=False))
@@ -174,6 +175,7 @@ def test_a_right_agent_sees_and_moves_the_turned_pitch() -> None:
     assert abs(players["y"][0]) > 0.3
 
 
+@pytest.mark.slow
 def test_right_agents_observe_what_left_ones_would() -> None:
     text = """
         ego = LeftCM at -10 @ 0

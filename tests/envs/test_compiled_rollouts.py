@@ -124,6 +124,7 @@ def test_a_compiled_rollout_is_the_one_of_single_steps(case, monkeypatch):
             np.testing.assert_array_equal(tapes[0][visit], tapes[1][visit])
 
 
+@pytest.mark.slow
 def test_one_level_per_rollout(monkeypatch):
     case, config = CASES["truncated episodes"], DRConfig(resample_level_every="rollout")
     runs = [trained(("dr", *case[1:]), compiled, monkeypatch, config=config)[1] for compiled in (True, False)]

@@ -143,6 +143,7 @@ def mirrored(players: list[Player], ball: tuple[float, float]) -> tuple[list[Pla
     return [(-x, -y, 1 - team, role) for x, y, team, role in players], (-ball[0], -ball[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(0.4, 1.1), (30.0, -20.0), (54.0, 10.0)])
 def test_a_turned_world_plays_the_turned_match(place: tuple[float, float]) -> None:
     """Restarts, fouls, goals and scatter included: 40 s of sixteen matches, player for player.

@@ -217,6 +217,7 @@ def test_the_task_tests_mazes_of_other_sizes_with_the_same_view():
     assert sizes == {9, 13, 17, 19, 49}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", ["features", "image"])
 def test_walls_hide_cells_in_minigrids_own_mazes(representation):
     config = MazeConfig(representation=representation)

@@ -242,6 +242,7 @@ def test_the_last_observation_of_an_episode_is_of_that_episode():
 # ---------------------------------------------------------------- contracts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("representation", REPRESENTATIONS)
 @pytest.mark.parametrize("control", CONTROLS)
 def test_gymnasium_accepts_every_representation_and_control(representation, control):

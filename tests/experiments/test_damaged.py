@@ -30,6 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "number"), [(name, k) for name, each in DAMAGES.items() for k in range(len(each))])
 def test_a_file_that_is_something_else(folder, tmp_path, name, number):
     copy = tmp_path / "run"
@@ -105,6 +106,7 @@ def test_a_student_that_is_none_is_refused_by_whoever_loads_it(begun, tmp_path):
             load_policy(tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value"), [("kl_coef", "x"), ("kl_coef", float("nan")), ("student", {}), ("source", 3)]
 )

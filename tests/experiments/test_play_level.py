@@ -71,6 +71,7 @@ def test_a_row_is_the_level_to_the_last_bit(run):
     assert (stage.env.vector.envs[0].unwrapped.walls == walls).all()
 
 
+@pytest.mark.slow
 def test_a_level_is_played_and_filmed(run, tmp_path, capsys):
     row = rows(run)[5]
     assert main(["play", "--level", str(run), "--id", row["id"], "--video", str(tmp_path / "cave.gif")]) == 0

@@ -48,6 +48,7 @@ def test_a_student_of_football_is_filmed(football, tmp_path, capsys):
     assert played(["1v1Free", *words, "--seed", "1"], capsys) == shown[1:2]  # each episode is that of its seed
 
 
+@pytest.mark.slow
 def test_a_student_plays_test_scenes_levels_and_other_games(football, tmp_path, capsys):
     assert STUDENT in played(["1v1Free", "--scene", "hard", "--player", football, "--greedy"], capsys)[0]
     assert STUDENT in played(["1v1Restricted", "--player", football], capsys)[0]
@@ -75,6 +76,7 @@ def test_what_cannot_be_played_is_said(words, message, football, caves, capsys):
     assert message in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_student_of_a_task_is_filmed_on_each_level_of_a_test(caves, tmp_path, capsys):
     video = tmp_path / "caves.gif"
     words = ["--player", str(caves / "run"), "--scene", "deep", "--episodes", "3", "--video", str(video)]

@@ -178,6 +178,7 @@ def test_overview(runs, painter, tmp_path):
     assert all(has_color(path, plots.METHOD_COLORS[method]) for method in ("dr", "paired", "shoot"))
 
 
+@pytest.mark.slow
 @pytest.mark.drawn
 @pytest.mark.parametrize("evaluated", [True, False])
 def test_without_evaluations_in_training_there_is_no_panel_of_them(runs, painter, monkeypatch, tmp_path, evaluated):

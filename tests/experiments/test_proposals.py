@@ -26,6 +26,7 @@ def write(path, middle, source="proposed"):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [1, 32])
 def test_proposals_stand_beside_the_weights_of_the_program(tmp_path, monkeypatch, columns):
     monkeypatch.setattr("regista.experiments.run.proposals.AT_ONCE", columns)

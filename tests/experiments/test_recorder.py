@@ -278,6 +278,7 @@ def test_a_stream_that_its_disk_has_failed_is_left_to_itself(monkeypatch, hangs)
     assert left and not freed
 
 
+@pytest.mark.slow
 def test_a_program_that_ends_in_an_error_waits_for_no_writer(tmp_path):
     """Nor is a stream freed before: that would wait as well."""
     script = tmp_path / "script.py"

@@ -139,6 +139,7 @@ def two(trained_here: None, tmp_path: Path) -> Path:
     return tmp_path / "two"
 
 
+@pytest.mark.slow
 def test_a_comparison_finds_the_runs_finished(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task = ["ued.probes:frontier", *TASK[3:], "--total-env-steps", "256", "--eval-every", "0"]
     words = ["compare", *task, "--methods", "plr", "--seeds", "2", "--first-seed", "3", "--out", str(two)]
@@ -148,6 +149,7 @@ def test_a_comparison_finds_the_runs_finished(two: Path, capsys: pytest.CaptureF
     assert "evaluating 2 runs" in out and "at a time" not in out
 
 
+@pytest.mark.slow
 def test_resumed_runs_are_all_trained_further(two: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["train", "--resume", str(two), "--total-env-steps", "512"]) == 0
     assert [run.load()["env_steps"] for run in seeds.opened(two)] == [512, 512]
@@ -271,6 +273,7 @@ def test_policies_evaluated_in_parallel_have_the_same_numbers(apart: Path, monke
     assert repr(one.levels) == repr(other.levels) and len(one.levels) > 2
 
 
+@pytest.mark.slow
 def test_runs_of_one_folder_start_from_one_student_in_one_way(
     trained_here: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

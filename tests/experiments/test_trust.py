@@ -79,6 +79,7 @@ def forged(run: Path, minigame: str) -> Path:
     return copy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", READ)
 def test_no_command_runs_what_only_a_folder_names(run, command, capsys):
     evil = run.with_name("stranger") / "evil_task.py"
@@ -91,6 +92,7 @@ def test_no_command_runs_what_only_a_folder_names(run, command, capsys):
         assert f"a file names the task {evil}:make, which is Python code" in said and "add --trust" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", ["inside", "beside", "relative", "dots", "link", "module", "package", "other name"])
 def test_however_it_is_named(run, place, tmp_path, capsys):
     downloads = tmp_path / "downloads"
@@ -116,6 +118,7 @@ def test_however_it_is_named(run, place, tmp_path, capsys):
     assert "add --trust to run it" in capsys.readouterr().err and not marker.exists()
 
 
+@pytest.mark.slow
 def test_a_folder_called_as_its_task_is_not_a_task_that_was_named(run, tmp_path):
     marker = write(tmp_path / "evil_task.py")
     folder = tmp_path / "evil_task.py:make"
@@ -201,6 +204,7 @@ def test_demonstrations_are_of_football_alone(run, capsys):
     assert "is a Python task; this command needs a football game" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["config.json", "levels.csv", "checkpoint.pt"])
 @pytest.mark.parametrize("what", ["pipe", "device"])
 def test_what_can_be_read_without_end_is_refused(run, name, what, capsys):

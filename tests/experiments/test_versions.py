@@ -85,6 +85,7 @@ def test_no_run_begins_with_a_student_of_another_version(run, tmp_path, capsys):
     assert not (tmp_path / "new" / "config.json").exists()
 
 
+@pytest.mark.slow
 def test_an_old_policy_is_evaluated_with_a_warning(run, tmp_path, capsys):
     old = of_version(run, tmp_path / "old", None)
     flags = ["--episodes", "2", "--levels", "0"]

@@ -23,6 +23,7 @@ def test_programs_nobody_would_write(make, seed, dialect):
     no_fault(make(random.Random(seed), TEXTS), dialect)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(text=st.text(max_size=60), dialect=st.sampled_from((2, 3)))
 def test_any_text(text, dialect):

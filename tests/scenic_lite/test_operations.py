@@ -76,6 +76,7 @@ def test_numbers_and_arrays_agree_and_fail_in_the_same_places(row):
         assert alone is None or math.isclose(alone, together[i], rel_tol=1e-9, abs_tol=1e-12), operands[:, i]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", MACHINE_ROWS, ids=titles(MACHINE_ROWS))
 def test_the_machine_has_a_branch_that_agrees(row):
     operands = samples(row, np.random.default_rng(8))

@@ -35,6 +35,7 @@ def test_theta_sets_the_moon():
     assert steps_of_fall(env, [-1.0, -1.0]) < steps_of_fall(env, [1.0, -1.0])  # strong gravity, then weak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("continuous", [False, True])
 def test_students_learn_to_land(continuous):
     env = landers(continuous)

@@ -156,6 +156,7 @@ def test_proposals_that_wait_are_few():
 # ---------------------------------------------------------------- every method
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("builder", ["direct", "steps"])
 @pytest.mark.parametrize("name", TEACHING)
 def test_every_teacher_runs_on_mazes(name, builder):
@@ -187,6 +188,7 @@ def test_every_teacher_runs_on_the_mazes_of_the_example(name):
     assert 0.1 < np.mean([maze.walls.mean() for maze in mazes]) < 0.25
 
 
+@pytest.mark.slow
 def test_invalid_proposals_are_replaced_and_punished():
     class Picky(TypedWords):
         def valid(self, codes):

@@ -134,6 +134,7 @@ def test_torchrl_sees_whole_episodes_each_on_its_level():
     torch.testing.assert_close(last * 3, steps.float())  # the last observation is of the episode that ended
 
 
+@pytest.mark.slow
 def test_torchrl_resets_some_environments_and_plays_no_team():
     pytest.importorskip("torchrl")
     from test_team import Roles

@@ -40,6 +40,7 @@ def cloned(cloner, data, held_out):
             return cloner.evaluate([held_out])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("agents", [1, 3])
 def test_a_student_learns_what_was_done(agents):
     cloner = Cloner(student(agents), CloningConfig(epochs=30, learning_rate=5e-3), torch_generator(1))
@@ -119,6 +120,7 @@ def test_it_goes_on_as_if_it_had_never_stopped():
     assert epochs(other, 3) == losses[2:] and other.best_epoch == 2
 
 
+@pytest.mark.slow
 def test_a_best_student_that_is_another_one_is_refused():
     cloner = Cloner(student(), CloningConfig(), torch_generator(1))
     cloned(cloner, steps(50), steps(50, seed=1))

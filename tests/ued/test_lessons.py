@@ -201,6 +201,7 @@ PLAN = LessonsConfig(
 )
 
 
+@pytest.mark.slow
 def test_it_resumes_bit_for_bit_in_the_middle_of_a_plan(tmp_path):
     method = Lessons(frontier(), PPO, PLAN, 0, env_steps=5000)
     while not method.curriculum.stage:

@@ -72,6 +72,7 @@ def test_seeds_are_levels():
             ued.Seeds(count, first)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("count", "options"), [(20, 20), (200, 0), (2**31, 0)])
 def test_an_adversary_proposes_few_seeds_one_by_one_and_many_as_a_range(count, options):
     batch = GymUPOMDP(Rooms, None, ued.Seeds(count), 4)
@@ -85,6 +86,7 @@ def test_an_adversary_proposes_few_seeds_one_by_one_and_many_as_a_range(count, o
     assert proposed["seed"].max() < count and len(set(proposed["seed"].tolist())) > min(count, 50) / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["dr", "plr", "paired", "sfl", "accel"])
 def test_an_episode_costs_one_reset(method):
     made = METHODS[method].load()(GymUPOMDP(Given, put, {"rooms": (1, 6)}, 4), PPO, SETTINGS.get(method), seed=0)

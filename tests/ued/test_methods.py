@@ -138,6 +138,7 @@ def test_updates_count_all_steps_and_resume_bit_for_bit(name, tmp_path):
     assert not changed(resumed.student, weights(method.student))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["robust_plr", "accel", "cenie", "plr_cenie", "repaired"])
 def test_robust_methods_learn_nothing_from_new_levels(name):
     method = METHODS[name](frontier(4))
@@ -332,6 +333,7 @@ def test_sfl_without_a_success_chooses_levels_whose_returns_vary():
     assert np.isin(levels.chosen["level"]["theta"], records["level"]["theta"][9:]).all()
 
 
+@pytest.mark.slow
 def test_sfl_counts_its_looking_around_and_trains_on_the_chosen():
     method = METHODS["sfl"](frontier())
     seen = observed(method)

@@ -63,6 +63,7 @@ def test_levels_are_added_with_the_mean_of_the_others():
     assert made.square[4] == pytest.approx(made.square[:4].mean())
 
 
+@pytest.mark.slow
 def test_the_ascent_of_fixed_scores_reaches_the_softmax():
     """E_y[score] + alpha H(y) is largest at y ~ exp(score / alpha)."""
     score = np.random.default_rng(1).uniform(0, 0.25, 20)
@@ -175,6 +176,7 @@ def test_all_steps_count_and_the_student_learns_from_levels_drawn_from_y():
     assert 1 <= metrics["ncc/levels"] <= 24
 
 
+@pytest.mark.slow
 def test_it_resumes_bit_for_bit():
     def made(seed):
         return NCC(frontier(), PPO, NCCConfig(capacity=24, score="mna"), seed=seed)

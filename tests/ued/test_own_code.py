@@ -49,6 +49,7 @@ SCORED = {
 OWN = dataclasses.replace(PPO, network=f"{HERE}:Net")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCORED)
 def test_a_score_of_the_user_scores_the_levels_of_every_method(name):
     method, looked_at = SCORED[name](SPREAD), 0
@@ -185,6 +186,7 @@ def test_weights_follow_from_the_seed_of_the_run_alone():
     )
 
 
+@pytest.mark.slow
 def test_runs_with_own_parts_resume_bit_for_bit(tmp_path):
     config = PLRConfig(score=SPREAD, episodes_per_level=2, buffer=SMALL)
     method = PLR(frontier(), OWN, config, 0)

@@ -272,6 +272,7 @@ def test_a_saved_policy_acts_on_dicts_and_batches_of_them(config, tmp_path):
         policy.act({"at": 5, "eyes": {"body": drawn[0]["eyes"]["body"]}})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [DR, PLR, Paired])
 def test_runs_go_on_bit_for_bit(make):
     def method():

@@ -128,6 +128,7 @@ def test_what_a_student_learns_does_not_depend_on_the_unit_of_rewards():
     assert not torch.allclose(raw.student.critic.weight, one.student.critic.weight, rtol=1e-3, atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("score", ["max_mc", "positive_value_loss", "mna"])
 def test_returns_and_scores_are_in_raw_units(score):
     config = PLRConfig(score=score, buffer=BufferConfig(capacity=32))

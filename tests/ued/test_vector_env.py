@@ -90,6 +90,7 @@ def _reference():
     return trained(GymUPOMDP(Walk, put, KINDS, 4))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("apply", ["each", put_all])
 @pytest.mark.parametrize("mode", MODES)
 def test_a_sync_vector_env_trains_as_its_single_environments(mode, apply, reference):
@@ -177,6 +178,7 @@ def test_luck_is_new_in_each_episode_and_layouts_are_not():
         assert (again[:, 1] == first[:, 1]).all() == (not luck)
 
 
+@pytest.mark.slow
 def test_two_students_and_a_buffer_and_a_killed_run(tmp_path):
     make = sync(AutoresetMode.SAME_STEP)
     assert trained(VectorUPOMDP(make, "each", KINDS, 4), Paired)[-1][0]["levels"] > 0

@@ -106,6 +106,7 @@ def test_more_generated_scenarios_give_the_same_commands(seed):
     assert found == [], text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted(OPEN.glob("dyn_*.scenic")), ids=lambda path: path.stem)
 def test_open_oracle_programs_give_the_same_commands(path):
     text = path.read_text()

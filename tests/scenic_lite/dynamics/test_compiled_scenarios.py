@@ -25,6 +25,7 @@ def test_the_machine_does_as_the_reference(name):
     assert not [each for each in compiled.diagnostics if each.kind != "warning"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(BODIES))
 def test_in_scenic_2_too(name):
     text = program(name).replace("new Thing", "Thing")
