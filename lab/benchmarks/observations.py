@@ -1,4 +1,4 @@
-"""How fast matches are played and observed: by number of players, representation and threads, side by side.
+"""Speed of matches with observations, by number of players, representation and threads, side by side.
 
 Read next: `lab.benchmarks.timing`, which prints the rows.
 """
@@ -22,7 +22,9 @@ MATCHES = 256
 
 
 def observation_rows(seconds: float) -> list[Measurement]:
-    """Measure each scene with each representation on one thread, `features` also on two, and drawing planes alone."""
+    """Measure each scene with each representation on one thread, `features` also on two threads, and drawing planes
+    alone.
+    """
     rows = []
     for name, program in SCENES:
         for representation in SEEN:
@@ -41,7 +43,7 @@ def _speed(program: Path, representation: str, threads: int, seconds: float) -> 
 
 
 def _frames(program: Path, seconds: float) -> float:
-    """Return stacked planes drawn per second, of matches under way, on one thread."""
+    """Return stacked planes drawn per second on one thread, for matches in progress."""
     env = _make_env(program, "smm_stacked", 1)
     for _ in range(20):
         env.step(np.full(MATCHES, 5))
