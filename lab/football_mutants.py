@@ -238,9 +238,7 @@ def notice(words: Sequence[str], only_first: bool) -> list[dict[str, Any]]:
 
 
 def try_constants(seed: int, count: int) -> int:
-    """Change `count` constants, one at a time; print the first differences, and return the number of undetected
-    changes.
-    """
+    """Change `count` constants, one at a time; print the first differences; return the number of undetected changes."""
     missed, drawn = 0, random.Random(seed).sample(sites(), count)
     for number, site in enumerate(drawn, 1):
         found = notice(["one", *map(str, site)], only_first=True)

@@ -2,7 +2,7 @@
 
     python -m lab.benchmarks --suite sim
     python -m lab.benchmarks --suite language
-    python -m lab.benchmarks --suite scale --figures scale       # what grows with environments, players, θ, buffers ...
+    python -m lab.benchmarks --suite scale --figures scale       # costs by environments, players, θ, buffers ...
     python -m lab.benchmarks --suite grf --family motion ball      # likeness to Google Research Football, not speed
     python -m lab.benchmarks --suite grf --measure                 # the same actions in drawn scenes, in both engines
     python -m lab.benchmarks --suite grf --measure --family experts

@@ -37,9 +37,7 @@ STUDENTS: dict[str, dict[str, Any]] = {
 
 
 def best_rate(run: Callable[[], int], stretches: int, seconds: float) -> float:
-    """Return steps per second of processor time, the best of the stretches; `run()` returns the number of steps it
-    made.
-    """
+    """Return steps per second of processor time, the best of the stretches; `run()` returns its number of steps."""
     run()
     best = 0.0
     for _ in range(stretches):

@@ -22,9 +22,7 @@ MATCHES = 256
 
 
 def observation_rows(seconds: float) -> list[Measurement]:
-    """Measure each scene with each representation on one thread, `features` also on two threads, and drawing planes
-    alone.
-    """
+    """Measure each scene with each representation on one thread, `features` also on two, and drawing planes alone."""
     rows = []
     for name, program in SCENES:
         for representation in SEEN:

@@ -40,8 +40,7 @@ def row_loss(difference: float, tolerance: float) -> float:
 
 
 def best_of(factors: Sequence[float], losses: Sequence[float], near: float = NEAR) -> tuple[float, float, float]:
-    """Return the factor with the least loss, and the lowest and highest of the connected factors that are nearly as
-    good.
+    """Return the factor with the least loss, and the range of connected factors that are nearly as good.
 
     Nearly as good means worse by a share `near` at most. Of equal losses, the factor nearest to 1 counts.
     """

@@ -85,9 +85,7 @@ def received(recording: Recording, episode: int) -> int | None:
 
 
 def touch(recording: Recording, episode: int, step: int, player: int, key: int) -> dict[str, Any]:
-    """Return the velocities around a touch in the frame of the direction; `came` is the ball's speed relative to the
-    player.
-    """
+    """Return the velocities around a touch in the direction's frame; `came` is the ball's speed seen by the player."""
     ahead = np.array([DIRECTION_X[key], DIRECTION_Y[key]])
     frame = np.stack([ahead, (-ahead[1], ahead[0])])
     later = step + AFTER

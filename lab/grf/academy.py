@@ -86,9 +86,7 @@ def drawn_levels(env: FootballVectorEnv, count: int) -> np.ndarray:
 
 
 def numbers(episodes: Episodes) -> dict[str, Any]:
-    """Return the stored summary of a row's episodes: their number, the count of each ending, and the median length in
-    steps.
-    """
+    """Return the stored summary of a row's episodes: number, count of each ending, and median length in steps."""
     endings = episodes.endings()
     ended = {word.replace(" ", "_"): int((endings == word).sum()) for word in ENDINGS[1:5]}
     length = float(np.median(episodes.lengths))

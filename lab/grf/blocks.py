@@ -34,8 +34,7 @@ NAMES = {"stopped": "stopped", "past": "gets past"}
 
 @dataclass(frozen=True)
 class Shooting:
-    """A drawn scene, the step of the shot action, and the shares of GRF's episodes with a stopped shot and a passed
-    back.
+    """A drawn scene, the step of the shot action, and GRF's shares of episodes with a stopped shot and a passed back.
 
     The other episodes have no shot.
     """

@@ -49,9 +49,7 @@ class Pair:
     grf: Episodes
 
     def agreement(self, limit: bool = False) -> float:
-        """Return the share of pairs of episodes with the same ending; `limit`: pairs within GRF instead of across
-        engines.
-        """
+        """Return the share of pairs of episodes with the same ending; `limit`: pairs within GRF, not across engines."""
         first, second = self._sides(limit)
         same = first.endings()[:, None] == second.endings()[None, :]
         return _mean(same.astype(float), _others(same.shape, limit))

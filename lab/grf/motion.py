@@ -65,9 +65,7 @@ TURNS = {
 
 @dataclass(frozen=True)
 class Curve:
-    """Velocity `[T, 2]` in m/s per step, along the previous run and to the side of the turn; requested direction
-    `asked` [2].
-    """
+    """Velocity `[T, 2]` in m/s per step, along the previous run and to the turn's side; `asked` [2] is requested."""
 
     velocity: np.ndarray
     asked: np.ndarray

@@ -46,9 +46,7 @@ FREE = 4.0  # m from a teammate to the nearest opponent
 
 
 class Sight(NamedTuple):
-    """Observations of the agents of N matches in m, y upwards: positions of the agent, the ball, teammates and
-    opponents.
-    """
+    """Observations of the agents of N matches in m, y upwards: positions of agent, ball, teammates and opponents."""
 
     me: np.ndarray  # [N, 2]
     ball: np.ndarray  # [N, 2]

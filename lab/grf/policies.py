@@ -39,8 +39,7 @@ RUN = re.compile(r"(sprint_right|run_right_nosprint|run_to_goal)_(aimed_)?shot_[
 
 @dataclass
 class Policy:
-    """The actions of a policy, as in the module's docstring; `run_to` is in GRF's units, `finish` names the final
-    cycle.
+    """The actions of a policy, see the module; `run_to` is in GRF's units, `finish` names the final cycle.
 
     Its inputs are match records of either engine.
     """
