@@ -7,7 +7,7 @@ its test scenes. Needs GRF (`make grf`) and the folders of the runs. A stopped c
     python -m lab.thesis paired                                               # trains runs
     python -m lab.methods_in_grf --publish                                    # plays them: half an hour on 2 cores
 
-Read next: `lab/transfer.py`, which measures the share of its goals that a policy keeps.
+Read next: `lab/transfer.py`, which asks how many of its goals a policy keeps.
 """
 
 from __future__ import annotations

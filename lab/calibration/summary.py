@@ -2,10 +2,10 @@
 
     python -m lab.calibration.summary
 
-A number is `best` if the loss is least at the shipped value, and `near` if the excess over the least loss may be due to
-luck. It is `elsewhere` if another value is better by more; these numbers are listed. It is `not told apart` if all
-values of the profile are near. The limit for luck is the larger of a twentieth and twice the standard deviation of
-`luck.py`. Profiles are those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
+A number is best if the loss is least at the shipped value, and near if the excess over the least loss may be due to
+luck. It is elsewhere if another value is better by more; these numbers are listed. It is undetermined if all values of
+the profile are near. The limit for luck is the larger of a twentieth and twice the standard deviation of `luck.py`.
+Profiles are those that `profile.py --csv data/profiles/GROUP.csv` writes. Read next: `profile.py`.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Each path of GRF is repeated from the first step in which the ball was free. It starts with GRF's position, height and
 velocity in that step, and with the spin of such a kick; no player touches the ball. The final distance and the speed on
 the way are compared, and for flying balls the height. Speed and height are compared by the root mean square of the
-difference, as a share of the root mean square speed and of the greatest height. Read next: `grf.passes`, which compares
-the speed after the kick.
+difference, as a share of the root mean square speed and of the greatest height. Read next: `grf.passes`, where the
+speed with which it leaves the foot is compared.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 Both engines play each scene with several seeds. The distance between an episode of ours and one of GRF is reported
 beside the distance between two episodes of GRF. A simulator that always plays the average outcome can fall below that
 distance. The energy distance therefore judges random outcomes: it is 0 only for a simulator with GRF's distribution.
-Read next: `grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, which shows the worst scenes.
+Read next: `grf.drawn_scenes`; `regista.experiments.pictures.side_by_side`, by which one can look at the worst.
 """
 
 from __future__ import annotations

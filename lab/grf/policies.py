@@ -2,7 +2,7 @@
 
 A policy starts with an opening, the actions of the first steps. It may then wait until a teammate has the ball, and may
 then run. It ends with a cycle of actions that repeats forever. Each match goes through these phases independently. Read
-next: `grf.academy`, which counts their goals.
+next: `grf.academy`, which counts what they score.
 """
 
 from __future__ import annotations

@@ -123,7 +123,7 @@ def played_on(rows: Iterable[Any]) -> str:
 
 
 def add(path: Path, rows: Iterable[Any], kind: Any = Row) -> list[Any]:
-    """Put rows into a file in place of older rows with the same keys, and return all rows of the file.
+    """Put rows into a file in place of older rows with equal keys, and return all rows of the file.
 
     Raises `CommandError` if writing fails.
     """
